@@ -1,0 +1,1 @@
+"""From derivations to source text: freeze, specialise, optimise, emit."""

@@ -1,0 +1,205 @@
+"""The expression graph: hash-consed scalar operations in topological order.
+
+Equal sub-expressions are one node by construction. The builder folds exact constants, drops zeros
+and ones, and orders the operands of sums and products, so that no later pass has to. Numbers stay
+rational until they are printed: a constant is rounded once, by :func:`literal`.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+
+class Op(enum.Enum):
+    """The operations that every target can print."""
+
+    CONST = "const"
+    INPUT = "input"
+    ADD = "add"
+    SUB = "sub"
+    MUL = "mul"
+    DIV = "div"
+    NEG = "neg"
+    SQRT = "sqrt"
+    SIN = "sin"
+    COS = "cos"
+    ATAN2 = "atan2"
+
+
+#: Operations that IEEE 754 rounds correctly: targets agree on them bit for bit.
+EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT})
+
+
+@dataclass(frozen=True, slots=True)
+class Node:
+    """One scalar operation.
+
+    Parameters
+    ----------
+    op : Op
+        What is computed.
+    args : tuple of int
+        Ids of the operands, each smaller than the node's own id.
+    value : Fraction, optional
+        The exact number of a ``CONST``.
+    symbol : tuple of (str, int), optional
+        Array name and flat row-major index of an ``INPUT``.
+    """
+
+    op: Op
+    args: tuple[int, ...] = ()
+    value: Fraction | None = None
+    symbol: tuple[str, int] | None = None
+
+
+class Graph:
+    """A growing graph; nodes are named by their ids, and equal nodes have equal ids."""
+
+    def __init__(self) -> None:
+        self._nodes: list[Node] = []
+        self._ids: dict[Node, int] = {}
+
+    @property
+    def nodes(self) -> Sequence[Node]:
+        """The nodes in topological order."""
+        return self._nodes
+
+    def _intern(self, node: Node) -> int:
+        known = self._ids.get(node)
+        if known is None:
+            known = self._ids[node] = len(self._nodes)
+            self._nodes.append(node)
+        return known
+
+    def const(self, value: Fraction | int | float) -> int:
+        """Return the node of a number; a float stands for its exact binary value."""
+        return self._intern(Node(Op.CONST, value=Fraction(value)))
+
+    def input(self, name: str, index: int) -> int:
+        """Return the node of element ``index`` (flat, row-major) of the input array ``name``."""
+        return self._intern(Node(Op.INPUT, symbol=(name, index)))
+
+    def value(self, a: int) -> Fraction | None:
+        """Return the exact number of a constant node, None of any other."""
+        return self._nodes[a].value
+
+    def _negated(self, a: int) -> int | None:
+        """Return b where a is −b."""
+        node = self._nodes[a]
+        return node.args[0] if node.op is Op.NEG else None
+
+    def add(self, a: int, b: int) -> int:
+        """Return a + b."""
+        va, vb = self.value(a), self.value(b)
+        if va is not None and vb is not None:
+            return self.const(va + vb)
+        if va == 0:
+            return b
+        if vb == 0:
+            return a
+        if (minus := self._negated(b)) is not None:
+            return self.sub(a, minus)
+        if (minus := self._negated(a)) is not None:
+            return self.sub(b, minus)
+        return self._intern(Node(Op.ADD, (min(a, b), max(a, b))))
+
+    def sub(self, a: int, b: int) -> int:
+        """Return a − b."""
+        va, vb = self.value(a), self.value(b)
+        if va is not None and vb is not None:
+            return self.const(va - vb)
+        if vb == 0:
+            return a
+        if va == 0:
+            return self.neg(b)
+        if a == b:
+            return self.const(0)
+        if (minus := self._negated(b)) is not None:
+            return self.add(a, minus)
+        if (minus := self._negated(a)) is not None:
+            return self.neg(self.add(minus, b))
+        return self._intern(Node(Op.SUB, (a, b)))
+
+    def neg(self, a: int) -> int:
+        """Return −a."""
+        value, node = self.value(a), self._nodes[a]
+        if value is not None:
+            return self.const(-value)
+        if node.op is Op.NEG:
+            return node.args[0]
+        if node.op is Op.SUB:
+            return self._intern(Node(Op.SUB, (node.args[1], node.args[0])))
+        return self._intern(Node(Op.NEG, (a,)))
+
+    def mul(self, a: int, b: int) -> int:
+        """Return a · b."""
+        va, vb = self.value(a), self.value(b)
+        if va is not None and vb is not None:
+            return self.const(va * vb)
+        for value, other in ((va, b), (vb, a)):
+            if value == 0:
+                return self.const(0)
+            if value == 1:
+                return other
+            if value == -1:
+                return self.neg(other)
+        na, nb = self._negated(a), self._negated(b)
+        if na is not None or nb is not None:
+            product = self.mul(a if na is None else na, b if nb is None else nb)
+            return product if na is not None and nb is not None else self.neg(product)
+        return self._intern(Node(Op.MUL, (min(a, b), max(a, b))))
+
+    def div(self, a: int, b: int) -> int:
+        """Return a / b."""
+        va, vb = self.value(a), self.value(b)
+        if vb is not None and vb != 0:
+            if va is not None:
+                return self.const(va / vb)
+            if abs(vb) == 1:
+                return a if vb == 1 else self.neg(a)
+        if va == 0:
+            return self.const(0)
+        na, nb = self._negated(a), self._negated(b)
+        if na is not None or nb is not None:
+            quotient = self.div(a if na is None else na, b if nb is None else nb)
+            return quotient if na is not None and nb is not None else self.neg(quotient)
+        return self._intern(Node(Op.DIV, (a, b)))
+
+    def sqrt(self, a: int) -> int:
+        """Return √a."""
+        return self._intern(Node(Op.SQRT, (a,)))
+
+    def sin(self, a: int) -> int:
+        """Return sin a, a in radians."""
+        if self.value(a) == 0:
+            return a
+        return self._intern(Node(Op.SIN, (a,)))
+
+    def cos(self, a: int) -> int:
+        """Return cos a, a in radians."""
+        if self.value(a) == 0:
+            return self.const(1)
+        return self._intern(Node(Op.COS, (a,)))
+
+    def atan2(self, y: int, x: int) -> int:
+        """Return the angle of the vector (x, y), in (−π, π]."""
+        return self._intern(Node(Op.ATAN2, (y, x)))
+
+    def sum(self, terms: Iterable[int]) -> int:
+        """Return the sum from left to right."""
+        total = self.const(0)
+        for term in terms:
+            total = self.add(total, term)
+        return total
+
+    def apply(self, op: Op, args: Sequence[int]) -> int:
+        """Return ``op`` applied to ``args``: how a walk over another graph rebuilds a node here."""
+        return int(getattr(self, op.value)(*args))
+
+
+def literal(value: Fraction) -> str:
+    """Return the shortest text that reads back as the double nearest to ``value``."""
+    return repr(float(value))

@@ -1,0 +1,1 @@
+"""Generated solvers and kernels; regenerate with ``kousoku generate``, never edit."""

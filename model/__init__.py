@@ -1,0 +1,1 @@
+"""What a user describes: scenes, and the records that every stage shares."""

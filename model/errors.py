@@ -1,0 +1,53 @@
+"""The errors that a user can meet, one class for each stage."""
+
+
+class KousokuError(Exception):
+    """Base of all errors that kousoku raises on purpose; the message says what to do."""
+
+
+class SceneError(KousokuError):
+    """A scene file or a built scene is not valid.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong, what was wanted, and what to do.
+    file : str, optional
+        The scene file.
+    key : str, optional
+        The dotted key, such as ``links.l1.length``.
+    """
+
+    def __init__(self, problem: str, *, file: str = "", key: str = "") -> None:
+        self.problem = problem
+        self.file = file
+        self.key = key
+        super().__init__(": ".join(part for part in (file, key, problem) if part))
+
+
+class DerivationError(KousokuError):
+    """A kind is unknown, or its derivation does not end in a linear form."""
+
+
+class FreezeError(KousokuError):
+    """An expression holds something that the graph cannot represent."""
+
+
+class EmitError(KousokuError):
+    """A program cannot be emitted for a target."""
+
+
+class LoadError(KousokuError):
+    """A generated folder or its compiled library cannot be loaded."""
+
+
+class CompilerError(LoadError):
+    """The C compiler is missing or refused the source; its own output is part of the message."""
+
+
+class VerifyError(KousokuError):
+    """Emitted code does not compute what was derived."""
+
+
+class SolveError(KousokuError):
+    """A scene cannot be assembled or moved; what was computed is kept by the caller."""

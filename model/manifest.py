@@ -1,0 +1,100 @@
+"""The manifest of a generated package: what `emit` promises and `load` and `verify` check."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from kousoku.model.quantity import Quantity
+
+FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True)
+class KernelManifest:
+    """The signature of one kernel.
+
+    Parameters
+    ----------
+    name, title, formula, source : str
+        As in the derivation.
+    inputs, outputs : tuple of Quantity
+        In the order of the arguments.
+    nonzero : tuple of tuple of int
+        For each output the flat indices of the elements that are not identically zero.
+    is_exact : bool
+        Whether every target must give the same bits (only + − × ÷ √).
+    operations : tuple of (str, int)
+        Count of each operation that runs when all outputs are asked for.
+    """
+
+    name: str
+    title: str
+    formula: str
+    source: str
+    inputs: tuple[Quantity, ...]
+    outputs: tuple[Quantity, ...]
+    nonzero: tuple[tuple[int, ...], ...]
+    is_exact: bool
+    operations: tuple[tuple[str, int], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Manifest:
+    """What stands in ``manifest.json``.
+
+    Parameters
+    ----------
+    package, title, regenerate : str
+        As in the package.
+    version : str
+        Version of kousoku that emitted it.
+    digest : str
+        SHA-256 over graphs, signatures, templates and version; the compiled library exports it.
+    files : tuple of (str, str)
+        File name and SHA-256 of its bytes, the manifest itself left out.
+    kernels : tuple of KernelManifest
+        In the order of the text.
+    """
+
+    package: str
+    title: str
+    regenerate: str
+    version: str
+    digest: str
+    files: tuple[tuple[str, str], ...]
+    kernels: tuple[KernelManifest, ...]
+
+    def to_json(self) -> str:
+        """Return the text of ``manifest.json``; the same manifest gives the same bytes."""
+        return json.dumps({"format": FORMAT, **asdict(self)}, indent=1, ensure_ascii=False) + "\n"
+
+    @classmethod
+    def from_json(cls, text: str) -> Manifest:
+        """Read what :meth:`to_json` wrote.
+
+        Raises
+        ------
+        ValueError, KeyError, TypeError
+            The text is not a manifest of this format.
+        """
+        data: dict[str, Any] = json.loads(text)
+        if data.pop("format") != FORMAT:
+            raise ValueError(f"manifest format is not {FORMAT}")
+        kernels = tuple(_kernel_from_json(kernel) for kernel in data.pop("kernels"))
+        files = tuple((name, digest) for name, digest in data.pop("files"))
+        return cls(files=files, kernels=kernels, **data)
+
+
+def _kernel_from_json(data: dict[str, Any]) -> KernelManifest:
+    def quantities(key: str) -> tuple[Quantity, ...]:
+        return tuple(Quantity(**{**q, "shape": tuple(q["shape"])}) for q in data.pop(key))
+
+    return KernelManifest(
+        inputs=quantities("inputs"),
+        outputs=quantities("outputs"),
+        nonzero=tuple(tuple(indices) for indices in data.pop("nonzero")),
+        operations=tuple((op, count) for op, count in data.pop("operations")),
+        **data,
+    )

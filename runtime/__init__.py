@@ -1,0 +1,1 @@
+"""Load, verify and run generated code; needs NumPy only."""

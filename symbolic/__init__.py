@@ -1,0 +1,1 @@
+"""Derivation with SymPy: the lectures' formulas, step by step and component by component."""
