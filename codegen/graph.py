@@ -8,9 +8,12 @@ rational until they are printed: a constant is rounded once, by :func:`literal`.
 from __future__ import annotations
 
 import enum
-from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
 
 
 class Op(enum.Enum):
