@@ -1,0 +1,48 @@
+"""A manifest survives its own text."""
+
+import pytest
+
+from kousoku.model.manifest import KernelManifest, Manifest
+from kousoku.model.quantity import Quantity
+
+
+@pytest.fixture
+def manifest() -> Manifest:
+    point = Quantity("r_i", (3,), "m", "origin of body i in frame O")
+    jacobian = Quantity("C_q", (2, 12), "-", "Jacobian")
+    kernel = KernelManifest(
+        name="constraint",
+        title="two parallel vectors",
+        formula="C = ã d = 0",
+        source="lecture 8.2, (8.16)",
+        inputs=(point,),
+        outputs=(jacobian,),
+        nonzero=((0, 1, 5),),
+        is_exact=True,
+        operations=(("mul", 3), ("add", 2)),
+    )
+    return Manifest(
+        package="p2_z",
+        title="parallel vectors",
+        regenerate="kousoku generate p2",
+        version="0.1.0",
+        digest="0" * 64,
+        files=(("kernels.c", "1" * 64),),
+        kernels=(kernel,),
+    )
+
+
+def test_manifest_reads_back_equal(manifest: Manifest) -> None:
+    assert Manifest.from_json(manifest.to_json()) == manifest
+
+
+def test_another_format_is_refused(manifest: Manifest) -> None:
+    with pytest.raises(ValueError, match="format"):
+        Manifest.from_json(manifest.to_json().replace('"format": 1', '"format": 99'))
+
+
+def test_sizes_are_products_of_shapes(manifest: Manifest) -> None:
+    kernel = manifest.kernels[0]
+    assert kernel.inputs[0].size == 3
+    assert kernel.outputs[0].size == 24
+    assert Quantity("length", (), "m", "design length").size == 1
