@@ -1,0 +1,100 @@
+"""The scene: a mechanism as its user describes it, in a file or in Python."""
+
+# Annotations are evaluated: msgspec reads the types of a scene file from them.
+from collections.abc import Mapping
+from math import atan2, hypot
+from types import MappingProxyType
+from typing import Literal
+
+import msgspec
+
+from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
+
+Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
+Output = Literal["positions", "velocities", "accelerations", "angles"]
+
+
+class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A mechanism and the motion that is asked for.
+
+    Elements are kept by name in the order in which they were written. All lengths are in the unit
+    of the scene, all angles in radians, counter-clockwise from +x. A scene that came from
+    :func:`kousoku.model.read.read_scene` or from the builder has passed
+    :func:`kousoku.model.validate.check`: names resolve, numbers are finite, and there are as many
+    inputs as the linkage has degrees of freedom.
+
+    Parameters
+    ----------
+    name : str
+        An identifier; names the package that is generated.
+    unit : str
+        Length unit in which the scene is written and in which results are given.
+    title : str
+        One line for people.
+    nodes, links, rigid, sliders : mapping of str to element
+        The linkage.
+    inputs : mapping of str to Input
+        Prescribed motions; they all take their division k at the same time.
+    divisions : int
+        Steps from the first to the last value of the inputs: rows 0 … divisions are computed.
+    outputs : tuple of str
+        What is wanted of nodes beside positions (``velocities``, ``accelerations``), and whether
+        the ``angles`` of links are wanted too.
+    method : Method
+        How positions are found.
+    """
+
+    name: str
+    unit: Unit
+    title: str = ""
+    nodes: Mapping[str, Node] = {}
+    links: Mapping[str, Link] = {}
+    rigid: Mapping[str, Rigid] = {}
+    sliders: Mapping[str, Slider] = {}
+    inputs: Mapping[str, Input] = {}
+    divisions: int = 60
+    outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")
+    method: Method = Method()
+
+    def __post_init__(self) -> None:
+        for field in ("nodes", "links", "rigid", "sliders", "inputs"):
+            frozen = MappingProxyType(dict(getattr(self, field)))
+            msgspec.structs.force_setattr(self, field, frozen)
+
+    def length(self, link: str) -> float:
+        """Return the design length of a link, in the unit of the scene."""
+        given = self.links[link].length
+        if given is not None:
+            return given
+        first, second = (self.nodes[node].at for node in self.links[link].nodes)
+        return hypot(second[0] - first[0], second[1] - first[1])
+
+    def rigid_angle(self, connection: str, link: str) -> float:
+        """Return the angle from the first link of a rigid connection to `link`, in radians.
+
+        Both links are seen from the shared node; the angle is counter-clockwise, and is taken from
+        the positions of the nodes unless the connection gives it.
+        """
+        rigid = self.rigid[connection]
+        if rigid.angle is not None and link == rigid.links[1]:
+            return rigid.angle
+        return self._direction(link, rigid.at) - self._direction(rigid.links[0], rigid.at)
+
+    def _direction(self, link: str, node: str) -> float:
+        origin, end = self.nodes[node].at, self.nodes[self.links[link].other(node)].at
+        return atan2(end[1] - origin[1], end[0] - origin[0])
+
+    def is_ground(self, link: str) -> bool:
+        """Return whether both ends of a link are fixed: it is part of the frame and never moves."""
+        return all(self.nodes[node].fixed for node in self.links[link].nodes)
+
+    @property
+    def largest_length(self) -> float:
+        """The largest length L of the links; accuracies are relative to it."""
+        return max((self.length(link) for link in self.links), default=0.0)
+
+    @property
+    def residual_limit(self) -> float:
+        """The limit of the residual that the scene asks for, in the unit of the scene."""
+        given = self.method.residual
+        return 8 * 2.0**-52 * self.largest_length if given is None else given
