@@ -1,0 +1,88 @@
+"""Build a kernel again in a fresh graph: the walk that every pass shares."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.graph import Graph, Op
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kousoku.codegen.graph import Node
+    from kousoku.codegen.kernel import Kernel
+
+
+def live_ids(nodes: Sequence[Node], wanted: Iterable[int]) -> list[int]:
+    """Return the ids, in topological order, of all that ``wanted`` needs."""
+    is_live = [False] * len(nodes)
+    for node in wanted:
+        is_live[node] = True
+    for node in range(len(nodes) - 1, -1, -1):
+        if is_live[node]:
+            for arg in nodes[node].args:
+                is_live[arg] = True
+    return [node for node, live in enumerate(is_live) if live]
+
+
+def copy_node(graph: Graph, node: Node, new_ids: Mapping[int, int]) -> int:
+    """Rebuild one node in ``graph``; its operands were rebuilt before."""
+    if node.op is Op.CONST:
+        assert node.value is not None
+        return graph.const(node.value)
+    if node.op is Op.INPUT:
+        assert node.symbol is not None
+        return graph.input(*node.symbol)
+    return graph.apply(node.op, [new_ids[arg] for arg in node.args])
+
+
+def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
+    """Return ``kernel`` with the nodes of ``graph``: dead ones dropped, the rest renumbered.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The kernel whose results and names are carried over.
+    graph : Graph
+        What a pass built.
+    new_ids : mapping of int to int
+        For each old node that is still wanted its node in ``graph``.
+    """
+    results = tuple(tuple(new_ids[node] for node in result) for result in kernel.results)
+    live = live_ids(graph.nodes, (node for result in results for node in result))
+    compact = {old: new for new, old in enumerate(live)}
+    nodes = tuple(
+        replace(graph.nodes[old], args=tuple(compact[arg] for arg in graph.nodes[old].args))
+        for old in live
+    )
+    return replace(
+        kernel,
+        nodes=nodes,
+        results=tuple(tuple(compact[node] for node in result) for result in results),
+        names=_carry_names(kernel, nodes, new_ids, compact),
+    )
+
+
+def drop_dead(kernel: Kernel) -> Kernel:
+    """Return the kernel without the nodes that no output needs, built through the graph again."""
+    graph = Graph()
+    new_ids: dict[int, int] = {}
+    for node in live_ids(kernel.nodes, (node for result in kernel.results for node in result)):
+        new_ids[node] = copy_node(graph, kernel.nodes[node], new_ids)
+    return finish(kernel, graph, new_ids)
+
+
+def _carry_names(
+    kernel: Kernel,
+    nodes: Sequence[Node],
+    new_ids: Mapping[int, int],
+    compact: Mapping[int, int],
+) -> tuple[tuple[int, str], ...]:
+    """Return the names whose node is still an operation; the first name of a node wins."""
+    names: dict[int, str] = {}
+    for old, name in kernel.names:
+        new = compact.get(new_ids.get(old, -1))
+        if new is not None and nodes[new].op not in {Op.CONST, Op.INPUT}:
+            names.setdefault(new, name)
+    return tuple(sorted(names.items()))

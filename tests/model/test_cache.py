@@ -1,0 +1,82 @@
+"""The cache folder of each platform, and files that are written whole or not at all."""
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from kousoku.model.cache import cache_folder, write_atomically
+
+
+def test_the_environment_chooses_the_cache(monkeypatch, tmp_path):
+    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
+    assert cache_folder() == tmp_path
+
+
+def test_a_relative_choice_is_made_absolute(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("KOUSOKU_CACHE", "here")
+    assert cache_folder() == tmp_path / "here"
+
+
+@pytest.mark.parametrize(
+    ("platform", "variable", "value", "wanted"),
+    [
+        ("linux", "XDG_CACHE_HOME", "/xdg", "/xdg/kousoku"),
+        ("linux", "XDG_CACHE_HOME", "relative", "/home/me/.cache/kousoku"),
+        ("linux", "XDG_CACHE_HOME", "", "/home/me/.cache/kousoku"),
+        ("darwin", "XDG_CACHE_HOME", "/xdg", "/home/me/Library/Caches/kousoku"),
+        ("win32", "LOCALAPPDATA", "/local", "/local/kousoku/Cache"),
+        ("win32", "LOCALAPPDATA", "", "/home/me/AppData/Local/kousoku/Cache"),
+    ],
+)
+def test_each_platform_has_its_own_place(monkeypatch, platform, variable, value, wanted):
+    monkeypatch.delenv("KOUSOKU_CACHE", raising=False)
+    monkeypatch.setattr(sys, "platform", platform)
+    monkeypatch.setattr(Path, "home", lambda: Path("/home/me"))
+    monkeypatch.setenv(variable, value)
+    assert cache_folder() == Path(wanted)
+
+
+def test_no_home_folder_is_an_error_that_names_the_variable(monkeypatch):
+    def no_home():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("KOUSOKU_CACHE", raising=False)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(Path, "home", no_home)
+    with pytest.raises(OSError, match="set KOUSOKU_CACHE"):
+        cache_folder()
+
+
+def test_a_file_is_replaced_and_no_temporary_stays(tmp_path):
+    path = tmp_path / "new" / "file.txt"
+    write_atomically(path, b"one")
+    write_atomically(path, b"two")
+    assert path.read_bytes() == b"two"
+    assert list(path.parent.iterdir()) == [path]
+
+
+def test_a_write_that_fails_keeps_the_old_file(monkeypatch, tmp_path):
+    path = tmp_path / "file.txt"
+    write_atomically(path, b"old")
+
+    def full(*_):
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr(Path, "replace", full)
+    with pytest.raises(OSError, match="No space left"):
+        write_atomically(path, b"new")
+    assert path.read_bytes() == b"old"
+    assert list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")
+def test_a_file_has_the_rights_of_an_ordinary_file(tmp_path):
+    path = tmp_path / "file.txt"
+    write_atomically(path, b"data")
+    ordinary = tmp_path / "ordinary.txt"
+    ordinary.write_bytes(b"data")
+    assert path.stat().st_mode == ordinary.stat().st_mode
