@@ -1,0 +1,51 @@
+# These names are the ones that .ci/run calls. All that is installed goes into .venv, made on first use.
+VENV := .venv
+BIN := $(VENV)/bin
+KOUSOKU := $(BIN)/kousoku
+TESTS ?= tests
+
+# Each stamp remembers one set of extras; a changed pyproject.toml installs them again.
+installed = $(VENV)/.has-$(1)
+
+.PHONY: demo test quick lint types generate-check notebooks compiler clean
+.NOTPARALLEL:
+
+demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of the 1981 paper, draw
+	$(KOUSOKU) generate
+	$(KOUSOKU) verify
+	$(KOUSOKU) solve scenes/piston_crank.toml --plot plots
+	$(KOUSOKU) solve scenes/lever_crank.toml --plot plots
+
+test: $(call installed,test)  ## all tests, on all cores
+	$(BIN)/python -m pytest --numprocesses auto --quiet $(TESTS)
+
+quick: $(call installed,test)  ## the tests that take less than a few seconds
+	$(BIN)/python -m pytest --numprocesses auto --quiet -m "not slow" $(TESTS)
+
+lint: $(call installed,lint)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+
+types: $(call installed,test) $(call installed,lint)
+	$(BIN)/mypy
+
+generate-check: $(call installed,plot)  ## the committed generated/ is what the generator emits today
+	$(KOUSOKU) generate --check
+
+notebooks: $(call installed,test)  ## execute the notebooks again and compare their outputs
+	$(BIN)/python -m pytest --quiet tests/test_notebooks.py
+
+compiler: $(call installed,compiler)  ## a C compiler as a Python package
+
+clean:
+	rm -rf $(VENV) build dist plots
+
+$(VENV)/.has-%: pyproject.toml
+	@set -e; found=; for python in $(PYTHON) python3 python3.14 python3.13 python3.12 python3.11 python; do \
+	  if $$python -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null; then found=$$python; break; fi; \
+	done; \
+	test -n "$$found" || { echo "kousoku needs Python 3.11 or newer; name one: make PYTHON=/path/to/python3" >&2; exit 2; }; \
+	test -x $(BIN)/pip || $$found -m venv --clear $(VENV); \
+	echo "installing kousoku[$*] into $(VENV)"; \
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --editable ".[$*]"; \
+	touch $@

@@ -1,0 +1,52 @@
+"""Fixtures that tests of several folders share."""
+
+from __future__ import annotations
+
+import difflib
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+TESTS = Path(__file__).parent
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption(
+        "--update-golden", action="store_true", help="write the golden files instead of comparing"
+    )
+
+
+@pytest.fixture
+def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
+    """Compare a text with ``tests/golden/<test module>/<test name>.txt``."""
+    folder = TESTS / "golden" / request.path.stem
+    path = folder / f"{request.node.name}.txt"
+
+    def check(text: str) -> None:
+        if request.config.getoption("--update-golden"):
+            folder.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8", newline="\n")
+            return
+        wanted = path.read_text(encoding="utf-8") if path.exists() else ""
+        difference = difflib.unified_diff(
+            wanted.splitlines(keepends=True), text.splitlines(keepends=True), "committed", "now"
+        )
+        if text != wanted:
+            pytest.fail(
+                f"{path.name} differs; if that is meant: pytest --update-golden {request.node.nodeid}\n"
+                + "".join(difference),
+                pytrace=False,
+            )
+
+    return check
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Return random numbers that are the same in every run."""
+    return np.random.default_rng(1981)
