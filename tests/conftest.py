@@ -38,8 +38,8 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
         )
         if text != wanted:
             pytest.fail(
-                f"{path.name} differs; if that is meant: pytest --update-golden {request.node.nodeid}\n"
-                + "".join(difference),
+                f"{path.name} differs; if that is meant:"
+                f" pytest --update-golden {request.node.nodeid}\n{''.join(difference)}",
                 pytrace=False,
             )
 

@@ -1,0 +1,150 @@
+"""The rooms of the house: who may import whom, what stays light, and how large a file may grow."""
+
+from __future__ import annotations
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+#: A folder may import itself and what stands here.
+MAY_IMPORT = {
+    "model": set(),
+    "symbolic": {"model"},
+    "codegen": {"model", "symbolic"},
+    "runtime": {"model"},
+    "generated": {"runtime"},
+}
+#: The files of ``model`` that ``runtime`` uses.
+SHARED = {"quantity", "manifest", "errors", "cache"}
+HAND_WRITTEN = ("kousoku", "model", "symbolic", "codegen", "runtime", "benchmarks")
+
+
+def sources(folder: str) -> list[Path]:
+    """Return the Python files of a root folder, its links left out."""
+    found = (ROOT / folder).rglob("*.py")
+    return sorted(path for path in found if not any(p.is_symlink() for p in path.parents))
+
+
+def imports(path: Path) -> set[str]:
+    """Return the absolute names of all that a file imports, wherever in the file."""
+    names = set()
+    package = ("kousoku", *path.relative_to(ROOT).parent.parts)
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            names |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) + 1 - node.level] if node.level else ()
+            module = ".".join((*above, *filter(None, [node.module])))
+            names.add(module)
+            names |= {f"{module}.{alias.name}" for alias in node.names}
+    return names
+
+
+def rooms(path: Path) -> set[str]:
+    """Return the sub-packages of kousoku that a file imports."""
+    return {name.split(".")[1] for name in imports(path) if name.startswith("kousoku.")}
+
+
+@pytest.mark.parametrize("folder", MAY_IMPORT)
+def test_each_folder_imports_only_what_stands_left_of_it(folder: str) -> None:
+    allowed = MAY_IMPORT[folder] | {folder, "__version__"}
+    wrong = {str(p.relative_to(ROOT)): rooms(p) - allowed for p in sources(folder)}
+    assert not {path: names for path, names in wrong.items() if names}
+
+
+def test_no_file_imports_a_root_folder_by_its_bare_name() -> None:
+    bare = {*MAY_IMPORT}
+    for folder in (*HAND_WRITTEN, "generated", "tests"):
+        for path in sources(folder):
+            assert not bare & {name.split(".")[0] for name in imports(path)}, path
+
+
+@pytest.mark.parametrize("folder", ["runtime", "generated"])
+def test_what_runs_needs_numpy_and_the_standard_library_only(folder: str) -> None:
+    allowed = sys.stdlib_module_names | {"numpy", "kousoku"}
+    for path in sources(folder):
+        assert {name.split(".")[0] for name in imports(path)} <= allowed, path
+
+
+def test_runtime_uses_only_the_light_files_of_model() -> None:
+    for path in sources("runtime"):
+        used = {n.split(".")[2] for n in imports(path) if n.startswith("kousoku.model.")}
+        assert used <= SHARED, path
+
+
+def modules_after(code: str) -> set[str]:
+    """Run code in a fresh interpreter and return the top-level modules that it loaded."""
+    tail = "\nimport json, sys; print(json.dumps(sorted({m.split('.')[0] for m in sys.modules})))"
+    run = subprocess.run(
+        [sys.executable, "-c", code + tail],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "KOUSOKU_CC": "none"},
+    )
+    return set(json.loads(run.stdout.splitlines()[-1]))
+
+
+BLOCK = """
+import sys
+class Refuse:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {"sympy", "mpmath", "jinja2", "msgspec", "typer", "rich"}:
+            raise ModuleNotFoundError(name)
+sys.meta_path.insert(0, Refuse())
+"""
+
+
+def test_import_of_runtime_pulls_in_neither_sympy_nor_jinja2() -> None:
+    loaded = modules_after("import kousoku.runtime")
+    assert "numpy" in loaded
+    assert not loaded & {"sympy", "mpmath", "jinja2", "msgspec", "typer", "rich", "matplotlib"}
+
+
+def test_runtime_and_generated_work_where_only_numpy_is_installed() -> None:
+    code = BLOCK + "import kousoku.runtime\nfrom kousoku.generated.kinds import n1\nn1.constraint"
+    assert "numpy" in modules_after(code)
+
+
+def functions(tree: ast.AST) -> list[ast.FunctionDef]:
+    return [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+
+
+def body_length(function: ast.FunctionDef) -> int:
+    """Return the count of lines between a function's docstring and its end."""
+    body = function.body
+    has_docstring = ast.get_docstring(function, clean=False) is not None
+    first = body[1] if has_docstring and len(body) > 1 else body[0]
+    return (function.end_lineno or 0) - first.lineno + 1
+
+
+@pytest.mark.parametrize("folder", [*HAND_WRITTEN, "tests"])
+def test_files_and_functions_stay_readable(folder: str) -> None:
+    for path in sources(folder):
+        text = path.read_text(encoding="utf-8")
+        assert text.count("\n") <= 400, path
+        for function in functions(ast.parse(text)):
+            assert body_length(function) <= 40, f"{path}: {function.name}"
+
+
+def test_templates_stay_small() -> None:
+    for path in (ROOT / "codegen" / "templates").rglob("*"):
+        if path.is_file():
+            assert path.suffix == ".jinja", path
+            assert path.read_text(encoding="utf-8").count("\n") <= 60, path
+
+
+def test_nothing_is_left_behind() -> None:
+    for folder in (*HAND_WRITTEN, "tests"):
+        for path in sources(folder):
+            assert path.stem not in {"utils", "helpers"}, path
+            if path != Path(__file__):
+                text = path.read_text(encoding="utf-8")
+                assert "TODO" not in text and "type: ignore" not in text, path
