@@ -1,0 +1,136 @@
+"""Evaluate a kernel without emitting it: in doubles, arrays, fractions or 50 digits."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from math import isqrt
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+import mpmath
+import numpy as np
+
+from kousoku.codegen.graph import Op
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.codegen.graph import Node
+    from kousoku.codegen.kernel import Kernel
+
+Number = TypeVar("Number")
+
+#: mpmath with 50 digits, apart from the context that other code may set.
+HIGH_CONTEXT = mpmath.mp.clone()
+HIGH_CONTEXT.dps = 50
+
+
+@dataclass(frozen=True, slots=True)
+class Arithmetic(Generic[Number]):
+    """A kind of numbers: what the operators + − × ÷ of Python leave open.
+
+    Parameters
+    ----------
+    number : callable
+        Turns the exact value of a constant into a number, rounding once.
+    sqrt, sin, cos, atan2 : callable
+        The functions of the graph; angles in radians.
+    """
+
+    number: Callable[[Fraction], Number]
+    sqrt: Callable[[Number], Number]
+    sin: Callable[[Number], Number]
+    cos: Callable[[Number], Number]
+    atan2: Callable[[Number, Number], Number]
+
+
+def _exact_sqrt(value: Fraction) -> Fraction:
+    root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
+    if root * root != value:
+        raise ArithmeticError(f"{value} has no rational square root")
+    return root
+
+
+def _not_rational(*_: Fraction) -> Fraction:
+    raise ArithmeticError("angle functions are not rational")
+
+
+#: Python floats; a division by zero raises, as it does in Python.
+FLOAT: Arithmetic[float] = Arithmetic(float, math.sqrt, math.sin, math.cos, math.atan2)
+
+#: NumPy arrays and NumPy doubles, elementwise, with the infinities and NaNs of IEEE 754.
+ARRAY: Arithmetic[Any] = Arithmetic(
+    lambda value: np.float64(float(value)), np.sqrt, np.sin, np.cos, np.arctan2
+)
+
+#: Exact fractions; a root of what is not a square raises.
+EXACT: Arithmetic[Fraction] = Arithmetic(
+    Fraction, _exact_sqrt, _not_rational, _not_rational, _not_rational
+)
+
+#: Numbers of :data:`HIGH_CONTEXT`, 50 digits.
+HIGH: Arithmetic[Any] = Arithmetic(
+    lambda value: HIGH_CONTEXT.mpf(value.numerator) / value.denominator,
+    HIGH_CONTEXT.sqrt,
+    HIGH_CONTEXT.sin,
+    HIGH_CONTEXT.cos,
+    HIGH_CONTEXT.atan2,
+)
+
+
+def evaluate(
+    kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
+) -> dict[str, tuple[Number, ...]]:
+    """Return the outputs of a kernel.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        What is evaluated, every node of it in the order of the text.
+    inputs : mapping of str to sequence
+        For each input its elements, flat row-major.
+    arithmetic : Arithmetic
+        The numbers that ``inputs`` holds: :data:`FLOAT`, :data:`ARRAY`, :data:`EXACT` or
+        :data:`HIGH`.
+
+    Returns
+    -------
+    dict
+        For each output its elements, flat row-major.
+    """
+    values: list[Number] = []
+    for node in kernel.nodes:
+        values.append(_apply(node, values, inputs, arithmetic))
+    return {
+        quantity.name: tuple(values[node] for node in result)
+        for quantity, result in zip(kernel.outputs, kernel.results, strict=True)
+    }
+
+
+def _apply(
+    node: Node,
+    values: Sequence[Any],
+    inputs: Mapping[str, Sequence[Any]],
+    arithmetic: Arithmetic[Any],
+) -> Any:
+    args = [values[arg] for arg in node.args]
+    match node.op:
+        case Op.CONST:
+            return arithmetic.number(node.value or Fraction(0))
+        case Op.INPUT:
+            assert node.symbol is not None
+            name, index = node.symbol
+            return inputs[name][index]
+        case Op.ADD:
+            return args[0] + args[1]
+        case Op.SUB:
+            return args[0] - args[1]
+        case Op.MUL:
+            return args[0] * args[1]
+        case Op.DIV:
+            return args[0] / args[1]
+        case Op.NEG:
+            return -args[0]
+        case _:
+            return getattr(arithmetic, node.op.value)(*args)
