@@ -1,0 +1,156 @@
+"""Frozen kernels as text: the file ``graph.json`` of a generated package, and back.
+
+With it a scene is composed of the kinds that are shipped, and SymPy is not started.
+"""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.graph import Node, Op
+from kousoku.codegen.jsontext import to_text
+from kousoku.codegen.kernel import Kernel, Package
+from kousoku.model.errors import LoadError
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+FORMAT = 1
+GRAPH_FILE = "graph.json"
+
+
+def dump(package: Package) -> str:
+    """Return the text of ``graph.json``; equal packages give equal bytes."""
+    return to_text(
+        {
+            "format": FORMAT,
+            "name": package.name,
+            "title": package.title,
+            "regenerate": package.regenerate,
+            "kernels": [_kernel_to_data(kernel) for kernel in package.kernels],
+        }
+    )
+
+
+def parse(text: str) -> Package:
+    """Read what :func:`dump` wrote.
+
+    Raises
+    ------
+    LoadError
+        The text is not a package of this format.
+    """
+    try:
+        data: dict[str, Any] = json.loads(text)
+        if data["format"] != FORMAT:
+            raise ValueError(f"format {data['format']} instead of {FORMAT}")
+        kernels = tuple(_kernel_from_data(kernel) for kernel in data["kernels"])
+        return Package(data["name"], data["title"], data["regenerate"], kernels)
+    except (ValueError, KeyError, TypeError, IndexError, ZeroDivisionError) as problem:
+        raise LoadError(
+            f"this {GRAPH_FILE} cannot be read: {type(problem).__name__}: {problem};"
+            " make it again with: kousoku generate"
+        ) from problem
+
+
+def load_frozen(name: str) -> Package:
+    """Return the frozen kernels of a kind that is shipped, such as ``p2_z``.
+
+    Raises
+    ------
+    LoadError
+        No such kind is shipped, or its file is damaged.
+    """
+    kinds = resources.files("kousoku.generated").joinpath("kinds")
+    try:
+        text = kinds.joinpath(name, GRAPH_FILE).read_text(encoding="utf-8")
+    except OSError as problem:
+        known = sorted(
+            folder.name
+            for folder in (kinds.iterdir() if kinds.is_dir() else ())
+            if folder.joinpath(GRAPH_FILE).is_file()
+        )
+        raise LoadError(
+            f"no kind {name} is shipped; there are {', '.join(known) or 'none'};"
+            f" make it with: kousoku generate {name}"
+        ) from problem
+    return parse(text)
+
+
+def _kernel_to_data(kernel: Kernel) -> dict[str, object]:
+    return {
+        "name": kernel.name,
+        "title": kernel.title,
+        "formula": kernel.formula,
+        "source": kernel.source,
+        "inputs": [_quantity_to_data(quantity) for quantity in kernel.inputs],
+        "outputs": [_quantity_to_data(quantity) for quantity in kernel.outputs],
+        "nodes": [_node_to_data(node) for node in kernel.nodes],
+        "results": [list(result) for result in kernel.results],
+        "names": [list(name) for name in kernel.names],
+    }
+
+
+def _quantity_to_data(quantity: Quantity) -> dict[str, object]:
+    return {
+        "name": quantity.name,
+        "shape": list(quantity.shape),
+        "unit": quantity.unit,
+        "meaning": quantity.meaning,
+    }
+
+
+def _node_to_data(node: Node) -> list[object]:
+    if node.op is Op.CONST:
+        return [node.op.value, str(node.value)]
+    if node.op is Op.INPUT:
+        assert node.symbol is not None
+        return [node.op.value, *node.symbol]
+    return [node.op.value, *node.args]
+
+
+def _kernel_from_data(data: dict[str, Any]) -> Kernel:
+    nodes: list[Node] = []
+    for item in data["nodes"]:
+        nodes.append(_node_from_data(item, len(nodes)))
+    results = tuple(
+        tuple(_known_id(node, len(nodes)) for node in result) for result in data["results"]
+    )
+    outputs = tuple(_quantity_from_data(quantity) for quantity in data["outputs"])
+    if [len(result) for result in results] != [quantity.size for quantity in outputs]:
+        raise ValueError(f"results of kernel {data['name']} do not fit its outputs")
+    return Kernel(
+        name=data["name"],
+        title=data["title"],
+        formula=data["formula"],
+        source=data["source"],
+        inputs=tuple(_quantity_from_data(quantity) for quantity in data["inputs"]),
+        outputs=outputs,
+        nodes=tuple(nodes),
+        results=results,
+        names=tuple((_known_id(node, len(nodes)), name) for node, name in data["names"]),
+    )
+
+
+def _quantity_from_data(data: dict[str, Any]) -> Quantity:
+    return Quantity(data["name"], tuple(data["shape"]), data["unit"], data["meaning"])
+
+
+def _node_from_data(item: Sequence[Any], position: int) -> Node:
+    op = Op(item[0])
+    if op is Op.CONST:
+        return Node(op, value=Fraction(item[1]))
+    if op is Op.INPUT:
+        name, index = item[1:]
+        return Node(op, symbol=(name, index))
+    return Node(op, args=tuple(_known_id(arg, position) for arg in item[1:]))
+
+
+def _known_id(node: int, count: int) -> int:
+    if not 0 <= node < count:
+        raise ValueError(f"node {node} is used before it is computed")
+    return node
