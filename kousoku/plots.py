@@ -1,0 +1,136 @@
+"""Plots of a motion: what figures 5, 7 and 8 of Yamada and Tatsumi (1981) show.
+
+Needs matplotlib (the extra ``plot``). The same numbers give the same bytes of SVG.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    import numpy as np
+    from matplotlib.typing import RcKeyType
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+_STYLE: dict[RcKeyType, Any] = {
+    "axes.grid": True,
+    "axes.spines.right": False,
+    "axes.spines.top": False,
+    "font.size": 9.0,
+    "grid.alpha": 0.3,
+    "svg.fonttype": "none",  # text stays text: small files, and no dependence on fonts
+    "svg.hashsalt": "kousoku",
+}
+_VECTOR = "#c23b22"
+_PATH = "#1f4e79"
+_LINK = "#9a9a9a"
+
+
+def draw_motion(
+    alpha: Array,
+    curves: Sequence[tuple[str, Array]],
+    *,
+    title: str,
+    symbol: str = "α",
+    components: tuple[str, ...] = ("x", "y"),
+) -> Figure:
+    """Draw a node's position, velocity and acceleration over the input (Fig. 5).
+
+    Parameters
+    ----------
+    alpha : (n,) [rad]
+        The input.
+    curves : sequence of (str, (n, 2) array)
+        Label with unit, and the x and y components.
+    title : str
+        Printed above.
+    symbol : str
+        Name of the input.
+    components : tuple of str
+        Which of x and y to draw.
+    """
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(5.5, 1.9 * len(curves)), layout="constrained")
+        panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
+        for panel, (label, values) in zip(panels, curves, strict=True):
+            for name in components:
+                panel.plot(alpha, values[:, "xy".index(name)], label=name)
+            panel.set_ylabel(label)
+        panels[-1].set_xlabel(f"{symbol} [rad]")
+        if len(components) > 1:
+            panels[0].legend(frameon=False, ncols=len(components))
+        figure.suptitle(title)
+    return figure
+
+
+def draw_vectors(
+    path: Array,
+    vectors: Array,
+    *,
+    links: Sequence[Array],
+    title: str,
+    unit: str,
+) -> Figure:
+    """Draw a vector at each position of a node, over the linkage in one position (Figs 7 and 8).
+
+    Parameters
+    ----------
+    path : (n, 2) [unit]
+        Positions of the node.
+    vectors : (n, 2)
+        Its velocities or accelerations; one scale for all, fitted to the picture.
+    links : sequence of (2, 2) [unit]
+        End points of the links in the position that is drawn.
+    title : str
+        Printed above.
+    unit : str
+        Length unit of both axes.
+    """
+    with mpl.rc_context(_STYLE):
+        figure = Figure(figsize=(5.5, 4.2), layout="constrained")
+        axes = figure.subplots()
+        for ends in links:
+            axes.plot(ends[:, 0], ends[:, 1], "o-", color=_LINK, linewidth=2.5, markersize=4)
+        axes.plot(path[:, 0], path[:, 1], color=_PATH, linewidth=1.2)
+        axes.quiver(
+            *path.T,
+            *vectors.T,
+            angles="xy",
+            scale_units="xy",
+            scale=_scale(path, vectors, links),
+            color=_VECTOR,
+            width=0.003,
+            zorder=3,
+        )
+        tips = path + vectors / _scale(path, vectors, links)
+        axes.update_datalim(tips)
+        axes.set_aspect("equal")
+        axes.margins(0.06)
+        axes.autoscale_view()
+        axes.set_xlabel(f"x [{unit}]")
+        axes.set_ylabel(f"y [{unit}]")
+        axes.set_title(title)
+    return figure
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure; the suffix of the path chooses the format."""
+    metadata = {"Date": None} if path.suffix == ".svg" else None
+    with mpl.rc_context(_STYLE):
+        figure.savefig(path, metadata=metadata)
+
+
+def _scale(path: Array, vectors: Array, links: Sequence[Array]) -> float:
+    """Return how much of a vector is one length unit: the longest takes a third of the picture."""
+    points = [*path.tolist(), *(point for ends in links for point in ends.tolist())]
+    extent = max(max(p[k] for p in points) - min(p[k] for p in points) for k in (0, 1))
+    longest = float((vectors**2).sum(axis=1).max()) ** 0.5
+    return 3.0 * longest / extent if longest > 0.0 and extent > 0.0 else 1.0
