@@ -1,0 +1,243 @@
+"""Assemble a scene: numbered coordinates, link elements between them, known and unknown parts.
+
+This is section 2 of Yamada and Tatsumi (1981): each link has the coordinates x1 y1 β1 x2 y2 β2 of
+its ends (1), links share the coordinates of the nodes they meet at, rotations too where the
+connection is rigid (17), and the coordinates part into unknown and known ones (18), (19).
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.model.directions import HALF_TURN, square_root, unit_vector
+from kousoku.model.errors import SceneError
+from kousoku.model.rotations import direction, merge_rotations
+
+if TYPE_CHECKING:
+    from kousoku.model.rotations import Rotation
+    from kousoku.model.scene import Scene
+
+
+class Role(enum.Enum):
+    """The parts of (18) and (19); what never moves is apart from what is prescribed."""
+
+    FIXED = "fixed"
+    INPUT = "input"
+    UNKNOWN = "unknown"
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinate:
+    """One number of the vector x.
+
+    Parameters
+    ----------
+    name : str
+        ``O2.x``, ``l1@O2`` for the rotation of l1 at O2, or the name of a slider or an input.
+    unit : str
+        Unit of the scene, or ``rad``.
+    role : Role
+        Fixed, prescribed or unknown.
+    start : Fraction
+        Its value where it is fixed, else near its value at division 0.
+    scale : Fraction [unit of the scene]
+        What a change by 1 moves: 1 for a length, the length of the link for a rotation.
+    """
+
+    name: str
+    unit: str
+    role: Role
+    start: Fraction
+    scale: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One of the six numbers of a link's ends: offset + factor · coordinate."""
+
+    coordinate: int
+    factor: Fraction = Fraction(1)
+    offset: Fraction = Fraction(0)
+
+
+@dataclass(frozen=True, slots=True)
+class Element:
+    """A link with its place in the assembly.
+
+    Parameters
+    ----------
+    name : str
+        The link.
+    nodes : (str, str)
+        Its first and second node; where a rotation is shared or prescribed at one end only, that
+        end comes first.
+    length : Fraction [unit of the scene]
+        Design length l0.
+    ends : (6,) of Term
+        x1 y1 β1 x2 y2 β2, (1).
+    rows : tuple of int
+        Which of ε1, ε2, ε3 must vanish; all but those that a link of the frame fulfils by itself.
+    """
+
+    name: str
+    nodes: tuple[str, str]
+    length: Fraction
+    ends: tuple[Term, Term, Term, Term, Term, Term]
+    rows: tuple[int, ...] = (0, 1, 2)
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """An assembled linkage.
+
+    Parameters
+    ----------
+    scene : Scene
+        What was assembled.
+    coordinates : tuple of Coordinate
+        Node positions in the order of the nodes, then sliders, then rotations.
+    nodes : tuple of (str, Term, Term)
+        Name, x and y of each node, in the order of the scene.
+    elements : tuple of Element
+        The links, in the order of the scene.
+    inputs : tuple of int
+        The prescribed coordinates, in the order of the scene's inputs.
+    notes : tuple of str
+        What was merged or dropped, one sentence each.
+    """
+
+    scene: Scene
+    coordinates: tuple[Coordinate, ...]
+    nodes: tuple[tuple[str, Term, Term], ...]
+    elements: tuple[Element, ...]
+    inputs: tuple[int, ...]
+    notes: tuple[str, ...]
+
+
+def assemble(scene: Scene) -> System:
+    """Return the system of a scene.
+
+    Raises
+    ------
+    SceneError
+        A link of the frame does not fit between its fixed nodes, or rotations are prescribed or
+        connected twice.
+    """
+    return _Assembly(scene).system()
+
+
+class _Assembly:
+    """The growing lists of one assembly."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.coordinates: list[Coordinate] = []
+        self.notes: list[str] = []
+        self.prescribed: dict[str, int] = {}
+        self.nodes: dict[str, tuple[Term, Term]] = {}
+        self.ends: dict[tuple[str, str], Term] = {}
+        self.active: set[tuple[str, str]] = set()
+
+    def system(self) -> System:
+        sliding = {slider.node: name for name, slider in self.scene.sliders.items()}
+        for name in self.scene.nodes:
+            self.nodes[name] = self._slider(sliding[name]) if name in sliding else self._node(name)
+        for rotation in merge_rotations(self.scene, self.notes):
+            self._rotation(rotation)
+        elements = [self._element(link) for link in self.scene.links]
+        return System(
+            scene=self.scene,
+            coordinates=tuple(self.coordinates),
+            nodes=tuple((name, x, y) for name, (x, y) in self.nodes.items()),
+            elements=tuple(element for element in elements if element.rows),
+            inputs=tuple(self.prescribed[name] for name in self.scene.inputs),
+            notes=tuple(self.notes),
+        )
+
+    def _add(self, name: str, role: Role, start: Fraction, length: Fraction | None = None) -> int:
+        unit, scale = (self.scene.unit, Fraction(1)) if length is None else ("rad", length)
+        self.coordinates.append(Coordinate(name, unit, role, start, scale))
+        return len(self.coordinates) - 1
+
+    def _node(self, name: str) -> tuple[Term, Term]:
+        node = self.scene.nodes[name]
+        role = Role.FIXED if node.fixed else Role.UNKNOWN
+        x, y = (
+            self._add(f"{name}.{axis}", role, Fraction(at))
+            for axis, at in zip("xy", node.at, strict=True)
+        )
+        return Term(x), Term(y)
+
+    def _slider(self, name: str) -> tuple[Term, Term]:
+        """Place a node on its line: node = through + s · direction."""
+        slider = self.scene.sliders[name]
+        through = tuple(map(Fraction, slider.through))
+        at = map(Fraction, self.scene.nodes[slider.node].at)
+        along = unit_vector(*map(Fraction, slider.direction))
+        start = sum((a - t) * d for a, t, d in zip(at, through, along, strict=True)) or Fraction(0)
+        keys = [key for key, given in self.scene.inputs.items() if given.slider == name]
+        for key in keys:
+            start = Fraction(self.scene.inputs[key].start)
+            self._prescribe(key, len(self.coordinates))
+        s = self._add(name, Role.INPUT if keys else Role.UNKNOWN, start)
+        self.notes.append(f"{slider.node}.x and {slider.node}.y merged: slider {name}")
+        x, y = (Term(s, d, t) for d, t in zip(along, through, strict=True))
+        return x, y
+
+    def _prescribe(self, key: str, coordinate: int) -> None:
+        for other, known in self.prescribed.items():
+            if known == coordinate:
+                raise SceneError(
+                    f"prescribes what input {other} prescribes already; remove one of the two",
+                    key=f"inputs.{key}",
+                )
+        self.prescribed[key] = coordinate
+
+    def _rotation(self, rotation: Rotation) -> None:
+        """Give a rotation its number, and its links their heading seen from the node."""
+        first, node = rotation.links[0], rotation.node
+        start, name, role = direction(self.scene, first, node), f"{first}@{node}", Role.UNKNOWN
+        if rotation.input:
+            start = Fraction(self.scene.inputs[rotation.input].start)
+            name, role = rotation.input, Role.INPUT
+            self._prescribe(rotation.input, len(self.coordinates))
+        number = self._add(name, role, start, Fraction(self.scene.length(first)))
+        for link, angle in zip(rotation.links, rotation.angles, strict=True):
+            self.ends[link, node] = Term(number, offset=angle)
+            if rotation.input or len(rotation.links) > 1:
+                self.active.add((link, node))
+
+    def _element(self, name: str) -> Element:
+        link = self.scene.links[name]
+        first, second = link.nodes
+        if (name, second) in self.active and (name, first) not in self.active:
+            first, second = second, first
+        rows: tuple[int, ...] = (0, 1, 2)
+        if self.scene.is_ground(name):
+            self._check_fit(name)
+            ends = ((1, first), (2, second))
+            rows = tuple(row for row, node in ends if (name, node) in self.active)
+            if not rows:
+                self.notes.append(f"{name} dropped: both of its nodes are fixed")
+        seen = self.ends.get((name, second), Term(0))
+        turned = Term(seen.coordinate, seen.factor, seen.offset - HALF_TURN)
+        (x1, y1), (x2, y2) = self.nodes[first], self.nodes[second]
+        six = (x1, y1, self.ends.get((name, first), Term(0)), x2, y2, turned)
+        return Element(name, (first, second), Fraction(self.scene.length(name)), six, rows)
+
+    def _check_fit(self, name: str) -> None:
+        """Refuse a link of the frame whose length is not the distance of its fixed nodes."""
+        (x1, y1), (x2, y2) = (self.scene.nodes[node].at for node in self.scene.links[name].nodes)
+        distance = square_root(
+            (Fraction(x2) - Fraction(x1)) ** 2 + (Fraction(y2) - Fraction(y1)) ** 2
+        )
+        length = Fraction(self.scene.length(name))
+        if abs(distance - length) > 8 * length / 2**52:
+            raise SceneError(
+                f"is {float(length)!r} {self.scene.unit}, but its nodes are both fixed, "
+                f"{float(distance)!r} {self.scene.unit} apart; give one or the other",
+                key=f"links.{name}.length",
+            )

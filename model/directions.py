@@ -1,0 +1,51 @@
+"""Angles and unit vectors of exact numbers, the same on every machine.
+
+The numbers of a scene are doubles, so they are exact fractions; what follows from them is rounded
+once, to far more bits than a double has, and never comes from the machine's own libm.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isqrt
+
+import mpmath
+
+#: Bits to which angles and roots are rounded.
+BITS = 200
+
+
+def square_root(value: Fraction) -> Fraction:
+    """Return √value, exact where it is rational."""
+    root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
+    if root * root == value:
+        return root
+    exponent = (value.denominator.bit_length() - value.numerator.bit_length()) // 2 + BITS
+    scale = Fraction(2) ** exponent
+    squared = value * scale * scale
+    return Fraction(isqrt(squared.numerator // squared.denominator)) / scale
+
+
+def unit_vector(x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
+    """Return (x, y) divided by its length, which must not be zero."""
+    length = square_root(x * x + y * y)
+    return x / length, y / length
+
+
+def heading(x: Fraction | int, y: Fraction | int) -> Fraction:
+    """Return the angle of the vector (x, y) in radians, in (−π, π]."""
+    # Twice the bits first, so that rounding does not depend on the arithmetic that mpmath found.
+    with mpmath.workprec(2 * BITS):
+        angle = mpmath.atan2(_number(Fraction(y)), _number(Fraction(x)))
+    with mpmath.workprec(BITS):
+        sign, mantissa, exponent, _ = (+angle)._mpf_
+    magnitude = Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
+    return -magnitude if sign else magnitude
+
+
+def _number(value: Fraction) -> mpmath.mpf:
+    return mpmath.mpf(value.numerator) / value.denominator
+
+
+#: π, rounded to :data:`BITS` bits.
+HALF_TURN = heading(-1, 0)

@@ -1,0 +1,133 @@
+"""Merge the rotations of links that a rigid connection, or an input, ties together."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.model.directions import heading
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from kousoku.model.scene import Scene
+
+
+@dataclass(frozen=True, slots=True)
+class Rotation:
+    """A rotation at a node: of one link where it is hinged, of several where they are rigid.
+
+    Parameters
+    ----------
+    node : str
+        Where.
+    links : tuple of str
+        The links that turn together; the angle of the first is the coordinate.
+    angles : tuple of Fraction [rad]
+        Angle from the first link to each, counter-clockwise, seen from the node.
+    input : str
+        The input that prescribes the angle of the first link, empty where it is unknown.
+    """
+
+    node: str
+    links: tuple[str, ...]
+    angles: tuple[Fraction, ...]
+    input: str = ""
+
+
+def merge_rotations(scene: Scene, notes: list[str]) -> tuple[Rotation, ...]:
+    """Return the rotations of a scene, node by node, and append to ``notes`` what was merged.
+
+    Raises
+    ------
+    SceneError
+        Two links are tied to each other twice, or two inputs turn the same rigid connection.
+    """
+    inputs = {
+        (item.link, item.about): name
+        for name, item in scene.inputs.items()
+        if item.link is not None and item.about is not None
+    }
+    found: list[Rotation] = []
+    for node in scene.nodes:
+        seen: set[str] = set()
+        for link in (name for name, item in scene.links.items() if node in item.nodes):
+            if link in seen:
+                continue
+            angles = _tied(scene, node, link)
+            seen |= angles.keys()
+            rotation = _from_input(node, angles, inputs)
+            if len(angles) > 1:
+                notes.append(
+                    f"rotations of {', '.join(rotation.links)} at {node} merged: rigid connection"
+                )
+            if len(angles) > 1 or not scene.is_ground(link):
+                found.append(rotation)
+    return tuple(found)
+
+
+def _tied(scene: Scene, node: str, first: str) -> dict[str, Fraction]:
+    """Return the links tied to ``first`` at a node, each with its angle from ``first``."""
+    angles = {first: Fraction(0)}
+    waiting = [first]
+    used: set[str] = set()
+    while waiting:
+        link = waiting.pop(0)
+        for key, rigid in scene.rigid.items():
+            if rigid.at != node or link not in rigid.links or key in used:
+                continue
+            used.add(key)
+            for other in rigid.links:
+                if other == link:
+                    continue
+                if other in angles:
+                    raise SceneError(
+                        f"ties {other} to {link} a second time; remove one of the connections",
+                        key=f"rigid.{key}",
+                    )
+                angles[other] = angles[link] + _angle(scene, key, link, other)
+                waiting.append(other)
+    return angles
+
+
+def _angle(scene: Scene, key: str, link: str, other: str) -> Fraction:
+    """Return the angle from one link of a rigid connection to another one."""
+    return _from_base(scene, key, other) - _from_base(scene, key, link)
+
+
+def _from_base(scene: Scene, key: str, link: str) -> Fraction:
+    rigid = scene.rigid[key]
+    base = rigid.links[0]
+    if link == base:
+        return Fraction(0)
+    if rigid.angle is not None and link == rigid.links[1]:
+        return Fraction(rigid.angle)
+    return direction(scene, link, rigid.at) - direction(scene, base, rigid.at)
+
+
+def direction(scene: Scene, link: str, node: str) -> Fraction:
+    """Return the angle of a link, seen from one of its nodes, at the positions of the scene."""
+    x1, y1 = map(Fraction, scene.nodes[node].at)
+    x2, y2 = map(Fraction, scene.nodes[scene.links[link].other(node)].at)
+    return heading(x2 - x1, y2 - y1)
+
+
+def _from_input(
+    node: str, angles: dict[str, Fraction], inputs: dict[tuple[str, str], str]
+) -> Rotation:
+    """Return a rotation whose first link is the one that is prescribed, if any is."""
+    prescribed = [link for link in angles if (link, node) in inputs]
+    if len(prescribed) > 1:
+        one, two = (inputs[link, node] for link in prescribed[:2])
+        raise SceneError(
+            f"turns what input {one} turns already, they are one rigid body; remove one of the two",
+            key=f"inputs.{two}",
+        )
+    first = prescribed[0] if prescribed else next(iter(angles))
+    links = (first, *(link for link in angles if link != first))
+    return Rotation(
+        node,
+        links,
+        tuple(angles[link] - angles[first] for link in links),
+        inputs[first, node] if prescribed else "",
+    )
