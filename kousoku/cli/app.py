@@ -1,0 +1,61 @@
+"""The command ``kousoku``: its sub-commands, and how errors become exit codes."""
+
+import io
+import sys
+from collections.abc import Sequence
+from typing import Annotated
+
+import typer
+
+from kousoku import __version__
+from kousoku.cli.listing import list_names
+from kousoku.model.errors import KousokuError
+
+#: Exit codes: a disagreement between what was emitted and what was derived, and bad input.
+DISAGREEMENT, BAD_INPUT = 1, 2
+
+app = typer.Typer(
+    name="kousoku",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+
+def _print_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"kousoku {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _kousoku(
+    version: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_print_version, is_eager=True, help="Print the version."
+        ),
+    ] = False,
+) -> None:
+    """Derive constraint equations, emit them as NumPy and C, verify what was emitted, solve.
+
+    Exit codes: 0 all is well, 1 emitted code disagrees with what was derived, 2 bad input.
+    """
+
+
+app.command("list")(list_names)
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run one command; every expected error is one message on stderr and an exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal without Greek letters still gets text
+    try:
+        app(args=arguments)
+    except (KousokuError, OSError) as error:
+        print(f"kousoku: {error}", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from None
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None

@@ -1,0 +1,91 @@
+"""What the commands share: where generated packages are found, tables, JSON, progress."""
+
+import json
+import sys
+from collections.abc import Iterable, Sequence
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
+from rich.table import Table
+
+from kousoku.model.errors import LoadError
+
+
+def generated_folder() -> Path:
+    """Return the folder of the generated packages that came with kousoku."""
+    import kousoku.generated
+
+    return Path(kousoku.generated.__path__[0])
+
+
+def generated_packages() -> list[Path]:
+    """Return the folders of all generated packages: the kinds, then the scenes."""
+    kinds = sorted(path.parent for path in generated_folder().glob("kinds/*/manifest.json"))
+    scenes = sorted(path.parent for path in generated_folder().glob("*/manifest.json"))
+    return kinds + scenes
+
+
+def find_package(name: str) -> Path:
+    """Return the folder of a generated package, by its name or by its path.
+
+    Raises
+    ------
+    LoadError
+        There is no such package, or the folder holds none.
+    """
+    known = {path.name: path for path in generated_packages()}
+    if name in known:
+        return known[name]
+    folder = Path(name)
+    if (folder / "manifest.json").is_file():
+        return folder
+    if folder.is_dir():
+        raise LoadError(f"{name}: holds no manifest.json; kousoku did not generate it")
+    raise LoadError(f"{name}: no such package or folder; known packages: {', '.join(known)}")
+
+
+def print_json(data: Any) -> None:
+    """Print data for a program to read; numbers that are not finite become strings."""
+    print(json.dumps(_finite(data), indent=1, ensure_ascii=False))
+
+
+def _finite(data: Any) -> Any:
+    match data:
+        case dict():
+            return {key: _finite(value) for key, value in data.items()}
+        case list() | tuple():
+            return [_finite(value) for value in data]
+        case float() if not isfinite(data):
+            return str(data)
+        case _:
+            return data
+
+
+def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "") -> None:
+    """Print a table; all but the first column are aligned to the right when they hold numbers."""
+    table = Table(title=title or None, title_justify="left", box=None, pad_edge=False)
+    for name in columns:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    console = Console(highlight=False, markup=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, markup=False, width=120)
+    console.print(table)
+
+
+def progress() -> Progress:
+    """Return a progress bar on stderr, which leaves nothing behind and is silent in a pipe."""
+    console = Console(file=sys.stderr)
+    return Progress(
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        console=console,
+        transient=True,
+        disable=not console.is_terminal,
+    )

@@ -1,0 +1,122 @@
+"""What is shipped: the list of packages, the links, and what a wheel and an sdist hold."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+FOLDERS = ("codegen", "generated", "model", "runtime", "symbolic")
+SHIPPED_SUFFIXES = {
+    "codegen": (".py", ".jinja"),
+    "generated": (".py", ".c", ".h", ".json"),
+    "model": (".py", ".json"),
+    "runtime": (".py", ".c"),
+    "symbolic": (".py",),
+    "kousoku": (".py", ".typed"),
+}
+
+
+def setuptools_table() -> dict[str, Any]:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    table: dict[str, Any] = project["tool"]["setuptools"]
+    return table
+
+
+def package_of(folder: Path) -> str:
+    parts = folder.relative_to(ROOT).parts
+    return ".".join(parts if parts[0] == "kousoku" else ("kousoku", *parts))
+
+
+def packages_on_disk() -> list[str]:
+    inits = [
+        path
+        for folder in ("kousoku", *FOLDERS)
+        for path in (ROOT / folder).rglob("__init__.py")
+        if not any(parent.is_symlink() for parent in path.parents)
+    ]
+    return sorted(package_of(path.parent) for path in inits)
+
+
+def test_every_package_on_disk_is_listed_and_no_other() -> None:
+    assert sorted(setuptools_table()["packages"]) == packages_on_disk()
+
+
+def test_every_root_folder_is_mapped_under_its_own_name() -> None:
+    mapping = setuptools_table()["package-dir"]
+    assert mapping == {"kousoku": "kousoku"} | {f"kousoku.{name}": name for name in FOLDERS}
+
+
+@pytest.mark.parametrize("name", FOLDERS)
+def test_each_link_points_at_its_folder(name: str) -> None:
+    link = ROOT / "kousoku" / name
+    if not link.is_symlink():
+        pytest.skip("links are text files in this checkout")
+    assert link.resolve() == ROOT / name
+
+
+@pytest.fixture(scope="module")
+def distributions(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], list[str]]:
+    """Build an sdist and, from nothing but the sdist, a wheel; return the file names in both."""
+    folder = tmp_path_factory.mktemp("distributions")
+    tree = folder / "tree"
+    ignored = shutil.ignore_patterns(".*cache", ".git", ".venv", "build", "dist", "*.egg-info")
+    shutil.copytree(ROOT, tree, symlinks=True, ignore=ignored)
+    build = "import sys; from setuptools import build_meta as b; b.build_{}(sys.argv[1])"
+    run = [sys.executable, "-W", "ignore", "-c"]
+    subprocess.run([*run, build.format("sdist"), folder], cwd=tree, check=True, capture_output=True)
+    (archive,) = folder.glob("*.tar.gz")
+    with tarfile.open(archive) as sdist:
+        inside = [name.partition("/")[2] for name in sdist.getnames()]
+        sdist.extractall(folder, filter="data")
+    unpacked = folder / archive.name.removesuffix(".tar.gz")
+    subprocess.run(
+        [*run, build.format("wheel"), folder], cwd=unpacked, check=True, capture_output=True
+    )
+    (wheel,) = folder.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive_of_wheel:
+        return inside, archive_of_wheel.namelist()
+
+
+def shipped(folder: str) -> list[Path]:
+    """Return the files of a root folder that a wheel must hold, links left out."""
+    return [
+        path.relative_to(ROOT)
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in SHIPPED_SUFFIXES[folder]
+        and not any(parent.is_symlink() for parent in path.parents)
+    ]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("folder", SHIPPED_SUFFIXES)
+def test_the_wheel_holds_all_that_runs(
+    distributions: tuple[list[str], list[str]], folder: str
+) -> None:
+    prefix = "" if folder == "kousoku" else "kousoku/"
+    wanted = {prefix + path.as_posix() for path in shipped(folder)}
+    assert wanted
+    assert not wanted - set(distributions[1])
+
+
+@pytest.mark.slow
+def test_the_wheel_holds_nothing_else(distributions: tuple[list[str], list[str]]) -> None:
+    tops = {name.split("/")[0] for name in distributions[1]}
+    assert {top for top in tops if not top.endswith(".dist-info")} == {"kousoku"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    ["pyproject.toml", "README.md", "Makefile", "scenes/lever_crank.toml", "tests/conftest.py"],
+)
+def test_the_sdist_is_complete(distributions: tuple[list[str], list[str]], name: str) -> None:
+    assert name in distributions[0]
