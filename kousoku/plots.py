@@ -29,9 +29,9 @@ _STYLE: dict[RcKeyType, Any] = {
     "svg.fonttype": "none",  # text stays text: small files, and no dependence on fonts
     "svg.hashsalt": "kousoku",
 }
-_VECTOR = "#c23b22"
-_PATH = "#1f4e79"
-_LINK = "#9a9a9a"
+_PATH = "#404040"
+_LINK = "#b0b0b0"
+_TURN = "twilight_shifted"  # a cyclic map: the colours of 0 and 2π are the same
 
 
 def draw_motion(
@@ -72,17 +72,21 @@ def draw_motion(
 
 
 def draw_vectors(
+    alpha: Array,
     path: Array,
     vectors: Array,
     *,
     links: Sequence[Array],
     title: str,
     unit: str,
+    symbol: str = "α",
 ) -> Figure:
     """Draw a vector at each position of a node, over the linkage in one position (Figs 7 and 8).
 
     Parameters
     ----------
+    alpha : (n,) [rad]
+        The input, shown as colour: a node that returns on its path has two vectors at each place.
     path : (n, 2) [unit]
         Positions of the node.
     vectors : (n, 2)
@@ -93,25 +97,29 @@ def draw_vectors(
         Printed above.
     unit : str
         Length unit of both axes.
+    symbol : str
+        Name of the input.
     """
+    scale = _scale(path, vectors, links)
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(5.5, 4.2), layout="constrained")
+        figure = Figure(figsize=(6.0, 4.2), layout="constrained")
         axes = figure.subplots()
         for ends in links:
             axes.plot(ends[:, 0], ends[:, 1], "o-", color=_LINK, linewidth=2.5, markersize=4)
         axes.plot(path[:, 0], path[:, 1], color=_PATH, linewidth=1.2)
-        axes.quiver(
+        arrows = axes.quiver(
             *path.T,
             *vectors.T,
+            alpha,
             angles="xy",
             scale_units="xy",
-            scale=_scale(path, vectors, links),
-            color=_VECTOR,
+            scale=scale,
+            cmap=_TURN,
             width=0.003,
             zorder=3,
         )
-        tips = path + vectors / _scale(path, vectors, links)
-        axes.update_datalim(tips)
+        figure.colorbar(arrows, label=f"{symbol} [rad]", shrink=0.8)
+        axes.update_datalim(path + vectors / scale)
         axes.set_aspect("equal")
         axes.margins(0.06)
         axes.autoscale_view()
