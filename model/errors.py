@@ -45,6 +45,14 @@ class CompilerError(LoadError):
     """The C compiler is missing or refused the source; its own output is part of the message."""
 
 
+class NoCompilerError(CompilerError):
+    """There is no C compiler that works, or ``KOUSOKU_CC=none``; the NumPy kernels need none."""
+
+
+class CacheError(LoadError):
+    """The cache of compiled libraries cannot be written: it is full, read-only or not ours."""
+
+
 class VerifyError(KousokuError):
     """Emitted code does not compute what was derived."""
 

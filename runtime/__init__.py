@@ -1,1 +1,7 @@
 """Load, verify and run generated code; needs NumPy only."""
+
+from kousoku.runtime.kernel import BoundKernel, Kernel
+from kousoku.runtime.lanes import from_lanes, to_lanes
+from kousoku.runtime.library import Library, load
+
+__all__ = ["BoundKernel", "Kernel", "Library", "from_lanes", "load", "to_lanes"]

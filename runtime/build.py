@@ -1,0 +1,210 @@
+"""Build shared libraries into the per-user cache, once for each source and machine.
+
+A library lies in a folder of its own, beside the SHA-256 of its bytes. The folder's name is a hash
+of the sources, the compiler's version, the resolved target and the flags. It is made elsewhere and
+renamed into place, so that it is there whole or not at all, whoever is killed and however many
+build it at once; and nothing is loaded that does not match its SHA-256.
+"""
+
+from __future__ import annotations
+
+import errno
+import hashlib
+import os
+import shutil
+import tempfile
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from kousoku.model.cache import cache_folder
+from kousoku.model.errors import CacheError, CompilerError, NoCompilerError
+from kousoku.runtime.lock import locked
+from kousoku.runtime.toolchain import EXTENSION, output, run
+
+if TYPE_CHECKING:
+    import subprocess
+    from collections.abc import Sequence
+
+    from kousoku.runtime.toolchain import Toolchain
+
+#: Seconds after which the folder of a build that was killed is swept away.
+ABANDONED = 24 * 3600.0
+_WORK = ".build-"
+_DIGEST = "SHA256"
+_NO_ROOM = (
+    *(os.strerror(code) for code in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS)),
+    "File size limit exceeded",
+)
+_TRIVIAL = b"#include <math.h>\ndouble half(double x);\ndouble half(double x) { return sqrt(x); }\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What a library is made of.
+
+    Parameters
+    ----------
+    name : str
+        The library's name.
+    files : tuple of (str, bytes)
+        Names and contents of C sources and headers; what ends in ``.c`` is compiled.
+    flags : tuple of str
+        Compile flags beside the toolchain's.
+    """
+
+    name: str
+    files: tuple[tuple[str, bytes], ...]
+    flags: tuple[str, ...] = ()
+
+    def key(self, toolchain: Toolchain) -> str:
+        """SHA-256 of all that decides the bytes of the library."""
+        key = hashlib.sha256(toolchain.fingerprint.encode())
+        for part in (self.name, *self.flags):
+            key.update(b"%d %s" % (len(part.encode()), part.encode()))
+        for name, content in self.files:
+            key.update(b"%d %s%d " % (len(name.encode()), name.encode(), len(content)))
+            key.update(content)
+        return key.hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """A library that may be loaded.
+
+    Parameters
+    ----------
+    path : Path
+        The shared library.
+    damage : str
+        What was wrong with the library that lay there before; ``""`` if nothing was.
+    """
+
+    path: Path
+    damage: str = ""
+
+
+def build(source: Source, toolchain: Toolchain) -> Built:
+    """Return the library of a source, out of the cache or newly built.
+
+    Raises
+    ------
+    CacheError
+        It is not in the cache, and the cache cannot be written.
+    CompilerError
+        The compiler refuses the source; its whole output is in the message.
+    NoCompilerError
+        The compiler cannot build any library at all.
+    """
+    try:
+        shelf = cache_folder() / "lib"
+    except OSError as error:
+        raise CacheError(f"there is no cache: {error}; set KOUSOKU_CACHE to a folder") from None
+    entry = shelf / f"{source.name}-{source.key(toolchain)[:32]}"
+    library = entry / f"{source.name}{EXTENSION}"
+    damage = _damage(library)
+    if damage == "":
+        return Built(library)
+    try:
+        shelf.mkdir(mode=0o700, parents=True, exist_ok=True)
+        with locked(shelf / f"{entry.name}.lock", until=lambda: _damage(library) == ""):
+            if _damage(library) != "":
+                _make(source, toolchain, library)
+    except OSError as error:
+        raise CacheError(
+            f"cannot write the cache {shelf}: {error.strerror or error}; "
+            "free some space or set KOUSOKU_CACHE to a folder that can be written"
+        ) from None
+    return Built(library, damage or "")
+
+
+def _damage(library: Path) -> str | None:
+    """Say what is wrong with a library, None where there is none, ``""`` where it is whole."""
+    try:
+        content = library.read_bytes()
+        wanted = (library.parent / _DIGEST).read_text(encoding="ascii")
+    except FileNotFoundError:
+        return f"{library.parent} lacks a file" if library.parent.exists() else None
+    except (OSError, UnicodeDecodeError) as error:
+        return f"{library} cannot be read: {error}"
+    if hashlib.sha256(content).hexdigest() == wanted:
+        return ""
+    return f"{library} does not match its SHA-256: it was truncated or replaced"
+
+
+def _make(source: Source, toolchain: Toolchain, library: Path) -> None:
+    """Compile in a folder of our own, then move the finished folder to its place."""
+    shelf = library.parent.parent
+    _sweep(shelf)
+    work = Path(tempfile.mkdtemp(prefix=_WORK, dir=shelf))
+    try:
+        finished = work / "finished"
+        finished.mkdir()
+        for name, content in source.files:
+            (work / name).write_bytes(content)
+        _compile(source, toolchain, work, finished / library.name)
+        digest = hashlib.sha256((finished / library.name).read_bytes()).hexdigest()
+        (finished / _DIGEST).write_text(digest, encoding="ascii")
+        _publish(finished, library)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+
+
+def _publish(finished: Path, library: Path) -> None:
+    """Rename a folder into place; one that is there already and whole is as good."""
+    for attempt in range(3):
+        try:
+            finished.rename(library.parent)
+            return
+        except OSError:
+            if _damage(library) == "":
+                return
+            if attempt == 2:
+                raise
+        with suppress(OSError):
+            library.parent.rename(finished.parent / f"damaged{attempt}")
+
+
+def _sweep(shelf: Path) -> None:
+    """Remove the folders of builds that were killed long ago."""
+    for work in shelf.glob(f"{_WORK}*"):
+        with suppress(OSError):
+            if time.time() - work.stat().st_mtime > ABANDONED:
+                shutil.rmtree(work, ignore_errors=True)
+
+
+def _compile(source: Source, toolchain: Toolchain, work: Path, library: Path) -> None:
+    sources = [name for name, _ in source.files if name.endswith(".c")]
+    target = str(library.relative_to(work))
+    command = toolchain.compile_command(sources, target, source.flags)
+    process = run(command, cwd=str(work))
+    if process.returncode == 0 and library.exists():
+        return
+    said = output(process)
+    if any(text in said for text in _NO_ROOM):
+        raise OSError(f"the compiler could not write its output; it said:\n{said}")
+    _check_that_it_builds_anything(toolchain, work)
+    raise CompilerError(_refusal(f"refused {', '.join(sources)}", toolchain, command, process))
+
+
+def _check_that_it_builds_anything(toolchain: Toolchain, work: Path) -> None:
+    (work / "trivial.c").write_bytes(_TRIVIAL)
+    command = toolchain.compile_command(["trivial.c"], f"trivial{EXTENSION}")
+    process = run(command, cwd=str(work))
+    if process.returncode != 0:
+        raise NoCompilerError(_refusal("builds no shared library", toolchain, command, process))
+
+
+def _refusal(
+    what: str,
+    toolchain: Toolchain,
+    command: Sequence[str],
+    process: subprocess.CompletedProcess[bytes],
+) -> str:
+    return (
+        f"{toolchain.name} {what}\ncommand: {' '.join(command)}\n"
+        f"exit status {process.returncode}; it said:\n{output(process)}\n"
+        "(KOUSOKU_CC chooses another compiler; KOUSOKU_CC=none the NumPy kernels)"
+    )

@@ -1,0 +1,239 @@
+"""`load`: a generated folder becomes callables."""
+
+from __future__ import annotations
+
+import types
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+from kousoku.model.errors import CacheError, LoadError, NoCompilerError
+from kousoku.model.manifest import Manifest
+from kousoku.runtime.arguments import Signature
+from kousoku.runtime.kernel import Kernel
+from kousoku.runtime.notice import say_once
+from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_library
+
+if TYPE_CHECKING:
+    import ctypes
+    from collections.abc import Mapping
+
+MANIFEST = "manifest.json"
+
+
+@dataclass(frozen=True, slots=True)
+class Library:
+    """The kernels of a generated package.
+
+    ``library.constraint`` and ``library["constraint"]`` are the same `Kernel`.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the package lies.
+    manifest : Manifest
+        What it promises.
+    target : {"c", "numpy"}
+        What computes.
+    kernels : mapping of str to Kernel
+        In the order of the manifest.
+    path : Path or None
+        The shared library, None for NumPy.
+    damage : str
+        What was wrong with the library that lay in the cache before; ``""`` if nothing was.
+    """
+
+    folder: Path
+    manifest: Manifest
+    target: Literal["c", "numpy"]
+    kernels: Mapping[str, Kernel]
+    path: Path | None = None
+    damage: str = ""
+    _handle: ctypes.CDLL | None = None
+
+    def __getitem__(self, name: str) -> Kernel:
+        """Return a kernel by its name."""
+        try:
+            return self.kernels[name]
+        except KeyError:
+            known = ", ".join(self.kernels)
+            raise KeyError(
+                f"{self.manifest.package} has no kernel {name!r}; it has {known}"
+            ) from None
+
+    def __getattr__(self, name: str) -> Kernel:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        try:
+            return self[name]
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
+
+    def __dir__(self) -> list[str]:
+        return [*object.__dir__(self), *self.kernels]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Function pointers do not travel; the other side loads the folder itself.
+        return load_same, (self.folder, self.target)
+
+    def function(self, name: str) -> Any:
+        """Return any function that the shared library exports, as a ctypes function pointer.
+
+        A solver package exports more than kernels; the caller sets ``restype`` and ``argtypes``
+        from its header. Each call gives a new object, so that no two callers share those settings.
+
+        Raises
+        ------
+        LoadError
+            The target is NumPy, or the library exports no such function.
+        """
+        if self._handle is None:
+            raise LoadError(f"{self.folder}: the target is NumPy, there is no C function {name!r}")
+        try:
+            return self._handle[name]
+        except AttributeError:
+            raise LoadError(f"{self.path} exports no function {name!r}") from None
+
+
+def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") -> Library:
+    """Load a generated package.
+
+    Parameters
+    ----------
+    folder : path
+        A folder that the generator wrote, under ``generated/`` or anywhere else.
+    target : {"auto", "c", "numpy"}
+        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
+        in one line on the logger ``kousoku``.
+
+    Raises
+    ------
+    LoadError
+        The folder is not a generated package, a file of it was edited, or the shared library is
+        not the package's.
+    CompilerError
+        The compiler refuses the source; with ``target="c"`` also if there is none.
+    CacheError
+        With ``target="c"``: the library cannot be kept.
+    """
+    if target not in ("auto", "c", "numpy"):
+        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
+    folder = Path(folder).absolute()
+    manifest = read_manifest(folder)
+    files = read_files(folder, manifest)
+    if target == "numpy":
+        return _load_numpy(folder, manifest, files)
+    try:
+        return _load_c(folder, manifest, files)
+    except (NoCompilerError, CacheError) as error:
+        if target == "c":
+            raise
+        say_once(f"kousoku uses the NumPy kernels: {error}")
+        return _load_numpy(folder, manifest, files)
+
+
+def load_same(folder: Path, target: Literal["c", "numpy"]) -> Library:
+    """Load a package with the target that another process had."""
+    return load(folder, target=target)
+
+
+def read_manifest(folder: Path) -> Manifest:
+    """Return the manifest of a folder.
+
+    Raises
+    ------
+    LoadError
+        There is none, or it cannot be read.
+    """
+    path = folder / MANIFEST
+    try:
+        return Manifest.from_json(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise LoadError(f"{folder} is not a generated package: {error}") from None
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise LoadError(f"{path} is not a manifest of this version of kousoku: {error!r}") from None
+
+
+def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
+    """Return the files that a manifest lists, each compared with its digest.
+
+    Raises
+    ------
+    LoadError
+        Files are missing or edited; the message names each.
+    """
+    import hashlib
+
+    files: dict[str, bytes] = {}
+    problems = []
+    for name, digest in manifest.files:
+        try:
+            files[name] = (folder / name).read_bytes()
+        except OSError as error:
+            problems.append(f"{folder / name} is missing ({error.strerror})")
+            continue
+        if hashlib.sha256(files[name]).hexdigest() != digest:
+            problems.append(f"{folder / name} was edited: its SHA-256 is not the manifest's")
+    if problems:
+        raise LoadError(
+            "\n".join(problems) + f"\ngenerate the package again: {manifest.regenerate}"
+        )
+    return files
+
+
+def _load_numpy(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
+    module = _import_source(folder / "kernels.py", files["kernels.py"])
+    kernels = {
+        k.name: Kernel(
+            k,
+            Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs),
+            NumpyTarget(getattr(module, k.name)),
+        )
+        for k in manifest.kernels
+    }
+    return Library(folder, manifest, "numpy", types.MappingProxyType(kernels))
+
+
+def _import_source(path: Path, source: bytes) -> types.ModuleType:
+    """Import a module from the bytes whose digest was compared.
+
+    Python's own way reads the file again, and its cache of compiled modules goes by date and size.
+    """
+    from importlib.abc import SourceLoader
+    from importlib.util import module_from_spec, spec_from_loader
+
+    class Loader(SourceLoader):
+        def get_filename(self, fullname: str) -> str:
+            return str(path)
+
+        def get_data(self, path: str) -> bytes:
+            return source
+
+    name = f"kousoku_kernels_{path.parent.name}"
+    loader = Loader()
+    spec = spec_from_loader(name, loader)
+    if spec is None:
+        raise LoadError(f"{path} cannot be imported")
+    module = module_from_spec(spec)
+    loader.exec_module(module)
+    return module
+
+
+def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
+    from kousoku.runtime.build import Source, build
+    from kousoku.runtime.toolchain import find_toolchain
+
+    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
+    built = build(Source(manifest.package, sources), find_toolchain())
+    if built.damage:
+        say_once(f"{built.damage}; it was built again")
+    handle = open_library(built.path, manifest)
+    width = lane_width(handle, manifest.package)
+    kernels = {}
+    for k in manifest.kernels:
+        signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
+        target = CTarget(handle, f"kousoku_{manifest.package}_{k.name}", k, width)
+        kernels[k.name] = Kernel(k, signature, target)
+    return Library(
+        folder, manifest, "c", types.MappingProxyType(kernels), built.path, built.damage, handle
+    )

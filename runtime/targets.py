@@ -1,0 +1,173 @@
+"""What computes a kernel: the emitted NumPy function, or the compiled library through ctypes."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.model.errors import LoadError
+from kousoku.runtime.lanes import from_lanes, to_lanes
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from kousoku.model.manifest import KernelManifest, Manifest
+    from kousoku.runtime.arguments import Call, Floats
+
+#: Lanes of a block where no processor decides it.
+NUMPY_WIDTH = 8
+_STALE = "the library was built from other sources; remove its folder, the next load builds it"
+
+
+class NumpyTarget:
+    """A function of an emitted ``kernels.py``.
+
+    Parameters
+    ----------
+    function : callable
+        It broadcasts over leading batch axes and writes into ``out``.
+    """
+
+    __slots__ = ("_function", "width")
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+        self.width = NUMPY_WIDTH
+
+    def run(self, call: Call) -> None:
+        """Evaluate once, or a batch."""
+        self._function(*call.inputs, out=call.out)
+
+    def run_lanes(self, call: Call) -> None:
+        """Evaluate blocks: unpacked, as one batch, and packed again."""
+        inputs = [from_lanes(array) for array in call.inputs]
+        shapes = [None if a is None else (call.n, *a.shape[1:-1], self.width) for a in call.out]
+        rows = tuple(None if s is None else np.empty((s[0] * s[-1], *s[1:-1])) for s in shapes)
+        self._function(*inputs, out=rows)
+        for blocks, row in zip(call.out, rows, strict=True):
+            if blocks is not None and row is not None:
+                blocks[...] = to_lanes(row, self.width)
+
+
+class CTarget:
+    """A kernel of a compiled library, called through ctypes.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        The loaded library.
+    prefix : str
+        ``kousoku_<package>_<kernel>``.
+    manifest : KernelManifest
+        The kernel's signature, already compared with the library's.
+    width : int
+        Lanes of a block.
+    """
+
+    __slots__ = ("_batch", "_lanes", "_single", "_sizes", "addresses", "width")
+
+    def __init__(
+        self, library: ctypes.CDLL, prefix: str, manifest: KernelManifest, width: int
+    ) -> None:
+        self._single = library[f"{prefix}_call"]
+        self._batch = library[f"{prefix}_batch"]
+        self._lanes = library[f"{prefix}_lanes"]
+        for function in (self._single, self._batch, self._lanes):
+            function.restype = None
+        self._sizes = tuple(q.size for q in manifest.inputs)
+        self.addresses = tuple(
+            ctypes.cast(function, ctypes.c_void_p).value or 0
+            for function in (self._single, self._batch)
+        )
+        self.width = width
+
+    def run(self, call: Call) -> None:
+        """Evaluate once, or a batch."""
+        inputs, outputs = _pointers(call.inputs), _pointers(call.out)
+        if call.n is None:
+            self._single(inputs, outputs)
+            return
+        steps = (0 if s else size for s, size in zip(call.is_shared, self._sizes, strict=True))
+        strides = (ctypes.c_size_t * len(self._sizes))(*steps)
+        self._batch(ctypes.c_size_t(call.n), inputs, strides, outputs)
+
+    def run_lanes(self, call: Call) -> None:
+        """Evaluate blocks of ``width`` lanes."""
+        n = ctypes.c_size_t(call.n or 0)
+        self._lanes(n, _pointers(call.inputs), _pointers(call.out))
+
+
+def _pointers(arrays: Sequence[Floats | None]) -> ctypes.Array[ctypes.c_void_p]:
+    addresses = (None if array is None else array.ctypes.data for array in arrays)
+    return (ctypes.c_void_p * len(arrays))(*addresses)
+
+
+def open_library(path: Path, manifest: Manifest) -> ctypes.CDLL:
+    """Load a shared library and compare what it exports with the manifest.
+
+    Raises
+    ------
+    LoadError
+        It is not the library of this package: stale, foreign, or not loadable at all.
+    """
+    try:
+        library = ctypes.CDLL(str(path))
+    except OSError as error:
+        raise LoadError(f"{path}: the system cannot load it: {error}") from None
+    prefix = f"kousoku_{manifest.package}"
+    try:
+        digest = _text(library, f"{prefix}_digest")()
+        problem = _difference(library, prefix, manifest.kernels) if digest else ""
+    except AttributeError as error:
+        raise LoadError(
+            f"{path} is a foreign library, not that of the package {manifest.package!r}: {error}"
+        ) from None
+    if digest != manifest.digest:
+        raise LoadError(
+            f"{path}: it exports the digest {digest!r}, the manifest of {manifest.package!r} "
+            f"wants {manifest.digest!r}: {_STALE}"
+        )
+    if problem:
+        raise LoadError(f"{path}: {problem}: {_STALE}")
+    return library
+
+
+def lane_width(library: ctypes.CDLL, package: str) -> int:
+    """Return the count of lanes of a block in a library."""
+    return int(_count(library, f"kousoku_{package}_lanes")())
+
+
+def _difference(library: ctypes.CDLL, package: str, kernels: Sequence[KernelManifest]) -> str:
+    """Say how the exported signatures differ from the manifest's, ``""`` if they do not."""
+    for kernel in kernels:
+        prefix = f"{package}_{kernel.name}"
+        for side, quantities in (("in", kernel.inputs), ("out", kernel.outputs)):
+            count = _count(library, f"{prefix}_n_{side}")()
+            name = _text(library, f"{prefix}_name_{side}", ctypes.c_size_t)
+            size = _count(library, f"{prefix}_size_{side}", ctypes.c_size_t)
+            got = [(name(k), size(k)) for k in range(count)]
+            wanted = [(q.name, q.size) for q in quantities]
+            if got != wanted:
+                return f"{kernel.name} has the {side}puts {got}, the manifest wants {wanted}"
+    return ""
+
+
+def _text(library: ctypes.CDLL, name: str, *argtypes: Any) -> Callable[..., str]:
+    function = library[name]
+    function.restype = ctypes.c_char_p
+    function.argtypes = argtypes
+
+    def call(*arguments: int) -> str:
+        return (function(*arguments) or b"").decode(errors="replace")
+
+    return call
+
+
+def _count(library: ctypes.CDLL, name: str, *argtypes: Any) -> Callable[..., int]:
+    function = library[name]
+    function.restype = ctypes.c_size_t
+    function.argtypes = argtypes
+    return function

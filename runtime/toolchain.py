@@ -1,0 +1,211 @@
+"""Find a C compiler, say what it is and which machine it builds for.
+
+``KOUSOKU_CC`` chooses the compiler (a command such as ``gcc-13``, ``/opt/bin/clang`` or
+``zig cc``; ``none`` for no compiler). Without it ``CC``, ``cc``, ``gcc`` and ``clang`` are tried,
+then the package ``ziglang`` of the optional extra ``kousoku[compiler]``. ``KOUSOKU_CFLAGS`` adds
+flags. All flags of all builds stand in this file.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import sys
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import CompilerError, NoCompilerError
+
+if TYPE_CHECKING:
+    import subprocess
+    from collections.abc import Sequence
+
+#: Flags of every kernel: contraction stays off because fused operations would round differently
+#: from the NumPy kernels; math functions need not set errno.
+FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno")
+#: How to ask for the features of this machine's processor; the first that the compiler takes.
+NATIVE_FLAGS = (("-march=native",), ("-mcpu=native",), ())
+#: The math library comes after the sources.
+LIBRARIES = () if sys.platform == "win32" else ("-lm",)
+#: File name extension of a shared library.
+EXTENSION = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
+_SHARED = {"win32": ("-shared",), "darwin": ("-dynamiclib", "-fPIC")}.get(
+    sys.platform, ("-shared", "-fPIC")
+)
+#: What every kernel includes: a compiler that has no C library headers is no compiler for us.
+_PROBE = b"#include <math.h>\n#include <stddef.h>\n"
+
+
+@dataclass(frozen=True, slots=True)
+class Toolchain:
+    """A compiler and all that decides which machine code it makes.
+
+    Parameters
+    ----------
+    command : tuple of str
+        The compiler and its leading arguments.
+    version : str
+        Everything it prints for ``--version``.
+    machine : str
+        Its target triple, ``""`` where it does not tell.
+    features : str
+        SHA-256 of all macros that it predefines under ``flags``: architecture, processor features,
+        ABI, and the effect of every flag on floating-point semantics.
+    flags : tuple of str
+        Compile flags, those of ``KOUSOKU_CFLAGS`` last.
+    """
+
+    command: tuple[str, ...]
+    version: str
+    machine: str
+    features: str
+    flags: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """The first line of the version, for messages."""
+        return self.version.partition("\n")[0]
+
+    @property
+    def fingerprint(self) -> str:
+        """SHA-256 of the compiler, the resolved target and the flags."""
+        parts = (self.version, self.machine, self.features, *self.flags, *_SHARED, *LIBRARIES)
+        return hashlib.sha256("\0".join((*parts, sys.platform)).encode()).hexdigest()
+
+    def compile_command(
+        self, sources: Sequence[str], library: str, extra: Sequence[str] = ()
+    ) -> tuple[str, ...]:
+        """Return the command that builds a shared library from C sources."""
+        flags = (*self.flags, *extra, *_SHARED)
+        return (*self.command, *flags, "-o", library, *sources, *LIBRARIES)
+
+
+def find_toolchain() -> Toolchain:
+    """Return this machine's compiler.
+
+    A compiler is probed once a process for each setting of the environment; it is never remembered
+    on disk, so that a library built for another processor cannot be taken for this one's.
+
+    Raises
+    ------
+    NoCompilerError
+        There is none that works, or ``KOUSOKU_CC=none``.
+    CompilerError
+        What ``KOUSOKU_CC`` or ``KOUSOKU_CFLAGS`` asks for is not there or does not work.
+    """
+    chosen = os.environ.get("KOUSOKU_CC", "").strip()
+    flags = tuple(_split(os.environ.get("KOUSOKU_CFLAGS", "")))
+    if chosen.lower() == "none":
+        raise NoCompilerError("KOUSOKU_CC=none")
+    if chosen:
+        return _chosen(chosen, os.environ.get("PATH", ""), flags)
+    return _first(os.environ.get("CC", "").strip(), os.environ.get("PATH", ""), flags)
+
+
+@cache
+def _chosen(text: str, path: str, added: tuple[str, ...]) -> Toolchain:
+    command = _located(text, path)
+    if command is None:
+        raise CompilerError(
+            f"KOUSOKU_CC={text!r}: no such command; set it to a C compiler, "
+            "or to 'none' to use the NumPy kernels"
+        )
+    return probe(command, added)
+
+
+@cache
+def _first(usual: str, path: str, added: tuple[str, ...]) -> Toolchain:
+    refusals = []
+    found = [_located(text, path) for text in (usual, "cc", "gcc", "clang")]
+    for command in (*found, _packaged_zig()):
+        if command is None:
+            continue
+        try:
+            probe(command, ())
+        except CompilerError as error:
+            refusals.append(str(error))
+        else:
+            return probe(command, added)
+    raise NoCompilerError("\n".join(refusals) or "no C compiler found (cc, gcc, clang, ziglang)")
+
+
+def _located(text: str, path: str) -> tuple[str, ...] | None:
+    """Return a command with its program's full path, None where there is no such program."""
+    whole = shutil.which(text, path=path)  # a path may hold blanks
+    if whole:
+        return (whole,)
+    words = _split(text)
+    program = shutil.which(words[0], path=path) if words else None
+    if program:
+        return (program, *words[1:])
+    zig = _packaged_zig() if words[:1] == ["zig"] else None
+    return zig and (*zig[:-1], *words[1:])
+
+
+def _packaged_zig() -> tuple[str, ...] | None:
+    from importlib.util import find_spec
+
+    return (sys.executable, "-m", "ziglang", "cc") if find_spec("ziglang") else None
+
+
+def _split(text: str) -> list[str]:
+    import shlex
+
+    return shlex.split(text, posix=sys.platform != "win32")
+
+
+@cache
+def probe(command: tuple[str, ...], added: tuple[str, ...]) -> Toolchain:
+    """Ask a compiler what it is and what it builds for.
+
+    Raises
+    ------
+    CompilerError
+        It cannot be started, or does not preprocess two standard headers; its output is shown.
+    """
+    version = run((*command, "--version"))
+    refusals = []
+    for native in NATIVE_FLAGS:
+        flags = (*FLAGS, *native, *added)
+        macros = run((*command, *flags, "-dM", "-E", "-x", "c", "-"), stdin=_PROBE)
+        if macros.returncode == 0:
+            machine = run((*command, "-dumpmachine"))
+            return Toolchain(
+                command=command,
+                version=output(version),
+                machine=output(machine) if machine.returncode == 0 else "",
+                features=hashlib.sha256(macros.stdout).hexdigest(),
+                flags=flags,
+            )
+        refusals.append(output(macros))
+    raise CompilerError(
+        f"the C compiler {' '.join(command)!r} does not work here; it said:\n{refusals[0]}"
+    )
+
+
+def run(
+    command: Sequence[str], *, stdin: bytes = b"", cwd: str | None = None
+) -> subprocess.CompletedProcess[bytes]:
+    """Run a compiler with its messages in English and wait for it.
+
+    Raises
+    ------
+    CompilerError
+        It cannot be started.
+    """
+    import subprocess
+
+    environment = {**os.environ, "LC_ALL": "C"}
+    try:
+        return subprocess.run(
+            command, input=stdin, capture_output=True, cwd=cwd, env=environment, check=False
+        )
+    except OSError as error:
+        raise CompilerError(f"cannot start the C compiler {' '.join(command)!r}: {error}") from None
+
+
+def output(process: subprocess.CompletedProcess[bytes]) -> str:
+    """Return everything a compiler printed."""
+    return (process.stdout + process.stderr).decode(errors="replace").strip()
