@@ -45,8 +45,9 @@ class Output:
         Matrix level: what is frozen and emitted. Built only from the node types that
         ``symbolic.matrices`` lists.
     components : sympy.ImmutableDenseMatrix
-        Component level: scalar expressions of the input components, flat row-major, found without
-        the matrix level; references are computed from these.
+        Component level: scalar expressions, one column, row-major, found without the matrix
+        level; references are computed from these. The components of an input are the symbols
+        that ``symbolic.matrices.elements`` gives (``r_i[0]`` …; a scalar keeps its bare name).
     """
 
     quantity: Quantity

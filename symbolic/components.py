@@ -1,0 +1,107 @@
+"""The component level: scalar formulas in Euler parameters, differentiated as polynomials.
+
+Nothing here knows a rule of the matrix level. A virtual rotation is δp = ½ p∘(0, δθ′), an angular
+velocity ṗ = ½ p∘(0, ω′), and everything else is the chain rule on the polynomial C(r, p).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from sympy import Rational, S
+
+from kousoku.symbolic.matrices import quadratic_form
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+Scalar = Any
+Direction = "Mapping[Scalar, Scalar]"
+
+
+def rotate(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of A(p) v, frame O."""
+    return [dot(row, v) for row in quadratic_form(p)]
+
+
+def rotate_back(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of A(p)ᵀ v, body frame."""
+    return [dot(column, v) for column in zip(*quadratic_form(p), strict=True)]
+
+
+def dot(u: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
+    """Return the elements' sum of products."""
+    return sum((a * b for a, b in zip(u, v, strict=True)), S.Zero)
+
+
+def cross(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of u × v."""
+    return [
+        u[1] * v[2] - u[2] * v[1],
+        u[2] * v[0] - u[0] * v[2],
+        u[0] * v[1] - u[1] * v[0],
+    ]
+
+
+def subtract(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of u − v."""
+    return [a - b for a, b in zip(u, v, strict=True)]
+
+
+def plus(u: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of u + v."""
+    return [a + b for a, b in zip(u, v, strict=True)]
+
+
+def compose(p: Sequence[Scalar], q: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of the quaternion product p∘q, scalar first."""
+    vector = plus(plus([p[0] * c for c in q[1:]], [q[0] * c for c in p[1:]]), cross(p[1:], q[1:]))
+    return [p[0] * q[0] - dot(p[1:], q[1:]), *vector]
+
+
+def half_turn(p: Sequence[Scalar], theta: Sequence[Scalar]) -> list[Scalar]:
+    """Return the elements of ½ p∘(0, θ): how p changes with a rotation θ in the body frame."""
+    return [Rational(1, 2) * c for c in compose(p, [S.Zero, *theta])]
+
+
+class Flow:
+    """The derivative along a direction: of r along δr, of p along ½ p∘(0, δθ′).
+
+    Parameters
+    ----------
+    direction : Mapping
+        The derivative of each symbol that changes.
+    expand_in : Sequence
+        Symbols; a sum that holds no others is multiplied out, which keeps the elements of A short.
+    """
+
+    def __init__(self, direction: Mapping[Scalar, Scalar], expand_in: Sequence[Scalar]) -> None:
+        self._direction = direction
+        self._small = frozenset(expand_in)
+        self._memo: dict[Scalar, Scalar] = {}
+
+    def __call__(self, x: Scalar) -> Scalar:
+        """Return the derivative of ``x``."""
+        known = self._memo.get(x)
+        if known is None:
+            known = self._memo[x] = self._derivative(x)
+        return known
+
+    def _derivative(self, x: Scalar) -> Scalar:
+        if not x.args:
+            return self._direction.get(x, S.Zero)
+        if x.is_Add:
+            total = sympy.Add(*(self(arg) for arg in x.args))
+            return sympy.expand(total) if x.free_symbols <= self._small else total
+        if x.is_Mul:
+            terms = []
+            for k, arg in enumerate(x.args):
+                change = self(arg)
+                if change != 0:
+                    terms.append(sympy.Mul(*x.args[:k], change, *x.args[k + 1 :]))
+            return sympy.Add(*terms)
+        if x.is_Pow and not x.exp.free_symbols:
+            change = self(x.base)
+            return S.Zero if change == 0 else x.exp * x.base ** (x.exp - 1) * change
+        return sympy.Add(*(x.diff(s) * change for s, change in self._direction.items()))

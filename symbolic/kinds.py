@@ -1,0 +1,121 @@
+"""The list of kinds: names, other books' names, packages, and the module that derives each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import DerivationError
+
+if TYPE_CHECKING:
+    from kousoku.symbolic.derivation import Derivation
+
+
+@dataclass(frozen=True, slots=True)
+class Kind:
+    """One line of the list of kinds.
+
+    Parameters
+    ----------
+    title : str
+        What it is, in one line.
+    module : str
+        The module of ``kousoku.symbolic`` whose ``derive(package)`` derives it.
+    packages : tuple of str
+        The packages that are emitted: one for each variant.
+    aliases : tuple of str
+        Other names, compared without case, blanks and hyphens.
+    """
+
+    title: str
+    module: str
+    packages: tuple[str, ...]
+    aliases: tuple[str, ...] = ()
+
+
+#: All kinds by name. A new kind is one module and one line here.
+KINDS: dict[str, Kind] = {
+    "rotation": Kind("rotation by Euler parameters", "rotation", ("rotation",)),
+    "n1": Kind("two vectors perpendicular", "pairs", ("n1",), ("dot-1", "perpendicular", "perp-1")),
+    "n2": Kind(
+        "vector perpendicular to the line between two points",
+        "pairs",
+        ("n2",),
+        ("dot-2", "inplane"),
+    ),
+    "p1": Kind(
+        "two vectors parallel", "pairs", ("p1_x", "p1_y", "p1_z"), ("parallel-1", "parallel axes")
+    ),
+    "p2": Kind(
+        "vector parallel to the line between two points",
+        "pairs",
+        ("p2_x", "p2_y", "p2_z"),
+        ("parallel-2", "inline"),
+    ),
+    "point": Kind(
+        "two points coincident", "joints", ("point",), ("spherical", "atpoint", "coincident points")
+    ),
+    "distance": Kind("two points at a given distance", "joints", ("distance",), ("distance-1",)),
+    "norm": Kind("Euler parameters of norm one", "joints", ("norm",), ("euler parameter norm",)),
+    "link": Kind("planar link element", "link", ("link",), ("link element",)),
+    "mass_points": Kind(
+        "Newton-Euler equations of mass points", "mass", ("mass_points",), ("mass points",)
+    ),
+    "rigid_body": Kind(
+        "Newton-Euler equations of a rigid body", "mass", ("rigid_body",), ("rigid body",)
+    ),
+}
+
+
+def _plain(name: str) -> str:
+    return "".join(c for c in name.lower() if c not in " -_")
+
+
+def packages_of(name: str) -> tuple[str, ...]:
+    """Return the packages that a name stands for.
+
+    Parameters
+    ----------
+    name : str
+        A package (``p2_x``), a kind (``p2``: all its variants) or a name from another book
+        (``INLINE``); case, blanks and hyphens do not count.
+
+    Raises
+    ------
+    DerivationError
+        No kind has this name.
+    """
+    plain = _plain(name)
+    for kind, entry in KINDS.items():
+        if plain in {_plain(kind), *map(_plain, entry.aliases)}:
+            return entry.packages
+        for package in entry.packages:
+            if plain == _plain(package):
+                return (package,)
+    raise DerivationError(f"unknown kind {name!r}; known are {', '.join(KINDS)}")
+
+
+def derive(name: str) -> Derivation:
+    """Derive one package; of a kind with variants, the last.
+
+    Parameters
+    ----------
+    name : str
+        As in :func:`packages_of`.
+
+    Returns
+    -------
+    Derivation
+        The steps on the matrix level, and every output on both levels.
+
+    Raises
+    ------
+    DerivationError
+        No kind has this name.
+    """
+    package = packages_of(name)[-1]
+    entry = next(entry for entry in KINDS.values() if package in entry.packages)
+    module = import_module(f"kousoku.symbolic.{entry.module}")
+    derivation: Derivation = module.derive(package)
+    return derivation

@@ -1,0 +1,238 @@
+"""The matrix level: the closed set of nodes that a derivation is written in.
+
+``codegen.freeze`` accepts exactly these, and refuses anything else by name.
+
+====================================  ===========================================================
+node                                  meaning
+====================================  ===========================================================
+``MatrixSymbol``                      an input array: (n, 1) for a vector, (m, n) for a matrix
+``Orientation(p)``                    A(p), the homogeneous quadratic form of the Euler parameters
+``Skew(v)``                           the skew operator: ``Skew(v) w`` is the cross product v × w
+``Transpose``, ``MatMul``, ``MatAdd`` as in SymPy; a product may carry scalar factors
+``Identity``, ``ZeroMatrix``          constants
+``ImmutableDenseMatrix``              a constant such as a selection of rows, or scalar formulas
+``BlockMatrix``                       blocks side by side, such as a Jacobian
+``Named(name, x)``                    x, printed by its name
+====================================  ===========================================================
+
+Scalars, as factors of a product or as elements of an explicit matrix, are built from numbers,
+``Symbol`` (an input of shape ``()``), elements ``v[i, j]`` of a ``MatrixSymbol``,
+``Dot(u, v)`` (the number uᵀv), ``+``, ``*``, integer powers and square roots, ``sin``, ``cos``
+and ``atan2``.
+
+Expressions are built by :func:`add`, :func:`mul`, :func:`transpose` and :func:`skew`, which keep
+the order in which terms are written; SymPy's own canonical order, which may change from version
+to version, is never asked for.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sympy import Basic, Expr, Integer, S, Symbol
+from sympy.core.symbol import Str
+from sympy.matrices.expressions import (
+    BlockMatrix,
+    Identity,
+    MatAdd,
+    MatMul,
+    MatrixExpr,
+    MatrixSymbol,
+    Transpose,
+    ZeroMatrix,
+)
+from sympy.matrices.immutable import ImmutableDenseMatrix
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.quantity import Quantity
+
+Matrix = Any  # a SymPy matrix expression or explicit matrix: SymPy is untyped
+Scalar = Any  # a SymPy expression
+
+
+class Orientation(MatrixExpr):
+    """A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ, body components to frame O.
+
+    The Euler parameters ``p`` (4, 1), scalar first, may have any norm: A Aᵀ = (p·p)² I.
+    """
+
+    def __new__(cls, p: Matrix) -> Any:
+        return Basic.__new__(cls, p)
+
+    p = property(lambda self: self.args[0])
+    shape = property(lambda self: (Integer(3), Integer(3)))
+
+    def _entry(self, i: Any, j: Any, **_: Any) -> Expr:
+        return quadratic_form([self.p[k, 0] for k in range(4)])[int(i)][int(j)]
+
+
+class Skew(MatrixExpr):
+    """ṽ, the skew-symmetric matrix of a vector (3, 1): ṽ w = v × w."""
+
+    def __new__(cls, v: Matrix) -> Any:
+        return Basic.__new__(cls, v)
+
+    v = property(lambda self: self.args[0])
+    shape = property(lambda self: (Integer(3), Integer(3)))
+
+    def _entry(self, i: Any, j: Any, **_: Any) -> Expr:
+        i, j = int(i), int(j)
+        if i == j:
+            return S.Zero
+        sign = 1 if (j - i) % 3 == 2 else -1
+        return sign * self.v[3 - i - j, 0]
+
+
+class Named(MatrixExpr):
+    """A matrix expression that is printed by its name, such as d or y."""
+
+    def __new__(cls, name: str | Str, value: Matrix) -> Any:
+        return Basic.__new__(cls, Str(str(name)), value)
+
+    name = property(lambda self: str(self.args[0]))
+    value = property(lambda self: self.args[1])
+    shape = property(lambda self: self.args[1].shape)
+
+    def _entry(self, i: Any, j: Any, **_: Any) -> Expr:
+        return self.value[i, j]
+
+
+class Dot(Expr):
+    """The number uᵀv of two vectors, as a scalar factor."""
+
+    is_commutative = True
+
+    def __new__(cls, u: Matrix, v: Matrix) -> Any:
+        return Basic.__new__(cls, u, v)
+
+
+def vector(name: str, size: int = 3) -> Matrix:
+    """Return the symbol of an input vector."""
+    return MatrixSymbol(name, size, 1)
+
+
+def symbol(quantity: Quantity) -> Any:
+    """Return the matrix-level symbol of an input: a ``Symbol`` where it is a scalar."""
+    if not quantity.shape:
+        return Symbol(quantity.name)
+    rows, columns = (*quantity.shape, 1)[:2]
+    return MatrixSymbol(quantity.name, rows, columns)
+
+
+def elements(quantity: Quantity) -> tuple[Symbol, ...]:
+    """Return the component-level symbols of an array, flat and row-major.
+
+    They are named ``r_i[0]``, ``r_i[1]`` …; a scalar keeps its bare name.
+    """
+    if not quantity.shape:
+        return (Symbol(quantity.name),)
+    return tuple(Symbol(f"{quantity.name}[{k}]") for k in range(quantity.size))
+
+
+def quadratic_form(p: Sequence[Any]) -> list[list[Any]]:
+    """Return the elements of A(p) for any numbers ``p`` with ``+``, ``-`` and ``*``."""
+    e0, e1, e2, e3 = p
+    return [
+        [e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
+        [2 * (e1 * e2 + e0 * e3), e0 * e0 - e1 * e1 + e2 * e2 - e3 * e3, 2 * (e2 * e3 - e0 * e1)],
+        [2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), e0 * e0 - e1 * e1 - e2 * e2 + e3 * e3],
+    ]
+
+
+def is_zero(x: Matrix) -> bool:
+    """Return whether ``x`` is a zero matrix by construction."""
+    return isinstance(x, ZeroMatrix) or (
+        isinstance(x, ImmutableDenseMatrix) and all(value == 0 for value in x)
+    )
+
+
+def coefficient_and_factors(x: Matrix) -> tuple[Scalar, tuple[Matrix, ...]]:
+    """Split a product into its scalar factor and its matrix factors, in order."""
+    if not isinstance(x, MatMul):
+        return S.One, (x,)
+    scalar, factors = S.One, []
+    for arg in x.args:
+        if getattr(arg, "is_Matrix", False):
+            factors.append(arg)
+        else:
+            scalar = scalar * arg
+    return scalar, tuple(factors)
+
+
+def mul(*factors: Any) -> Matrix:
+    """Return the product in the given order: flat, without identities, scalar factors in front."""
+    scalar: Scalar = S.One
+    matrices: list[Matrix] = []
+    for factor in factors:
+        if not getattr(factor, "is_Matrix", False):
+            scalar = scalar * factor
+            continue
+        inner, parts = coefficient_and_factors(factor)
+        scalar = scalar * inner
+        matrices.extend(parts)
+    rows, columns = matrices[0].shape[0], matrices[-1].shape[1]
+    if scalar == 0 or any(is_zero(matrix) for matrix in matrices):
+        return ZeroMatrix(rows, columns)
+    kept = [matrix for matrix in matrices if not isinstance(matrix, Identity)] or matrices[:1]
+    if scalar == 1:
+        return kept[0] if len(kept) == 1 else MatMul(*kept)
+    return MatMul(scalar, *kept)
+
+
+def add(*terms: Matrix) -> Matrix:
+    """Return the sum in the given order: flat, without zeros, equal terms collected."""
+    counts: dict[tuple[Matrix, ...], Scalar] = {}
+    for term in terms:
+        for part in term.args if isinstance(term, MatAdd) else (term,):
+            if not is_zero(part):
+                scalar, factors = coefficient_and_factors(part)
+                counts[factors] = counts.get(factors, S.Zero) + scalar
+    kept = [mul(scalar, *factors) for factors, scalar in counts.items() if scalar != 0]
+    if not kept:
+        return ZeroMatrix(*terms[0].shape)
+    return kept[0] if len(kept) == 1 else MatAdd(*kept)
+
+
+def neg(x: Matrix) -> Matrix:
+    """Return −x."""
+    if isinstance(x, MatAdd):
+        return add(*(neg(term) for term in x.args))
+    return mul(S.NegativeOne, x)
+
+
+def skew(v: Matrix) -> Matrix:
+    """Return ṽ with the scalar factor of v in front."""
+    if is_zero(v):
+        return ZeroMatrix(3, 3)
+    scalar, factors = coefficient_and_factors(v)
+    return mul(scalar, Skew(mul(*factors)))
+
+
+def transpose(x: Matrix) -> Matrix:
+    """Return xᵀ with the transposition carried to the symbols: (XY)ᵀ = YᵀXᵀ, ṽᵀ = −ṽ."""
+    if tuple(x.shape) == (1, 1) and not isinstance(x, MatMul | MatAdd):
+        return x
+    match x:
+        case MatMul():
+            scalar, factors = coefficient_and_factors(x)
+            return mul(scalar, *(transpose(factor) for factor in reversed(factors)))
+        case MatAdd():
+            return add(*(transpose(term) for term in x.args))
+        case Transpose():
+            return x.arg
+        case Skew():
+            return neg(x)
+        case ZeroMatrix():
+            return ZeroMatrix(x.shape[1], x.shape[0])
+        case Identity():
+            return x
+        case ImmutableDenseMatrix():
+            return x.T
+        case BlockMatrix():
+            rows, columns = x.blockshape
+            return BlockMatrix(
+                [[transpose(x.blocks[i, j]) for i in range(rows)] for j in range(columns)]
+            )
+    return Transpose(x)

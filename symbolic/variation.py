@@ -1,0 +1,208 @@
+"""δ as an operator on the matrix level, and the linear form that it ends in.
+
+A variation and a time derivative follow the same rules; only the symbols differ:
+δr ↔ ṙ = v and δθ′ ↔ ω′. The one rule that is not plain algebra is (7.16), δA = A δθ̃′.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from sympy.matrices.expressions import (
+    BlockMatrix,
+    Identity,
+    MatAdd,
+    MatMul,
+    MatrixSymbol,
+    Transpose,
+    ZeroMatrix,
+)
+from sympy.matrices.immutable import ImmutableDenseMatrix
+
+from kousoku.model.errors import DerivationError
+from kousoku.symbolic.matrices import (
+    Dot,
+    Matrix,
+    Named,
+    Orientation,
+    Scalar,
+    Skew,
+    add,
+    coefficient_and_factors,
+    is_zero,
+    mul,
+    neg,
+    skew,
+    transpose,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+
+@dataclass(frozen=True, slots=True)
+class Variation:
+    """The operator δ (or d/dt): a linear map that obeys the product rule.
+
+    Parameters
+    ----------
+    vectors : Mapping
+        The variation of each vector that varies, e.g. r → δr; others are constant.
+    rotations : Mapping
+        For Euler parameters p the virtual rotation δθ′ in the body frame: δA(p) = A δθ̃′ (7.16).
+        With δp = ½ p∘(0, δθ′), p·δp is zero, so that p·p is constant.
+    """
+
+    vectors: Mapping[Matrix, Matrix]
+    rotations: Mapping[Matrix, Matrix]
+
+    def __call__(self, x: Matrix) -> Matrix:
+        """Return δx, by the product rule and (7.16)."""
+        match x:
+            case MatAdd():
+                return add(*(self(term) for term in x.args))
+            case MatMul():
+                return self._of_product(x)
+            case Orientation():
+                dtheta = self.rotations.get(x.p)
+                return ZeroMatrix(3, 3) if dtheta is None else mul(x, skew(dtheta))
+            case Skew():
+                return skew(self(x.v))
+            case Transpose():
+                return transpose(self(x.arg))
+            case Named():
+                return self(x.value)
+            case BlockMatrix():
+                rows, columns = x.blockshape
+                return BlockMatrix(
+                    [[self(x.blocks[i, j]) for j in range(columns)] for i in range(rows)]
+                )
+            case MatrixSymbol():
+                return self.vectors.get(x, ZeroMatrix(*x.shape))
+            case Identity() | ZeroMatrix() | ImmutableDenseMatrix():
+                return ZeroMatrix(*x.shape)
+        raise DerivationError(f"variation: no rule for {type(x).__name__} in {x}")
+
+    def _of_product(self, x: Matrix) -> Matrix:
+        scalar, factors = coefficient_and_factors(x)
+        self._check_constant(scalar)
+        return add(
+            *(
+                mul(scalar, *factors[:k], self(factor), *factors[k + 1 :])
+                for k, factor in enumerate(factors)
+            )
+        )
+
+    def _check_constant(self, scalar: Scalar) -> None:
+        for dot in scalar.atoms(Dot):
+            u, v = dot.args
+            if u == v and u in self.rotations:
+                continue
+            if not (is_zero(self(u)) and is_zero(self(v))):
+                raise DerivationError(f"variation: the scalar factor {scalar} is not constant")
+
+
+def contains(x: Matrix, symbol: Matrix) -> bool:
+    """Return whether ``symbol`` stands anywhere in ``x``."""
+    return bool(x == symbol or any(contains(arg, symbol) for arg in x.args))
+
+
+def coefficient(x: Matrix, symbol: Matrix) -> Matrix:
+    """Return M of the column ``x`` = M ``symbol`` + terms without it.
+
+    The rules are ũ w = −w̃ u, and that a number is its own transpose.
+
+    Raises
+    ------
+    DerivationError
+        ``x`` is not linear in ``symbol``, or the symbol cannot be brought to the right.
+    """
+    zero = ZeroMatrix(x.shape[0], symbol.shape[0])
+    if x == symbol:
+        return Identity(symbol.shape[0])
+    if not contains(x, symbol):
+        return zero
+    match x:
+        case MatAdd():
+            return add(*(coefficient(term, symbol) for term in x.args))
+        case Named():
+            return coefficient(x.value, symbol)
+        case MatMul():
+            return _of_product(x, symbol)
+    raise DerivationError(f"linear form: {symbol} cannot be collected from {x}")
+
+
+def _of_product(x: Matrix, symbol: Matrix) -> Matrix:
+    scalar, factors = coefficient_and_factors(x)
+    where = [k for k, factor in enumerate(factors) if contains(factor, symbol)]
+    if len(where) != 1:
+        raise DerivationError(f"linear form: {x} is not linear in {symbol}")
+    before, factor, after = factors[: where[0]], factors[where[0]], factors[where[0] + 1 :]
+    if not after and factor.shape[1] == 1:
+        return mul(scalar, *before, coefficient(factor, symbol))
+    if isinstance(factor, MatAdd):
+        return add(
+            *(coefficient(mul(scalar, *before, term, *after), symbol) for term in factor.args)
+        )
+    if isinstance(factor, Named):
+        return coefficient(mul(scalar, *before, factor.value, *after), symbol)
+    if isinstance(factor, Skew):
+        right = mul(*after)
+        return neg(mul(scalar, *before, skew(right), coefficient(factor.v, symbol)))
+    if tuple(x.shape) == (1, 1):
+        return coefficient(transpose(x), symbol)
+    raise DerivationError(f"linear form: {symbol} cannot be brought to the right in {x}")
+
+
+def rewrite(x: Matrix, rule: Callable[[Matrix], Matrix | None]) -> Matrix:
+    """Return ``x`` with ``rule`` applied to every node from the leaves up, until none changes."""
+    if isinstance(x, MatAdd):
+        rebuilt = add(*(rewrite(arg, rule) for arg in x.args))
+    elif isinstance(x, MatMul):
+        scalar, factors = coefficient_and_factors(x)
+        rebuilt = mul(scalar, *(rewrite(factor, rule) for factor in factors))
+    elif isinstance(x, Skew):
+        rebuilt = skew(rewrite(x.v, rule))
+    else:
+        rebuilt = x
+    changed = rule(rebuilt)
+    return rebuilt if changed is None or changed == rebuilt else rewrite(changed, rule)
+
+
+def without(x: Matrix, *symbols: Matrix) -> Matrix:
+    """Return ``x`` with the vectors ``symbols`` set to zero."""
+
+    def vanish(node: Matrix) -> Matrix | None:
+        if node in symbols:
+            return ZeroMatrix(*node.shape)
+        if isinstance(node, Named) and any(contains(node.value, symbol) for symbol in symbols):
+            return without(node.value, *symbols)
+        if isinstance(node, Transpose) and node.arg in symbols:
+            return ZeroMatrix(*node.shape)
+        return None
+
+    return rewrite(x, vanish)
+
+
+def orthogonality(x: Matrix) -> Matrix | None:
+    """Apply A(p)ᵀA(p) = (p·p)² I, true for Euler parameters of any norm, where it stands in x."""
+    if not isinstance(x, MatMul):
+        return None
+    scalar, factors = coefficient_and_factors(x)
+    for k in range(len(factors) - 1):
+        left, right = factors[k : k + 2]
+        if isinstance(left, Transpose) and left.arg == right and isinstance(right, Orientation):
+            square = Dot(right.p, right.p) ** 2
+            rest = (*factors[:k], *factors[k + 2 :]) or (Identity(3),)
+            return mul(scalar * square, *rest)
+    return None
+
+
+def distribute(x: Matrix, select: Callable[[Matrix], bool]) -> Matrix:
+    """Return the product ``x`` multiplied out over its last factor, a sum that ``select`` picks."""
+    scalar, factors = coefficient_and_factors(x)
+    last = factors[-1].value if isinstance(factors[-1], Named) else factors[-1]
+    if not isinstance(last, MatAdd) or not select(last):
+        return x
+    return add(*(mul(scalar, *factors[:-1], term) for term in last.args))
