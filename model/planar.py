@@ -82,7 +82,7 @@ class Slider(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
 
 class Input(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A prescribed motion: the angle of a link, or the displacement of a slider.
+    """A prescribed motion: the angle of a link, the displacement of a slider, a joint coordinate.
 
     Parameters
     ----------
@@ -91,6 +91,8 @@ class Input(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         node `about` towards its other end.
     slider : str, optional
         The slider whose displacement is prescribed, instead of a link.
+    joint : str, optional
+        The joint of a spatial scene whose coordinate is prescribed, instead of a link.
     start : float [rad or unit of the scene]
         Value at division 0; the key in a file is ``from``.
     to : float [rad or unit of the scene], optional
@@ -105,6 +107,7 @@ class Input(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     link: str | None = None
     about: str | None = None
     slider: str | None = None
+    joint: str | None = None
     start: float = msgspec.field(default=0.0, name="from")
     to: float | None = None
     turns: float | None = None

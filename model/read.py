@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from pathlib import Path
-from typing import Any
 
-import msgspec
-
+from kousoku.model.decode import decode
 from kousoku.model.errors import SceneError
 from kousoku.model.scene import Scene
+from kousoku.model.validate import check
+
+LARGEST_FILE = 16 * 2**20
+"""Bytes of the largest scene file that is read."""
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -24,30 +25,59 @@ def read_scene(path: str | Path) -> Scene:
     Raises
     ------
     SceneError
-        The file cannot be read, is not TOML, or does not describe a linkage that can be solved;
+        The file cannot be read, is not TOML, or does not describe a mechanism that can be solved;
         the message names the file, the key, the reason and what was wanted.
     """
     file = str(path)
     try:
-        text = Path(path).read_text(encoding="utf-8")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise SceneError(f"cannot be read: {error}", file=file) from error
+        with Path(path).open("rb") as stream:
+            data = stream.read(LARGEST_FILE + 1)
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise SceneError(f"is not UTF-8 text (at line {line})", file=file) from None
+    except OSError as error:
+        raise SceneError(f"cannot be read: {error.strerror}", file=file) from error
+    except ValueError as error:
+        raise SceneError(f"is not the name of a file: {error}", file=repr(file)) from error
+    if len(data) > LARGEST_FILE:
+        limit = LARGEST_FILE // 2**20
+        raise SceneError(f"is too large: a scene file has at most {limit} MiB", file=file)
     return scene_from_toml(text, file=file)
 
 
 def scene_from_toml(text: str, *, file: str = "") -> Scene:
-    """Read and check the text of a scene file; `file` is what messages name."""
+    """Read and check the text of a scene file.
+
+    Parameters
+    ----------
+    text : str
+        TOML.
+    file : str
+        The file that messages name.
+    """
     try:
         tree = tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except RecursionError:
+        raise SceneError("is not a scene: its tables are nested too deeply", file=file) from None
+    except ValueError as error:
         raise SceneError(f"is not valid TOML: {error}", file=file) from error
     return scene_from_dict(tree, file=file)
 
 
-def scene_from_dict(tree: dict[str, Any], *, file: str = "") -> Scene:
-    """Check a tree of tables, as :func:`tomllib.loads` gives it."""
+def scene_from_dict(tree: object, *, file: str = "") -> Scene:
+    """Check a tree of tables, as :func:`tomllib.loads` gives it.
+
+    Parameters
+    ----------
+    tree : object
+        The tables of a scene; whatever is not a mapping of the right shape is refused.
+    file : str
+        The file that messages name.
+    """
     try:
-        return msgspec.convert(tree, Scene)
-    except msgspec.ValidationError as error:
-        problem, _, place = str(error).partition(" - at ")
-        raise SceneError(problem, file=file, key=re.sub(r"[`$]\.?", "", place)) from error
+        scene = decode(tree, Scene)
+        check(scene)
+    except SceneError as error:
+        raise SceneError(error.problem, file=file, key=error.key) from error.__cause__
+    return scene

@@ -9,9 +9,13 @@ from typing import Literal
 import msgspec
 
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
+from kousoku.model.spatial import Body, Joint
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal["positions", "velocities", "accelerations", "angles"]
+
+TABLES = ("nodes", "links", "rigid", "sliders", "bodies", "joints", "inputs")
+"""The tables of named elements; a name stands in one of them only."""
 
 
 class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -32,7 +36,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     title : str
         One line for people.
     nodes, links, rigid, sliders : mapping of str to element
-        The linkage.
+        The planar linkage.
+    bodies, joints : mapping of str to element
+        The spatial mechanism: validated today, solved by a later version.
     inputs : mapping of str to Input
         Prescribed motions; they all take their division k at the same time.
     divisions : int
@@ -51,15 +57,22 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     links: Mapping[str, Link] = {}
     rigid: Mapping[str, Rigid] = {}
     sliders: Mapping[str, Slider] = {}
+    bodies: Mapping[str, Body] = {}
+    joints: Mapping[str, Joint] = {}
     inputs: Mapping[str, Input] = {}
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")
     method: Method = Method()
 
     def __post_init__(self) -> None:
-        for field in ("nodes", "links", "rigid", "sliders", "inputs"):
+        for field in TABLES:
             frozen = MappingProxyType(dict(getattr(self, field)))
             msgspec.structs.force_setattr(self, field, frozen)
+
+    @property
+    def is_spatial(self) -> bool:
+        """Whether the scene has bodies or joints in space."""
+        return bool(self.bodies or self.joints)
 
     def length(self, link: str) -> float:
         """Return the design length of a link, in the unit of the scene."""

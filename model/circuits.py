@@ -1,0 +1,95 @@
+"""Circuits that no motion can close: a side that is longer than every way round it."""
+
+from __future__ import annotations
+
+import heapq
+from math import dist
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.scene import Scene
+
+Graph = dict[str, list[tuple[str, str, float]]]
+"""For each node its neighbours: the link, the node at its other end, the length."""
+
+
+def check_circuits(scene: Scene) -> None:
+    """Check that no link, and no distance in the frame, exceeds the rest of a circuit.
+
+    Raises
+    ------
+    SceneError
+        The linkage cannot be assembled in any position.
+    """
+    graph: Graph = {node: [] for node in scene.nodes}
+    for name, link in scene.links.items():
+        for node in link.nodes:
+            if not scene.is_ground(name):
+                graph[node].append((name, link.other(node), scene.length(name)))
+    tolerance = max(scene.residual_limit, 2.0**-40 * scene.largest_length)
+    _check_links(scene, graph, tolerance)
+    _check_frame(scene, graph, tolerance)
+
+
+def _check_links(scene: Scene, graph: Graph, tolerance: float) -> None:
+    for name, link in scene.links.items():
+        first, second = link.nodes
+        limit = scene.length(name) - tolerance
+        for node, way in _ways(scene, graph, first, limit, without=name):
+            if node == second and not scene.is_ground(name):
+                raise SceneError(
+                    f"cannot be assembled: its length {scene.length(name):.12g} {scene.unit} "
+                    f"exceeds the rest of a circuit from {first} to {second}, which reaches only "
+                    f"{way:.12g} {scene.unit}",
+                    key=f"links.{name}",
+                )
+
+
+def _check_frame(scene: Scene, graph: Graph, tolerance: float) -> None:
+    frame = {name: node.at for name, node in scene.nodes.items() if node.fixed}
+    for first, origin in frame.items():
+        reach = max(dist(origin, other) for other in frame.values())
+        for node, way in _ways(scene, graph, first, reach, jumps=False):
+            if node in frame and way < dist(origin, frame[node]) - tolerance:
+                raise SceneError(
+                    f"cannot be assembled: {first} and {node} are fixed "
+                    f"{dist(origin, frame[node]):.12g} {scene.unit} apart, but the links between "
+                    f"them reach only {way:.12g} {scene.unit}",
+                    key=f"nodes.{node}.at",
+                )
+
+
+def _ways(
+    scene: Scene,
+    graph: Graph,
+    start: str,
+    limit: float,
+    *,
+    without: str = "",
+    jumps: bool = True,
+) -> Iterator[tuple[str, float]]:
+    """Yield nodes with their shortest way from `start`, as long as it is below `limit`.
+
+    The link `without` is no way; the frame is one between fixed nodes where `jumps` says so.
+    """
+    frame = [name for name, node in scene.nodes.items() if node.fixed] if jumps else []
+    queue, reached = [(0.0, start)], set[str]()
+    while queue:
+        way, node = heapq.heappop(queue)
+        if way >= limit:
+            return
+        if node in reached:
+            continue
+        reached.add(node)
+        yield node, way
+        for link, end, length in graph[node]:
+            if link != without:
+                heapq.heappush(queue, (way + length, end))
+        if node in frame:
+            for end in frame:
+                length = dist(scene.nodes[node].at, scene.nodes[end].at)
+                heapq.heappush(queue, (way + length, end))

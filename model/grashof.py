@@ -1,0 +1,279 @@
+"""Closure before solving: Grashof's conditions where they can be known from the scene alone.
+
+A node that is hinged by two links to nodes whose motion is known, or by one link to such a node
+while it slides on a line, exists only while a distance stays within a range. For a four-bar this
+is equation (34) of Yamada and Tatsumi (1981); the other cases are its analogues.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import acos, asin, atan2, hypot, tau
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.model.circuits import check_circuits
+from kousoku.model.errors import SceneError
+from kousoku.model.motion import input_values, period
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.scene import Scene
+
+BLOCK = 65536
+"""Divisions that are checked at once."""
+
+
+@dataclass(frozen=True, slots=True)
+class Crank:
+    """A link that an input turns about a fixed node."""
+
+    given: str
+    link: str
+    length: float
+    center: str
+    origin: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Where a node is at some divisions, known from the inputs alone.
+
+    Parameters
+    ----------
+    at : (2, n) or (2, 1) ndarray [unit of the scene]
+        Positions; one only where the node never moves.
+    crank : Crank, optional
+        The crank whose pin it is.
+    """
+
+    at: np.ndarray
+    crank: Crank | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Dyad:
+    """A node between two known places: when it exists.
+
+    Parameters
+    ----------
+    node : str
+        The node.
+    parts : tuple of str
+        Keys of the links and the slider that hold it.
+    distance : (n,) ndarray [unit of the scene]
+        Between the known nodes, or from the known node to the line of the slider.
+    least, most : float [unit of the scene]
+        Range in which the dyad closes; a rod may lie on the line of its slider, so that its least
+        distance is negative and never met.
+    ends : tuple of str
+        The known nodes.
+    """
+
+    node: str
+    parts: tuple[str, ...]
+    distance: np.ndarray
+    least: float
+    most: float
+    ends: tuple[str, ...]
+
+
+def check_closure(scene: Scene) -> tuple[str, ...]:
+    """Check that dyads between known places close at every division that is asked for.
+
+    Returns
+    -------
+    tuple of str
+        Where a dyad is just stretched or folded, so that its motion is not determined there.
+
+    Raises
+    ------
+    SceneError
+        A dyad certainly cannot close; the message holds the inequality in numbers, and the angles
+        at which the crank stops.
+    """
+    check_circuits(scene)
+    notes: dict[str, None] = {}
+    n_rows = period(scene) + 1
+    for first in range(0, n_rows, BLOCK):
+        ks = np.arange(first, min(first + BLOCK, n_rows))
+        known = _known_nodes(scene, ks)
+        for dyad in _dyads(scene, known):
+            tolerance = max(scene.residual_limit, 64 * 2.0**-52 * _scale(dyad))
+            outside = np.maximum(dyad.distance - dyad.most, dyad.least - dyad.distance)
+            opened = np.flatnonzero(outside > tolerance)
+            if opened.size:
+                _refuse(scene, known, dyad, int(ks[opened[0]]))
+            for index in np.flatnonzero(abs(outside) <= tolerance)[:1]:
+                notes[_note(scene, dyad, int(ks[index]))] = None
+    return tuple(notes)
+
+
+def _scale(dyad: Dyad) -> float:
+    return dyad.most + float(dyad.distance.max())
+
+
+def _known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
+    """Return the nodes whose positions follow from the inputs alone, in the order of finding."""
+    known = {
+        name: Known(np.array(node.at).reshape(2, 1))
+        for name, node in scene.nodes.items()
+        if node.fixed
+    }
+    for given in scene.inputs.values():
+        if given.slider is not None:
+            slider = scene.sliders[given.slider]
+            unit = np.array(slider.direction) / hypot(*slider.direction)
+            way = input_values(given, scene.divisions, ks)
+            at = np.array(slider.through)[:, None] + unit[:, None] * way
+            known.setdefault(slider.node, Known(at))
+    waiting = {name: given for name, given in scene.inputs.items() if given.link is not None}
+    while ready := [name for name, given in waiting.items() if given.about in known]:
+        for name in ready:
+            given = waiting.pop(name)
+            link, about = given.link or "", given.about or ""
+            angle = input_values(given, scene.divisions, ks)
+            length = scene.length(link)
+            at = known[about].at + length * np.array([np.cos(angle), np.sin(angle)])
+            is_fixed = scene.nodes[about].fixed
+            crank = Crank(name, link, length, about, scene.nodes[about].at) if is_fixed else None
+            known.setdefault(scene.links[link].other(about), Known(at, crank))
+    return known
+
+
+def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
+    holders: dict[str, list[tuple[str, str]]] = {}
+    for name, link in scene.links.items():
+        for node in link.nodes:
+            if node not in known and link.other(node) in known:
+                holders.setdefault(node, []).append((name, link.other(node)))
+    lines = {slider.node: (name, slider) for name, slider in scene.sliders.items()}
+    for node, links in holders.items():
+        (first, a), *rest = links
+        for second, b in rest:
+            l_a, l_b = scene.length(first), scene.length(second)
+            distance = np.hypot(*(known[b].at - known[a].at))
+            parts = (f"links.{first}", f"links.{second}")
+            yield Dyad(node, parts, distance, abs(l_a - l_b), l_a + l_b, (a, b))
+        if node in lines:
+            name, slider = lines[node]
+            (dx, dy), (x, y) = slider.direction, known[a].at
+            away = (x - slider.through[0]) * dy - (y - slider.through[1]) * dx
+            distance = np.abs(away) / hypot(dx, dy)
+            parts = (f"links.{first}", f"sliders.{name}")
+            rod = scene.length(first)
+            yield Dyad(node, parts, distance, -rod, rod, (a,))
+
+
+def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, k: int) -> None:
+    index = k % BLOCK if dyad.distance.size > 1 else 0
+    distance, unit = float(dyad.distance[index]), scene.unit
+    held = " and ".join(dyad.parts)
+    if dyad.distance.size == 1:
+        raise SceneError(
+            f"cannot be assembled: {held} meet only where {_span(dyad)} is "
+            f"{_range(dyad)} {unit}, but it is {distance:.12g} {unit}",
+            key=f"nodes.{dyad.node}",
+        )
+    cranks = [crank for crank in (known[end].crank for end in dyad.ends) if crank]
+    still = [end for end in dyad.ends if known[end].at.shape[1] == 1]
+    reason = ""
+    if len(cranks) == 1 and len(dyad.ends) == 1:
+        reason = _slider_crank(scene, dyad, cranks[0])
+    elif len(cranks) == 1 and still:
+        reason = _four_bar(scene, dyad, cranks[0], still[0], distance)
+    key = f"inputs.{cranks[0].given}" if cranks else "inputs"
+    raise SceneError(
+        f"{reason}{held} cannot close at division {k} ({_values(scene, k)}): {_span(dyad)} is "
+        f"{distance:.12g} {unit}, wanted {_range(dyad)} {unit}",
+        key=key,
+    )
+
+
+def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float) -> str:
+    """Return Grashof's inequality (34) that does not hold, and where the crank stops."""
+    x, y = (b - a for a, b in zip(crank.origin, scene.nodes[end].at, strict=True))
+    frame = hypot(x, y)
+    if frame == 0:
+        return ""
+    lengths = [
+        (part.partition(".")[2], scene.length(part.partition(".")[2])) for part in dyad.parts
+    ]
+    sides = [(crank.link, crank.length), (_frame_name(scene, crank.center, end), frame)]
+    if distance > dyad.most:
+        left, right = sides, lengths
+    else:
+        lengths.sort(key=lambda side: side[1])
+        sides.sort(key=lambda side: side[1])
+        left, right = [sides[0], lengths[1]], [lengths[0], sides[1]]
+    limit = dyad.most if distance > dyad.most else dyad.least
+    cosine = (crank.length**2 + frame**2 - limit**2) / (2 * crank.length * frame)
+    stops = [atan2(y, x) + sign * acos(cosine) for sign in (1, -1)] if abs(cosine) <= 1 else []
+    return _stops(crank, "Grashof's condition (34) ", left, right, stops)
+
+
+def _slider_crank(scene: Scene, dyad: Dyad, crank: Crank) -> str:
+    """Return the condition of a crank with an offset slider, and where the crank stops."""
+    slider = scene.sliders[dyad.parts[1].partition(".")[2]]
+    rod = dyad.parts[0].partition(".")[2]
+    (dx, dy), (x, y) = slider.direction, crank.origin
+    offset = ((x - slider.through[0]) * dy - (y - slider.through[1]) * dx) / hypot(dx, dy)
+    sines = [(offset + sign * dyad.most) / crank.length for sign in (1, -1)]
+    along = atan2(dy, dx)
+    reached = [asin(sine) for sine in sines if abs(sine) <= 1]
+    stops = [along + angle for one in reached for angle in (one, tau / 2 - one)]
+    left = [(crank.link, crank.length), ("offset", abs(offset))]
+    return _stops(crank, "", left, [(rod, dyad.most)], stops)
+
+
+Side = tuple[str, float]
+
+
+def _stops(
+    crank: Crank, title: str, left: list[Side], right: list[Side], stops: list[float]
+) -> str:
+    names = " <= ".join(" + ".join(name for name, _ in side) for side in (left, right))
+    numbers = " > ".join(" + ".join(f"{value:.12g}" for _, value in side) for side in (left, right))
+    angles = " and ".join(f"{angle % tau:.6g}" for angle in sorted(stop % tau for stop in stops))
+    where = f", stops it at {crank.given} = {angles} rad" if stops else ", closes at no angle"
+    return (
+        f"the crank {crank.link} cannot make the motion: {title}{names} does not hold "
+        f"({numbers}){where}; "
+    )
+
+
+def _frame_name(scene: Scene, first: str, second: str) -> str:
+    for name, link in scene.links.items():
+        if set(link.nodes) == {first, second}:
+            return name
+    return f"{first}{second}"
+
+
+def _span(dyad: Dyad) -> str:
+    if len(dyad.ends) == 1:
+        return f"the distance from {dyad.ends[0]} to the line"
+    return f"the distance from {dyad.ends[0]} to {dyad.ends[1]}"
+
+
+def _range(dyad: Dyad) -> str:
+    return (
+        f"{dyad.least:.12g} to {dyad.most:.12g}" if dyad.least >= 0 else f"at most {dyad.most:.12g}"
+    )
+
+
+def _values(scene: Scene, k: int) -> str:
+    values = (
+        f"{name} = {float(input_values(given, scene.divisions, [k])[0]):.6g}"
+        for name, given in scene.inputs.items()
+    )
+    return ", ".join(values)
+
+
+def _note(scene: Scene, dyad: Dyad, k: int) -> str:
+    where = f"at division {k} ({_values(scene, k)}) " if dyad.distance.size > 1 else ""
+    return (
+        f"{where}{' and '.join(dyad.parts)} at {dyad.node} are stretched or folded: the motion is "
+        "not determined there"
+    )

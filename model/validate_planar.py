@@ -1,0 +1,207 @@
+"""Check the elements of a planar linkage one by one: names resolve, lengths are lengths."""
+
+from __future__ import annotations
+
+from math import hypot, isfinite
+from typing import TYPE_CHECKING
+
+from kousoku.model.decode import LARGEST, unknown
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from kousoku.model.planar import Rigid
+    from kousoku.model.scene import Scene
+
+FRAME_TOLERANCE = 1e-6
+"""Relative difference that a length between two fixed nodes may have to their distance, for
+decimals that were rounded by hand; the positions of the nodes are what is used."""
+
+MOST_LINKS = 2000
+"""Links of the largest planar scene."""
+
+
+def check_planar(scene: Scene) -> None:
+    """Check nodes, links, sliders, rigid connections and what the inputs drive.
+
+    Raises
+    ------
+    SceneError
+        The first problem that is found, with its dotted key.
+    """
+    if not scene.nodes:
+        raise SceneError("is missing; wanted nodes and links", key="nodes")
+    if not scene.links:
+        raise SceneError("is missing; wanted one link at least", key="links")
+    if len(scene.links) > MOST_LINKS:
+        raise SceneError(f"has {len(scene.links)} links; the limit is {MOST_LINKS}", key="links")
+    for name, node in scene.nodes.items():
+        _check_point(node.at, f"nodes.{name}.at")
+    _check_links(scene)
+    _check_lengths(scene)
+    _check_connected(scene)
+    _check_sliders(scene)
+    for name, rigid in scene.rigid.items():
+        _check_rigid(scene, rigid, f"rigid.{name}")
+    _check_driven(scene)
+
+
+def _check_point(point: tuple[float, ...], key: str) -> None:
+    for component in point:
+        if not abs(component) <= LARGEST:
+            raise SceneError(f"{component!r} is not a number below {LARGEST:g}", key=key)
+
+
+def _check_links(scene: Scene) -> None:
+    seen: dict[frozenset[str], str] = {}
+    known = tuple(scene.nodes)
+    for name, link in scene.links.items():
+        key = f"links.{name}"
+        for node in link.nodes:
+            if node not in scene.nodes:
+                raise SceneError(unknown(f"node {node[:40]!r}", node, known), key=f"{key}.nodes")
+        if link.nodes[0] == link.nodes[1]:
+            raise SceneError(
+                f"connects {link.nodes[0]} to itself; wanted two different nodes", key=key
+            )
+        other = seen.setdefault(frozenset(link.nodes), name)
+        if other != name:
+            first, second = scene.length(other), scene.length(name)
+            why = "repeats it" if first == second else f"contradicts it: {second!r}, not {first!r}"
+            raise SceneError(
+                f"connects the same nodes as links.{other} and {why}; leave one of them out",
+                key=key,
+            )
+
+
+def _check_lengths(scene: Scene) -> None:
+    for name, link in scene.links.items():
+        key = f"links.{name}"
+        first, second = (scene.nodes[node].at for node in link.nodes)
+        distance = hypot(second[0] - first[0], second[1] - first[1])
+        if link.length is not None and not (1 / LARGEST <= link.length <= LARGEST):
+            what = "has zero length" if link.length == 0 else f"has the length {link.length!r}"
+            raise SceneError(
+                f"{what}; wanted a length between {1 / LARGEST:g} and {LARGEST:g}",
+                key=f"{key}.length",
+            )
+        if distance == 0:
+            what = "has zero length" if link.length is None else "has no direction"
+            raise SceneError(
+                f"{what}: {link.nodes[0]} and {link.nodes[1]} are given at the same position; "
+                "wanted positions that show where the link points",
+                key=key,
+            )
+        length = scene.length(name)
+        if scene.is_ground(name) and abs(length - distance) > FRAME_TOLERANCE * distance:
+            raise SceneError(
+                f"the length {length!r} contradicts the fixed nodes {link.nodes[0]} and "
+                f"{link.nodes[1]}, which are {distance!r} apart",
+                key=f"{key}.length",
+            )
+    _check_scale(scene)
+
+
+def _check_scale(scene: Scene) -> None:
+    """Refuse what rounding would swallow: links and residuals below the last digit of L."""
+    largest = scene.largest_length
+    for name in scene.links:
+        if not scene.length(name) > scene.residual_limit:
+            raise SceneError(
+                f"the length {scene.length(name)!r} is within the limit of the residual, "
+                f"{scene.residual_limit!r}; wanted a longer link or a smaller residual",
+                key=f"links.{name}",
+            )
+    rounding = 2.0**-53 * largest
+    if scene.residual_limit < rounding:
+        raise SceneError(
+            f"{scene.residual_limit!r} is below the rounding of the largest length {largest!r}; "
+            f"wanted at least {rounding!r}, or leave it out for {16 * rounding!r}",
+            key="method.residual",
+        )
+
+
+def _check_connected(scene: Scene) -> None:
+    used = {node for link in scene.links.values() for node in link.nodes}
+    for name in scene.nodes:
+        if name not in used:
+            raise SceneError(
+                "no link is connected to this node; connect it or leave it out", key=f"nodes.{name}"
+            )
+    if not any(node.fixed for node in scene.nodes.values()) and not scene.sliders:
+        raise SceneError("nothing is fixed; wanted 'fixed = true' for the frame", key="nodes")
+    if all(scene.is_ground(name) for name in scene.links):
+        raise SceneError("every node is fixed; wanted something that moves", key="nodes")
+
+
+def _check_sliders(scene: Scene) -> None:
+    on: dict[str, str] = {}
+    for name, slider in scene.sliders.items():
+        key = f"sliders.{name}"
+        if slider.node not in scene.nodes:
+            problem = unknown(f"node {slider.node[:40]!r}", slider.node, tuple(scene.nodes))
+            raise SceneError(problem, key=f"{key}.node")
+        _check_point(slider.through, f"{key}.through")
+        _check_point(slider.direction, f"{key}.direction")
+        if not hypot(*slider.direction) >= 1 / LARGEST:
+            raise SceneError("has zero length; wanted a direction", key=f"{key}.direction")
+        if scene.nodes[slider.node].fixed:
+            raise SceneError(f"the node {slider.node} is fixed and cannot slide", key=f"{key}.node")
+        other = on.setdefault(slider.node, name)
+        if other != name:
+            raise SceneError(
+                f"the node {slider.node} slides on sliders.{other} already; a node on two lines "
+                "cannot move, fix it instead",
+                key=f"{key}.node",
+            )
+
+
+def _check_rigid(scene: Scene, rigid: Rigid, key: str) -> None:
+    if rigid.at not in scene.nodes:
+        problem = unknown(f"node {rigid.at[:40]!r}", rigid.at, tuple(scene.nodes))
+        raise SceneError(problem, key=f"{key}.at")
+    if len(rigid.links) < 2:
+        raise SceneError("wanted two links or more", key=f"{key}.links")
+    for index, name in enumerate(rigid.links):
+        place = f"{key}.links[{index}]"
+        if name not in scene.links:
+            raise SceneError(unknown(f"link {name[:40]!r}", name, tuple(scene.links)), key=place)
+        if name in rigid.links[:index]:
+            raise SceneError(f"the link {name} stands there twice", key=place)
+        if rigid.at not in scene.links[name].nodes:
+            first, second = scene.links[name].nodes
+            raise SceneError(
+                f"the link {name} runs from {first} to {second} and does not meet {rigid.at}",
+                key=place,
+            )
+    if rigid.angle is not None and len(rigid.links) > 2:
+        raise SceneError(
+            "one angle cannot describe more than two links; leave it out, or write a connection "
+            "for each pair",
+            key=f"{key}.angle",
+        )
+    if rigid.angle is not None and not isfinite(rigid.angle):
+        raise SceneError(f"{rigid.angle!r} is not a finite number", key=f"{key}.angle")
+
+
+def _check_driven(scene: Scene) -> None:
+    drives: dict[tuple[str, str], str] = {}
+    for name, given in scene.inputs.items():
+        key = f"inputs.{name}"
+        kind, driven = ("slider", given.slider) if given.slider else ("link", given.link or "")
+        other = drives.setdefault((kind, driven), name)
+        if other != name:
+            raise SceneError(f"prescribes the {kind} {driven}, as inputs.{other} does", key=key)
+        if given.link is None:
+            continue
+        first, second = scene.links[given.link].nodes
+        if given.about not in (first, second):
+            got = "is missing" if given.about is None else f"{given.about!r} is no end of it"
+            raise SceneError(
+                f"{got}; wanted {first!r} or {second!r}, the end of the link {given.link} from "
+                "which its angle is seen",
+                key=f"{key}.about",
+            )
+        if scene.is_ground(given.link):
+            raise SceneError(
+                f"the link {given.link} lies between fixed nodes and cannot turn", key=f"{key}.link"
+            )
