@@ -166,14 +166,13 @@ class Kernel:
         return results
 
     def _mask(self, outputs: Iterable[str]) -> int:
-        key = outputs if isinstance(outputs, (str, tuple)) else tuple(outputs)
         try:
-            return self._masks[key]
-        except (KeyError, TypeError):
-            wanted = self._signature.select(key)
-            mask = sum(1 << k for k, is_wanted in enumerate(wanted) if is_wanted)
-            self._masks[key] = mask
-            return mask
+            return self._masks[outputs]
+        except (KeyError, TypeError):  # not seen before, or a list
+            key = outputs if isinstance(outputs, str) else tuple(outputs)
+        wanted = self._signature.select(key)
+        self._masks[key] = sum(1 << k for k, is_wanted in enumerate(wanted) if is_wanted)
+        return self._masks[key]
 
     def _flags(self, mask: int) -> tuple[bool, ...]:
         return tuple(bool(mask >> k & 1) for k in range(len(self.manifest.outputs)))

@@ -16,7 +16,7 @@ from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_libra
 
 if TYPE_CHECKING:
     import ctypes
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
 MANIFEST = "manifest.json"
 
@@ -221,19 +221,34 @@ def _import_source(path: Path, source: bytes) -> types.ModuleType:
 
 def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
     from kousoku.runtime.build import Source, build
+    from kousoku.runtime.plan import plan_type
     from kousoku.runtime.toolchain import find_toolchain
 
+    toolchain = find_toolchain()
     sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
-    built = build(Source(manifest.package, sources), find_toolchain())
+    built = build(Source(manifest.package, sources), toolchain)
     if built.damage:
         say_once(f"{built.damage}; it was built again")
     handle = open_library(built.path, manifest)
     width = lane_width(handle, manifest.package)
+    plan = plan_type(toolchain)
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
         target = CTarget(handle, f"kousoku_{manifest.package}_{k.name}", k, width)
-        kernels[k.name] = Kernel(k, signature, target)
+        kernels[k.name] = Kernel(k, signature, target, _fast_call(plan, target, signature))
     return Library(
         folder, manifest, "c", types.MappingProxyType(kernels), built.path, built.damage, handle
     )
+
+
+def _fast_call(
+    plan: Callable[..., Any] | None, target: CTarget, signature: Signature
+) -> Callable[..., Any] | None:
+    if plan is None:
+        return None
+    shapes = (tuple(q.shape for q in side) for side in (signature.inputs, signature.outputs))
+    try:
+        return plan(*target.addresses, *shapes)
+    except ValueError:  # more arrays than a plan holds
+        return None
