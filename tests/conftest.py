@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from kousoku.runtime.toolchain import find_toolchain
+
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from kousoku.runtime.toolchain import Toolchain
 
 TESTS = Path(__file__).parent
 
@@ -44,6 +48,23 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
             )
 
     return check
+
+
+@pytest.fixture(scope="session")
+def compiler() -> Toolchain:
+    """Return this machine's C compiler; without one the test is skipped."""
+    toolchain = find_toolchain()
+    if toolchain is None:
+        pytest.skip("no C compiler here")
+    return toolchain
+
+
+@pytest.fixture(params=["numpy", "c"])
+def backend(request: pytest.FixtureRequest) -> str:
+    """Run a test once for each target; for C only where there is a compiler."""
+    if request.param == "c":
+        request.getfixturevalue("compiler")
+    return str(request.param)
 
 
 @pytest.fixture
