@@ -101,6 +101,8 @@ def _check_settings(scene: Scene) -> None:
             f"a residual of {method.residual!r} cannot be reached; wanted a positive length",
             key="method.residual",
         )
+    if len(set(scene.outputs)) < len(scene.outputs):
+        raise SceneError("an output stands there twice; leave one out", key="outputs")
     title = scene.title
     unsafe = [mark for mark in ("\\", '"', "*/", "/*", "??/") if mark in title]
     if len(title) > LONGEST_TITLE or not title.isprintable() or unsafe:

@@ -1,0 +1,106 @@
+"""The JSON schema of scene files, for editors and for other programs.
+
+``python -m kousoku.model.schema`` prints what is committed as ``model/scene.schema.json``.
+"""
+
+from __future__ import annotations
+
+import inspect
+import json
+import re
+import sys
+from typing import Any
+
+import msgspec
+
+from kousoku.model import planar, spatial
+from kousoku.model.decode import LARGEST
+from kousoku.model.names import LONGEST, PATTERN
+from kousoku.model.scene import TABLES, Scene
+from kousoku.model.validate import LONGEST_TITLE, MOST_DIVISIONS, MOST_ITERATIONS
+
+LIMITS: dict[str, dict[str, dict[str, object]]] = {
+    "Scene": {
+        "name": {"pattern": PATTERN, "maxLength": LONGEST},
+        "title": {"maxLength": LONGEST_TITLE},
+        "divisions": {"minimum": 1, "maximum": MOST_DIVISIONS},
+    },
+    "Link": {"length": {"exclusiveMinimum": 0}},
+    "Rigid": {"links": {"minItems": 2, "uniqueItems": True}},
+    "Method": {
+        "residual": {"exclusiveMinimum": 0},
+        "iterations": {"minimum": 1, "maximum": MOST_ITERATIONS},
+    },
+    "Body": {"mass": {"exclusiveMinimum": 0}},
+    "MassPoint": {"mass": {"exclusiveMinimum": 0}},
+}
+"""Limits of single values that the types do not say, by record and key."""
+
+
+def scene_schema() -> dict[str, Any]:
+    """Return the JSON schema (draft 2020-12) of a scene.
+
+    It holds what can be said of values one by one; what relates elements to each other, such as
+    names that resolve and degrees of freedom, is checked by :func:`kousoku.model.validate.check`.
+    """
+    schema = msgspec.json.schema(Scene)
+    definitions: dict[str, Any] = schema["$defs"]
+    for name, definition in definitions.items():
+        record = Scene if name == "Scene" else getattr(planar, name, None) or getattr(spatial, name)
+        _describe(definition, record)
+        for key, limits in LIMITS.get(name, {}).items():
+            definition["properties"][key].update(limits)
+    for table in TABLES:
+        definitions["Scene"]["properties"][table]["propertyNames"] = {
+            "pattern": PATTERN,
+            "maxLength": LONGEST,
+        }
+    head = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "A scene of kousoku",
+    }
+    return head | dict(_bounded(schema))
+
+
+def schema_text() -> str:
+    """Return the text of ``scene.schema.json``."""
+    return json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def _describe(definition: dict[str, Any], record: type[msgspec.Struct]) -> None:
+    """Move the numpydoc of a record to where editors look for it."""
+    text = inspect.cleandoc(record.__doc__ or "")
+    summary, _, parameters = text.partition("Parameters\n----------\n")
+    definition["description"] = _plain(summary)
+    names = {field.name: field.encode_name for field in msgspec.structs.fields(record)}
+    for head, body in re.findall(r"^(\w[^:\n]*) : [^\n]*\n((?:    .*\n?|\n)+)", parameters, re.M):
+        for name in re.split(r",\s*", head):
+            definition["properties"][names[name]]["description"] = _plain(body)
+
+
+def _plain(text: str) -> str:
+    """Return numpydoc text as one line without markup."""
+    text = re.sub(r":\w+:`(?:[\w.]*\.)?(\w+)`", r"\1", text)
+    return " ".join(text.replace("`", "").split())
+
+
+def _bounded(node: Any) -> Any:
+    """Bound every number, and drop null: TOML has none, a key is left out instead."""
+    if isinstance(node, list):
+        return [_bounded(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    if "anyOf" in node:
+        (choice,) = (option for option in node["anyOf"] if option != {"type": "null"})
+        rest = {key: item for key, item in node.items() if key not in ("anyOf", "default")}
+        return _bounded(choice | rest)
+    bounded = {key: _bounded(item) for key, item in node.items() if item is not None}
+    if bounded.get("type") == "number":
+        bounded = {"minimum": -LARGEST, "maximum": LARGEST} | bounded
+        if "exclusiveMinimum" in bounded:
+            del bounded["minimum"]
+    return bounded
+
+
+if __name__ == "__main__":
+    sys.stdout.write(schema_text())
