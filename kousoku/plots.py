@@ -31,7 +31,7 @@ _STYLE: dict[RcKeyType, Any] = {
 }
 _PATH = "#404040"
 _LINK = "#b0b0b0"
-_TURN = "twilight_shifted"  # a cyclic map: the colours of 0 and 2π are the same
+_TURN = "viridis"  # ordered, and readable without colour vision
 
 
 def draw_motion(

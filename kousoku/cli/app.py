@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from kousoku import __version__
+from kousoku.cli.derive import derive
 from kousoku.cli.listing import list_names
 from kousoku.model.errors import KousokuError
 
@@ -44,6 +45,7 @@ def _kousoku(
     """
 
 
+app.command("derive")(derive)
 app.command("list")(list_names)
 
 

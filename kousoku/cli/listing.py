@@ -1,40 +1,33 @@
 """``kousoku list``: which generated packages there are, and what their kernels compute."""
 
-from typing import Annotated
+from pathlib import Path
+from typing import Any
 
-import typer
-
-from kousoku.cli.console import generated_packages, print_json, print_table
+from kousoku.cli.console import AsJson, generated_packages, print_json, print_table
 from kousoku.model.manifest import Manifest
-
-#: What other books and programs call a kind; ``docs/notation.md`` says where.
-OTHER_NAMES = {
-    "n1": "dot-1, PERPENDICULAR",
-    "n2": "dot-2, INPLANE",
-    "p1": "parallel-1, PARALLEL AXES",
-    "p2": "parallel-2, INLINE",
-}
+from kousoku.symbolic import KINDS
 
 
-def list_names(
-    as_json: Annotated[bool, typer.Option("--json", help="Print for a program to read.")] = False,
-) -> None:
+def list_names(as_json: AsJson = False) -> None:
     """List the generated packages and their kernels."""
-    rows = []
-    for folder in generated_packages():
-        manifest = Manifest.from_json((folder / "manifest.json").read_text(encoding="utf-8"))
-        rows.append(
-            {
-                "name": manifest.package,
-                "title": manifest.title,
-                "is_kind": folder.parent.name == "kinds",
-                "kernels": [kernel.name for kernel in manifest.kernels],
-            }
-        )
+    rows = [_row(folder) for folder in generated_packages()]
     if as_json:
         print_json(rows)
-    else:
-        print_table(
-            ("name", "what", "kernels"),
-            [(str(r["name"]), str(r["title"]), ", ".join(map(str, r["kernels"]))) for r in rows],
-        )
+        return
+    print_table(
+        ("name", "what", "other names", "kernels"),
+        [(r["name"], r["title"], ", ".join(r["aliases"]), ", ".join(r["kernels"])) for r in rows],
+    )
+
+
+def _row(folder: Path) -> dict[str, Any]:
+    manifest = Manifest.from_json((folder / "manifest.json").read_text(encoding="utf-8"))
+    kinds = [(name, kind) for name, kind in KINDS.items() if manifest.package in kind.packages]
+    is_kind = folder.parent.name == "kinds" and bool(kinds)
+    return {
+        "name": manifest.package,
+        "kind": kinds[0][0] if is_kind else None,
+        "title": manifest.title,
+        "aliases": list(kinds[0][1].aliases) if is_kind else [],
+        "kernels": [kernel.name for kernel in manifest.kernels],
+    }

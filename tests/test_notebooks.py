@@ -1,0 +1,79 @@
+"""Notebooks are committed with their outputs; here they run again and must say the same.
+
+``pytest tests/test_notebooks.py --update-golden`` writes the outputs.
+"""
+
+from __future__ import annotations
+
+import json
+import warnings
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat")
+nbclient = pytest.importorskip("nbclient")
+
+FOLDER = Path(__file__).parents[1] / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+#: What is compared; a picture only has to be there, its bytes depend on the version of matplotlib.
+COMPARED = ("text/plain", "text/latex", "text/markdown")
+
+
+def shown(notebook: Any) -> list[list[tuple[str, str]]]:
+    """Return what each code cell shows, as (media type, text); a picture without its text."""
+    cells = []
+    for cell in notebook.cells:
+        if cell.cell_type != "code":
+            continue
+        seen = []
+        for output in cell.outputs:
+            if output.output_type == "stream":
+                seen.append((output.name, output.text))
+                continue
+            assert output.output_type != "error", output
+            has_picture = any(media.startswith("image/") for media in output.data)
+            for media, text in sorted(output.data.items()):
+                if media.startswith("image/"):
+                    seen.append((media, ""))
+                elif media in COMPARED and not has_picture:
+                    seen.append((media, text))
+        cells.append(seen)
+    return cells
+
+
+def clean(notebook: Any) -> None:
+    """Leave out what differs from run to run: times, ids of cells, the kernel's version."""
+    notebook.metadata = {
+        "kernelspec": {"display_name": "Python 3", "language": "python", "name": "python3"},
+        "language_info": {"name": "python"},
+    }
+    for number, cell in enumerate(notebook.cells):
+        cell.metadata = {}
+        cell["id"] = f"cell-{number}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_shows_what_is_committed(path: Path, request: pytest.FixtureRequest) -> None:
+    committed = nbformat.read(path, as_version=4)
+    notebook = nbformat.read(path, as_version=4)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # those of Jupyter's own event loop
+        nbclient.NotebookClient(
+            notebook, timeout=300, resources={"metadata": {"path": str(FOLDER.parent)}}
+        ).execute()
+    if request.config.getoption("--update-golden"):
+        clean(notebook)
+        path.write_text(nbformat.writes(notebook) + "\n", encoding="utf-8", newline="\n")
+        return
+    assert shown(notebook) == shown(committed)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_holds_outputs_and_no_path_of_a_machine(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    code = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
+    assert any(cell["outputs"] for cell in code)
+    assert "/home/" not in text and "/tmp/" not in text and "/Users/" not in text
