@@ -1,0 +1,275 @@
+"""Points that are chosen to hurt: where emitted code would go wrong if it could.
+
+The numbers come from a stream of SHA-256 digests, so that they are the same on every machine and
+under every version of NumPy.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.codegen.tape import curved_inputs, degrees
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.tape import Tape
+    from kousoku.model.quantity import Quantity
+
+    Numbers = Mapping[str, tuple[float, ...]]
+
+#: No array is scaled by more than 2^±200, about 1e±60.
+LARGEST_EXPONENT = 200
+#: Products of scaled arrays stay within 2^±900, so that no intermediate result leaves the doubles.
+EXPONENT_BUDGET = 900
+SMALLEST_SUBNORMAL = 5e-324
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """Inputs of one evaluation.
+
+    Parameters
+    ----------
+    label : str
+        Why the point is there.
+    inputs : mapping of str to tuple of float
+        For each input its elements, flat row-major.
+    """
+
+    label: str
+    inputs: Numbers
+
+
+class Stream:
+    """Numbers that look random and are fixed by a seed.
+
+    Parameters
+    ----------
+    seed : str
+        Equal seeds give equal numbers.
+    """
+
+    def __init__(self, seed: str) -> None:
+        self._seed = seed
+        self._count = 0
+
+    def integer(self, bits: int) -> int:
+        """Return an integer of 0 … 2^bits − 1, at most 64 bits."""
+        self._count += 1
+        digest = hashlib.sha256(f"{self._seed} {self._count}".encode()).digest()
+        return int.from_bytes(digest[:8], "big") >> (64 - bits)
+
+    def sign(self) -> int:
+        """Return −1 or 1."""
+        return 1 - 2 * self.integer(1)
+
+    def magnitude(self) -> float:
+        """Return a double of [1/2, 2) with all its digits in use."""
+        return math.ldexp(2**52 + self.integer(52), -52 - self.integer(1))
+
+    def between(self, low: int, high: int) -> int:
+        """Return an integer of low … high."""
+        return low + self.integer(53) * (high - low + 1) // 2**53
+
+
+def is_euler_parameters(quantity: Quantity) -> bool:
+    """Whether an input is the Euler parameters of a body, which a solver keeps at unit norm."""
+    return quantity.shape == (4,) and (quantity.name == "p" or quantity.name.startswith("p_"))
+
+
+def unit(p: Sequence[float]) -> tuple[float, ...]:
+    """Return ``p`` divided by its norm, rounded once."""
+    norm = HIGH_CONTEXT.sqrt(sum(HIGH_CONTEXT.mpf(x) ** 2 for x in p))
+    return tuple(float(x / norm) for x in p)
+
+
+def ordinary(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[float, ...]]:
+    """Return numbers of order one: masses, lengths and angles positive, p of unit norm."""
+    numbers = {}
+    for quantity in inputs:
+        is_positive = not quantity.shape or quantity.unit.startswith("kg")
+        values = tuple(
+            stream.magnitude() * (1 if is_positive else stream.sign()) for _ in range(quantity.size)
+        )
+        numbers[quantity.name] = unit(values) if is_euler_parameters(quantity) else values
+    return numbers
+
+
+def scattered(numbers: Numbers, stream: Stream, exponent: int) -> dict[str, tuple[float, ...]]:
+    """Return ``numbers`` with each one off by about 2^exponent of itself."""
+    return {
+        name: tuple(x * (1 + stream.sign() * math.ldexp(stream.magnitude(), exponent)) for x in xs)
+        for name, xs in numbers.items()
+    }
+
+
+def finite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream, turn: int) -> list[Point]:
+    """Return points at which every output is finite: one of each sort, another at each turn.
+
+    Parameters
+    ----------
+    tape : Tape
+        The function; it says how far its inputs can be scaled.
+    inputs : sequence of Quantity
+        The inputs of the function.
+    stream : Stream
+        Where the digits come from.
+    turn : int
+        Which of the arrays or axes a sort picks, where it picks one.
+    """
+
+    def ordinary_numbers() -> dict[str, tuple[float, ...]]:
+        return ordinary(inputs, stream)
+
+    points = [
+        Point("ordinary", ordinary_numbers()),
+        Point("badly scaled arrays", _scaled_arrays(tape, ordinary_numbers(), stream, turn)),
+        Point("badly scaled elements", _scaled_elements(tape, ordinary_numbers(), stream)),
+        Point("nearly coincident", _coincident(ordinary_numbers(), stream)),
+        Point("near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)),
+        Point("small integers", _integers(inputs, stream)),
+    ]
+    if any(map(is_euler_parameters, inputs)):
+        points.append(Point("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream)))
+    if group := _subnormal_group(tape, inputs, turn):
+        numbers = _integers(inputs, stream)
+        tiny = {name: tuple(x * SMALLEST_SUBNORMAL for x in numbers[name]) for name in group}
+        points.append(Point(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
+    return points
+
+
+def infinite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream) -> list[Point]:
+    """Return points with one number that is not finite.
+
+    An infinity is left out where something finite can come of it, as with 1/∞.
+    """
+    bad_numbers = (math.nan,) if tape.has_limits else (math.nan, math.inf, -math.inf)
+    points = []
+    for turn, bad in enumerate(bad_numbers):
+        quantity = inputs[(stream.integer(16) + turn) % len(inputs)]
+        index = stream.between(0, quantity.size - 1)
+        numbers = ordinary(inputs, stream)
+        values = list(numbers[quantity.name])
+        values[index] = bad
+        numbers[quantity.name] = tuple(values)
+        points.append(Point(f"{quantity.name}[{index}] is {bad}", numbers))
+    return points
+
+
+def _scaled_arrays(
+    tape: Tape, numbers: Numbers, stream: Stream, turn: int
+) -> dict[str, tuple[float, ...]]:
+    """Scale one array as far as doubles allow, all others with what is left."""
+    held = degrees(tape)
+    names = [name for name in numbers if held[name]]
+    left = EXPONENT_BUDGET
+    exponents = dict.fromkeys(numbers, 0)
+    if names:
+        first = names[turn % len(names)]
+        exponents[first] = min(LARGEST_EXPONENT, left // held[first])
+        left -= exponents[first] * held[first]
+        rest = sum(held[name] for name in names if name != first)
+        for name in names:
+            if name != first:
+                exponents[name] = min(LARGEST_EXPONENT, left // rest)
+    scales = {name: stream.sign() * exponent for name, exponent in exponents.items()}
+    return {name: tuple(math.ldexp(x, scales[name]) for x in xs) for name, xs in numbers.items()}
+
+
+def _scaled_elements(tape: Tape, numbers: Numbers, stream: Stream) -> dict[str, tuple[float, ...]]:
+    """Scale each number on its own."""
+    largest = min(LARGEST_EXPONENT, EXPONENT_BUDGET // max(1, sum(degrees(tape).values())))
+    return {
+        name: tuple(math.ldexp(x, stream.between(-largest, largest)) for x in xs)
+        for name, xs in numbers.items()
+    }
+
+
+def _coincident(numbers: Numbers, stream: Stream) -> dict[str, tuple[float, ...]]:
+    """Let body j be almost where body i is; without a body j, all elements almost equal.
+
+    The directions a keep apart: where they coincide too, a scalar product vanishes together with
+    all its derivatives, and the unit, which is of first order, bounds nothing any more.
+    """
+    close = scattered(numbers, stream, -30)
+    twins = {
+        name: name.replace("_j", "_i")
+        for name in numbers
+        if "_j" in name and not name.startswith("a_")
+    }
+    if any(twin in numbers for twin in twins.values()):
+        return {
+            name: close[twins[name]] if twins.get(name) in numbers else xs
+            for name, xs in numbers.items()
+        }
+    return {
+        name: tuple(abs(xs[0]) * (1 + math.ldexp(x, -30)) for x in xs)
+        for name, xs in numbers.items()
+    }
+
+
+def _degenerate(
+    inputs: Sequence[Quantity], numbers: Numbers, turn: int
+) -> dict[str, tuple[float, ...]]:
+    """Let orientations be almost half a turn, angles almost a quarter, vectors almost an axis."""
+    chosen = {}
+    for k, quantity in enumerate(inputs):
+        values = numbers[quantity.name]
+        if is_euler_parameters(quantity):
+            chosen[quantity.name] = unit((math.ldexp(values[0], -30), *values[1:]))
+        elif quantity.unit == "rad" and not quantity.shape:
+            chosen[quantity.name] = (float(HIGH_CONTEXT.pi * (turn + k + 1) / 2),)
+        elif quantity.size > 1:
+            axis = (turn + k) % quantity.size
+            chosen[quantity.name] = tuple(
+                x if n == axis else math.ldexp(x, -27 * (1 + n % 2)) for n, x in enumerate(values)
+            )
+        else:
+            chosen[quantity.name] = values
+    return chosen
+
+
+def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[float, ...]]:
+    """Return integers of ±(1 … 4), positive where ordinary numbers are."""
+    return {
+        quantity.name: tuple(float(stream.between(1, 4) * (-1 if x < 0 else 1)) for x in values)
+        for quantity in inputs
+        for values in (ordinary([quantity], stream)[quantity.name],)
+    }
+
+
+def _unnormalised(
+    inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
+) -> dict[str, tuple[float, ...]]:
+    """Let the norm of Euler parameters be 1/8 … 8."""
+    scales = {q.name: math.ldexp(1.0, stream.between(-3, 2)) * stream.magnitude() for q in inputs}
+    return {
+        q.name: tuple(
+            x * (scales[q.name] if is_euler_parameters(q) else 1.0) for x in numbers[q.name]
+        )
+        for q in inputs
+    }
+
+
+def _subnormal_group(tape: Tape, inputs: Sequence[Quantity], turn: int) -> tuple[str, ...]:
+    """Return arrays that are made subnormal together: those of one unit, or a single pure one.
+
+    The other inputs are small integers at these points, so that every product is a multiple of the
+    smallest subnormal and the result exact; a processor that flushes subnormals to zero is caught.
+    With other numbers each product would be rounded to that multiple, and the count of products,
+    not the care of the code, would decide whether it stays within the limit. Arrays under a root,
+    in a quotient or in an angle are left out: their squares vanish, in the derivation's formula
+    as in any code.
+    """
+    curved = curved_inputs(tape)
+    free = [q for q in inputs if q.name not in curved and not is_euler_parameters(q)]
+    groups = dict.fromkeys(q.name if q.unit == "-" else q.unit for q in free)
+    if not groups:
+        return ()
+    chosen = list(groups)[turn % len(groups)]
+    return tuple(q.name for q in free if chosen in {q.name, q.unit})

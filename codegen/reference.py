@@ -1,0 +1,166 @@
+"""Reference values: what emitted code must give, in 50 digits, with the unit its error is told in.
+
+They come from the scalar formulas of the derivation, which are found without the matrix level that
+is frozen and emitted.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.codegen.jsontext import to_text
+from kousoku.codegen.manifold import solve_constraint
+from kousoku.codegen.points import (
+    SMALLEST_SUBNORMAL,
+    Point,
+    Stream,
+    finite_points,
+    infinite_points,
+    ordinary,
+    scattered,
+)
+from kousoku.codegen.tape import record, run
+from kousoku.model.errors import DerivationError
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.codegen.tape import Dual, Tape
+    from kousoku.symbolic.derivation import Function
+
+FORMAT = 1
+REFERENCE_FILE = "reference.json"
+#: The output that a manifold is the zero of.
+CONSTRAINT = "C"
+#: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
+NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
+ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
+#: Numbers of reference that one kernel brings at most, unless one turn of points is more.
+MOST_NUMBERS = 600
+MOST_TURNS = 2
+
+
+def references(package: Package, functions: Sequence[Function]) -> str:
+    """Return the text of ``reference.json``.
+
+    Parameters
+    ----------
+    package : Package
+        The frozen kernels; they say which elements are identically zero.
+    functions : sequence of Function
+        What the kernels were frozen from, in the same order.
+
+    Returns
+    -------
+    str
+        For each kernel its points, for each point the inputs (numbers that are not finite as
+        ``"nan"``, ``"inf"``, ``"-inf"``) and for each output, over the elements that are not
+        identically zero, lists ``high``, ``low`` and ``unit``: the value is high + low to about 21
+        digits, and an error is told in units of u·(|f| + Σ|x_i ∂f/∂x_i|), u = 2⁻⁵³, at least the
+        smallest subnormal. Where ``high`` is null the output must not be finite.
+
+    Raises
+    ------
+    DerivationError
+        The frozen kernel has a zero where the component level has none.
+    """
+    tapes = [record(function) for function in functions]
+    kernels = []
+    for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
+        points = _points(function, tape, list(zip(functions, tapes, strict=True)))
+        values = [_values(kernel, tape, point) for point in points]
+        kernels.append(
+            {"name": kernel.name, "points": [value for value in values if value is not None]}
+        )
+    return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
+
+
+def _points(
+    function: Function, tape: Tape, package: Sequence[tuple[Function, Tape]]
+) -> list[Point]:
+    """Return the points of one function, fewer of them where it has many outputs."""
+    stream = Stream(function.name)
+    turns = MOST_NUMBERS // (10 * sum(output.quantity.size for output in function.outputs))
+    points: list[Point] = []
+    for turn in range(max(1, min(MOST_TURNS, turns))):
+        points += finite_points(tape, function.inputs, stream, turn)
+        points += _manifold_points(function, package, stream)
+    return points + infinite_points(tape, function.inputs, stream)
+
+
+def _manifold_points(
+    function: Function, package: Sequence[tuple[Function, Tape]], stream: Stream
+) -> list[Point]:
+    """Return a point on the constraint manifold of the package, and one near it."""
+    for other, tape in package:
+        if CONSTRAINT in (output.quantity.name for output in other.outputs):
+            start = ordinary(other.inputs, stream)
+            solution = solve_constraint(tape, CONSTRAINT, other.inputs, start)
+            if solution is not None:
+                names = [quantity.name for quantity in function.inputs]
+                shared = {name: solution[name] for name in names if name in solution}
+                on = {**ordinary(function.inputs, stream), **shared}
+                near = {**on, **scattered(shared, stream, -33)}
+                return [Point("on the manifold", on), Point("near the manifold", near)]
+    return []
+
+
+def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | None:
+    """Return one point with its references; None where it happens to be a pole."""
+    bad = [
+        place
+        for place, (name, index) in enumerate(tape.inputs)
+        if not math.isfinite(point.inputs[name][index])
+    ]
+    # Where an input is not finite, any number shows which outputs depend on it, and is nothing to
+    # those that do not.
+    finite = {
+        name: [x if math.isfinite(x) else 1.25 for x in xs] for name, xs in point.inputs.items()
+    }
+    numbers = [HIGH_CONTEXT.mpf(finite[name][index]) for name, index in tape.inputs]
+    try:
+        duals = run(tape, finite)
+    except ZeroDivisionError:
+        return None
+    outputs = {}
+    for k, quantity in enumerate(kernel.outputs):
+        _check_zeros(kernel, k, duals[quantity.name])
+        chosen = [duals[quantity.name][element] for element in kernel.nonzero(k)]
+        outputs[quantity.name] = _columns([_reference(dual, numbers, bad) for dual in chosen])
+    inputs = {name: [_json_number(x) for x in xs] for name, xs in point.inputs.items()}
+    return {"label": point.label, "inputs": inputs, "outputs": outputs}
+
+
+def _reference(
+    dual: Dual, numbers: Sequence[Any], bad: Sequence[int]
+) -> tuple[float | None, float, float]:
+    """Return high, low and unit of one element."""
+    if any(abs(dual.gradient.get(place, 0)) > NEGLIGIBLE for place in bad):
+        return None, 0.0, SMALLEST_SUBNORMAL
+    high = float(dual.value)
+    low = float(dual.value - high)
+    size = abs(dual.value) + sum(abs(numbers[k] * x) for k, x in dual.gradient.items())
+    unit = max(float(f"{float(ROUNDING * size):.2e}"), SMALLEST_SUBNORMAL)
+    return high, float(f"{low:.4e}"), unit
+
+
+def _columns(elements: Sequence[tuple[float | None, float, float]]) -> dict[str, object]:
+    names = ("high", "low", "unit")
+    return {name: [element[k] for element in elements] for k, name in enumerate(names)}
+
+
+def _json_number(x: float) -> float | str:
+    return x if math.isfinite(x) else str(x)
+
+
+def _check_zeros(kernel: Kernel, output: int, duals: Sequence[Dual]) -> None:
+    nonzero = kernel.nonzero(output)
+    for element, dual in enumerate(duals):
+        if element not in nonzero and abs(dual.value) > 0:
+            raise DerivationError(
+                f"element {element} of {kernel.outputs[output].name} in kernel {kernel.name} is"
+                f" frozen to zero, and the component level gives {float(dual.value)}"
+            )

@@ -1,0 +1,111 @@
+"""Stress points: always the same, of each sort, and inside the doubles."""
+
+import math
+
+import pytest
+import sympy
+
+from kousoku.codegen.manifold import solve_constraint
+from kousoku.codegen.points import Stream, finite_points, infinite_points, ordinary
+from kousoku.codegen.tape import Tape, record, run
+from kousoku.model.quantity import Quantity
+from kousoku.symbolic import derive
+from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.matrices import elements
+
+
+@pytest.fixture(scope="module")
+def function() -> Function:
+    return derive("n2").functions[0]
+
+
+@pytest.fixture(scope="module")
+def tape(function: Function) -> Tape:
+    return record(function)
+
+
+def test_a_seed_fixes_the_numbers() -> None:
+    stream = Stream("seed")
+    assert [stream.integer(8) for _ in range(4)] == [162, 124, 30, 224]
+    assert stream.magnitude() == 1.8858182134191406
+
+
+def test_magnitudes_lie_between_a_half_and_two() -> None:
+    stream = Stream("magnitudes")
+    numbers = [stream.magnitude() for _ in range(200)]
+    assert 0.5 <= min(numbers) < 0.6
+    assert 1.8 < max(numbers) < 2
+
+
+def test_ordinary_euler_parameters_are_of_unit_norm_and_lengths_positive() -> None:
+    inputs = (
+        Quantity("p_i", (4,), "-", ""),
+        Quantity("length", (), "m", ""),
+        Quantity("masses", (3,), "kg", ""),
+    )
+    numbers = ordinary(inputs, Stream("s"))
+    assert math.isclose(math.hypot(*numbers["p_i"]), 1, rel_tol=1e-15)
+    assert min(numbers["length"] + numbers["masses"]) > 0
+
+
+def test_each_sort_of_point_is_there(function: Function, tape: Tape) -> None:
+    labels = [point.label for point in finite_points(tape, function.inputs, Stream("s"), 0)]
+    assert labels == [
+        "ordinary",
+        "badly scaled arrays",
+        "badly scaled elements",
+        "nearly coincident",
+        "near half a turn, near an axis",
+        "small integers",
+        "p not normalised",
+        "subnormal r_i, s_i_b, r_j, s_j_b",
+    ]
+
+
+def test_all_turns_stay_inside_the_doubles(function: Function, tape: Tape) -> None:
+    for turn in range(4):
+        for point in finite_points(tape, function.inputs, Stream("s"), turn):
+            for duals in run(tape, point.inputs).values():
+                assert all(abs(dual.value) < 1e300 for dual in duals), point.label
+
+
+def test_badly_scaled_points_are_badly_scaled(function: Function, tape: Tape) -> None:
+    for turn in range(4):
+        points = finite_points(tape, function.inputs, Stream("s"), turn)
+        for point in points[1:3]:
+            numbers = [abs(x) for xs in point.inputs.values() for x in xs]
+            assert max(numbers) / min(numbers) > 1e30
+
+
+def test_subnormal_points_hold_subnormals_only_where_products_stay_exact(
+    function: Function, tape: Tape
+) -> None:
+    point = finite_points(tape, function.inputs, Stream("s"), 0)[-1]
+    assert 0 < max(map(abs, point.inputs["r_i"])) < 1e-320
+    assert all(x == int(x) for x in point.inputs["p_i"])
+
+
+def test_points_that_are_not_finite_hold_one_bad_number_each(
+    function: Function, tape: Tape
+) -> None:
+    points = infinite_points(tape, function.inputs, Stream("s"))
+    bad = [[x for xs in p.inputs.values() for x in xs if not math.isfinite(x)] for p in points]
+    assert [str(x) for (x,) in bad] == ["nan", "inf", "-inf"]
+
+
+def test_newton_finds_the_manifold(function: Function, tape: Tape) -> None:
+    start = ordinary(function.inputs, Stream("s"))
+    solution = solve_constraint(tape, "C", function.inputs, start)
+    assert solution is not None
+    assert abs(run(tape, start)["C"][0].value) > 1e-3
+    assert abs(run(tape, solution)["C"][0].value) < 1e-14
+    assert math.isclose(math.hypot(*solution["p_i"]), 1, rel_tol=1e-15)
+
+
+def test_newton_gives_up_where_the_constraint_repeats_the_norm() -> None:
+    p = Quantity("p", (4,), "-", "")
+    norm = Quantity("C", (1,), "-", "")
+    components = sympy.ImmutableDenseMatrix([sum(e**2 for e in elements(p)) - 1])
+    output = Output(norm, sympy.S.Zero, components)
+    tape = record(Function("constraint", "", "", "", (p,), (output,)))
+    assert solve_constraint(tape, "C", (p,), {"p": (1.0, 2.0, 3.0, 4.0)}) is None
