@@ -8,12 +8,11 @@ from typing import Annotated
 import typer
 
 from kousoku import __version__
+from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
 from kousoku.cli.listing import list_names
+from kousoku.cli.verify import verify
 from kousoku.model.errors import KousokuError
-
-#: Exit codes: a disagreement between what was emitted and what was derived, and bad input.
-DISAGREEMENT, BAD_INPUT = 1, 2
 
 app = typer.Typer(
     name="kousoku",
@@ -46,6 +45,7 @@ def _kousoku(
 
 
 app.command("derive")(derive)
+app.command("verify")(verify)
 app.command("list")(list_names)
 
 

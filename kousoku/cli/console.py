@@ -12,7 +12,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 from rich.table import Table
 
-from kousoku.model.errors import LoadError
+from kousoku.model.errors import DerivationError, LoadError
+from kousoku.symbolic import packages_of
+
+#: Exit codes: emitted code disagrees with what was derived; bad input.
+DISAGREEMENT, BAD_INPUT = 1, 2
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for a program to read.")]
 
@@ -31,8 +35,8 @@ def generated_packages() -> list[Path]:
     return kinds + scenes
 
 
-def find_package(name: str) -> Path:
-    """Return the folder of a generated package, by its name or by its path.
+def find_packages(name: str = "") -> list[Path]:
+    """Return the folders that a name stands for: all of them, a package, a kind, or a folder.
 
     Raises
     ------
@@ -40,14 +44,23 @@ def find_package(name: str) -> Path:
         There is no such package, or the folder holds none.
     """
     known = {path.name: path for path in generated_packages()}
+    if not name:
+        return list(known.values())
     if name in known:
-        return known[name]
+        return [known[name]]
     folder = Path(name)
     if (folder / "manifest.json").is_file():
-        return folder
+        return [folder]
     if folder.is_dir():
+        inside = sorted(path.parent for path in folder.rglob("manifest.json"))
+        if inside:
+            return inside
         raise LoadError(f"{name}: holds no manifest.json; kousoku did not generate it")
-    raise LoadError(f"{name}: no such package or folder; known packages: {', '.join(known)}")
+    try:
+        return [known[package] for package in packages_of(name)]
+    except (DerivationError, KeyError):
+        names = ", ".join(known)
+        raise LoadError(f"{name}: no such package, kind or folder; known: {names}") from None
 
 
 def print_json(data: Any) -> None:

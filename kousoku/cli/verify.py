@@ -1,0 +1,88 @@
+"""``kousoku verify``: recompute the reference values of generated packages on this machine."""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from kousoku.cli.console import (
+    DISAGREEMENT,
+    AsJson,
+    find_packages,
+    print_json,
+    print_table,
+    progress,
+)
+
+if TYPE_CHECKING:
+    from kousoku.runtime.report import Report
+
+
+class Target(StrEnum):
+    """What computes."""
+
+    AUTO = "auto"
+    C = "c"
+    NUMPY = "numpy"
+
+
+def verify(
+    names: Annotated[
+        list[str] | None, typer.Argument(help="Packages, kinds or folders; all when left out.")
+    ] = None,
+    target: Annotated[
+        Target, typer.Option(help="What to check: all that this machine can run, or one target.")
+    ] = Target.AUTO,
+    as_json: AsJson = False,
+) -> None:
+    """Check that emitted code computes what was derived, within 4 units of rounding."""
+    from kousoku.runtime.report import LIMIT
+
+    folders = [folder for name in names or [""] for folder in find_packages(name)]
+    reports = verify_all(folders, target.value)
+    if as_json:
+        ok = all(report.ok for report in reports)
+        packages = [report.to_dict() for report in reports]
+        print_json({"ok": ok, "limit": LIMIT, "packages": packages})
+    elif names and len(reports) == 1:
+        typer.echo(str(reports[0]))
+    else:
+        print_summary(reports)
+    if not all(report.ok for report in reports):
+        raise typer.Exit(DISAGREEMENT)
+
+
+def verify_all(
+    folders: Sequence[Path], target: Literal["auto", "c", "numpy"] = "auto"
+) -> list["Report"]:
+    """Verify packages side by side: most of the time goes into the compiler's processes."""
+    from kousoku.runtime.verify import verify as verified
+
+    with progress() as bar, ThreadPoolExecutor(os.cpu_count()) as pool:
+        jobs = pool.map(lambda folder: verified(folder, target=target), folders)
+        return list(bar.track(jobs, total=len(folders), description="verify"))
+
+
+def print_summary(reports: Sequence["Report"]) -> None:
+    """Print one line for each package, then what was not checked and what is wrong."""
+    from kousoku.runtime.report import LIMIT
+
+    rows = []
+    for report in reports:
+        worst = report.worst
+        where = f"{worst.kernel} {worst.output}, {worst.label}" if worst else ""
+        ways = ", ".join(dict.fromkeys(row.way for row in report.rows))
+        number = f"{worst.worst:.2f}" if worst else "-"
+        rows.append((report.package, ways, number, where, "ok" if report.ok else "WRONG"))
+    print_table(("package", "ways of calling", f"worst, of {LIMIT:g} units", "where", ""), rows)
+    for note in dict.fromkeys(note for report in reports for note in report.notes):
+        typer.echo(note)
+    for report in reports:
+        for problem in report.problems:
+            typer.echo(f"{report.package}: {problem}", err=True)
+    count = sum(report.ok for report in reports)
+    typer.echo(f"{count} of {len(reports)} packages compute what was derived")
