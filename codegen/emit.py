@@ -1,0 +1,117 @@
+"""Emission: a package of kernels becomes a folder of text, the same bytes on every machine."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import astuple
+from typing import TYPE_CHECKING
+
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from kousoku import __version__
+from kousoku.codegen.view import package_view
+from kousoku.model.manifest import KernelManifest, Manifest
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.codegen.view import PackageView
+
+#: File of the generated folder, and its template.
+FILES = {
+    "__init__.py": "numpy/__init__.py.jinja",
+    "kernels.py": "numpy/kernels.py.jinja",
+    "kernels.c": "c/kernels.c.jinja",
+    "kernels_batch.c": "c/kernels_batch.c.jinja",
+    "kernels.h": "c/kernels.h.jinja",
+}
+
+
+_TEMPLATES = PackageLoader("kousoku.codegen")
+
+
+def environment() -> Environment:
+    """Return the one way templates are read and filled."""
+    return Environment(
+        loader=_TEMPLATES,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        autoescape=False,
+    )
+
+
+def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
+    """Return the folder of a package.
+
+    Parameters
+    ----------
+    package : Package
+        The kernels.
+    data : mapping of str to str
+        File name and text of what belongs in the folder beside the code.
+
+    Returns
+    -------
+    dict of str to str
+        File name and text, the manifest last.
+
+    Raises
+    ------
+    EmitError
+        A name is no identifier, or an operation cannot be printed.
+    """
+    templates = environment()
+    signature = digest(package)
+    view = package_view(package, __version__, signature)
+    files = {name: render(templates, path, view) for name, path in FILES.items()}
+    files |= dict(sorted(data.items()))
+    return files | {"manifest.json": manifest(package, signature, files).to_json()}
+
+
+def render(templates: Environment, path: str, view: PackageView) -> str:
+    """Return the text that one template makes of a view."""
+    return templates.get_template(path).render(package=view)
+
+
+def digest(package: Package) -> str:
+    """Return the SHA-256 over signatures, graphs, templates and version."""
+    total = hashlib.sha256(__version__.encode())
+    total.update(repr(astuple(package)).encode())
+    for name in sorted(_TEMPLATES.list_templates()):
+        text, _, _ = _TEMPLATES.get_source(environment(), name)
+        total.update(f"\n{name}\n{text}".encode())
+    return total.hexdigest()
+
+
+def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:
+    """Return what ``manifest.json`` promises of a folder."""
+    return Manifest(
+        package=package.name,
+        title=package.title,
+        regenerate=package.regenerate,
+        version=__version__,
+        digest=signature,
+        files=tuple((name, _sha256(text)) for name, text in files.items()),
+        kernels=tuple(_kernel_manifest(kernel) for kernel in package.kernels),
+    )
+
+
+def _kernel_manifest(kernel: Kernel) -> KernelManifest:
+    return KernelManifest(
+        name=kernel.name,
+        title=kernel.title,
+        formula=kernel.formula,
+        source=kernel.source,
+        inputs=kernel.inputs,
+        outputs=kernel.outputs,
+        nonzero=tuple(kernel.nonzero(k) for k in range(len(kernel.outputs))),
+        is_exact=kernel.is_exact,
+        operations=tuple(sorted((op.value, count) for op, count in kernel.operations.items())),
+    )
+
+
+def _sha256(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()

@@ -1,0 +1,107 @@
+"""Operations as text: one table for each target, and one function that reads them.
+
+The text fixes the order of evaluation, so that targets agree bit for bit: every operand that is
+not an atom stands in parentheses unless both languages read it from left to right anyway.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.graph import Op, literal
+from kousoku.model.errors import EmitError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from fractions import Fraction
+
+
+class Precedence(IntEnum):
+    """How tightly the outermost operation of a text binds."""
+
+    SUM = 1
+    PRODUCT = 2
+    SIGN = 3
+    ATOM = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Text:
+    """A printed expression.
+
+    Parameters
+    ----------
+    text : str
+        The expression.
+    precedence : Precedence
+        Of its outermost operation.
+    """
+
+    text: str
+    precedence: Precedence = Precedence.ATOM
+
+    def within(self, least: Precedence) -> str:
+        """Return the text, in parentheses if it binds less tightly than ``least``."""
+        return self.text if self.precedence >= least else f"({self.text})"
+
+
+@dataclass(frozen=True, slots=True)
+class Printer:
+    """How one target writes the operations.
+
+    Parameters
+    ----------
+    operators : mapping of Op to (str, Precedence)
+        Sign and precedence of what is written between or before operands.
+    functions : mapping of Op to str
+        Name of what is called.
+    """
+
+    operators: Mapping[Op, tuple[str, Precedence]]
+    functions: Mapping[Op, str]
+
+    def constant(self, value: Fraction) -> Text:
+        """Print a number: the same text in every target."""
+        text = literal(value)
+        if "inf" in text or "nan" in text:
+            raise EmitError(f"the constant {text} is not a double; scale the formula")
+        return Text(text, Precedence.SIGN if text.startswith("-") else Precedence.ATOM)
+
+    def apply(self, op: Op, args: Sequence[Text]) -> Text:
+        """Print ``op`` of printed operands."""
+        if op in self.functions:
+            return Text(f"{self.functions[op]}({', '.join(arg.text for arg in args)})")
+        if op not in self.operators:
+            raise EmitError(f"the operation {op.value} has no entry in this target's table")
+        sign, level = self.operators[op]
+        tighter = Precedence(level + 1)
+        if len(args) == 1:
+            return Text(f"{sign}{args[0].within(tighter)}", level)
+        left, right = args
+        if op in _COMMUTATIVE and right.precedence == level != left.precedence:
+            left, right = right, left
+        return Text(f"{left.within(level)} {sign} {right.within(tighter)}", level)
+
+
+_COMMUTATIVE = frozenset({Op.ADD, Op.MUL})
+
+_OPERATORS = {
+    Op.ADD: ("+", Precedence.SUM),
+    Op.SUB: ("-", Precedence.SUM),
+    Op.MUL: ("*", Precedence.PRODUCT),
+    Op.DIV: ("/", Precedence.PRODUCT),
+    Op.NEG: ("-", Precedence.SIGN),
+}
+
+#: One lane or many: in C a vector is written as a number is, and functions are statements.
+C = Printer(_OPERATORS, {Op.SQRT: "sqrt", Op.SIN: "sin", Op.COS: "cos", Op.ATAN2: "atan2"})
+
+NUMPY = Printer(
+    _OPERATORS,
+    {Op.SQRT: "np.sqrt", Op.SIN: "np.sin", Op.COS: "np.cos", Op.ATAN2: "np.arctan2"},
+)
+
+#: The operations that every target calls by name.
+FUNCTIONS = frozenset(C.functions)

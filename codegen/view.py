@@ -1,0 +1,374 @@
+"""What a template may see of a kernel: strings, whole numbers, and tuples of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from textwrap import shorten, wrap
+from typing import TYPE_CHECKING
+
+from kousoku.codegen import printers
+from kousoku.codegen.graph import Op
+from kousoku.codegen.view_body import (
+    Layout,
+    OutputText,
+    Statement,
+    layout,
+    output_text,
+    straight_line,
+)
+from kousoku.codegen.view_names import Namer, checked
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.codegen.printers import Printer
+    from kousoku.model.quantity import Quantity
+
+#: Operations on which Python's floats behave as arrays do, whatever the operands.
+_POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
+
+
+@dataclass(frozen=True, slots=True)
+class ArgumentView:
+    """An input or an output.
+
+    Parameters
+    ----------
+    name : str
+        As the caller knows it.
+    symbol : str
+        As the text calls it.
+    index, size : int
+        Place among the inputs or outputs; count of numbers in one evaluation.
+    shape : str
+        The shape as Python writes it.
+    batched : str
+        Shape with leading axes, and unit.
+    meaning : str
+        Of what, in which frame.
+    row : str
+        Of the argument table: symbol, shape, unit, meaning.
+    is_used : bool
+        Whether any output depends on it.
+    """
+
+    name: str
+    symbol: str
+    index: int
+    size: int
+    shape: str
+    batched: str
+    meaning: str
+    row: str
+    is_used: bool
+
+
+@dataclass(frozen=True, slots=True)
+class BodyView:
+    """The straight-line code of one choice of outputs.
+
+    Parameters
+    ----------
+    name : str
+        ``all``, or the output.
+    inputs, outputs : tuple of ArgumentView
+        What it reads and writes.
+    arguments : str
+        The symbols of both, as a call of C passes them.
+    components : tuple of str
+        For each input the names of its elements, where the target unpacks them.
+    statements : tuple of Statement
+        The shared terms.
+    results : tuple of OutputText
+        What is written, output by output.
+    """
+
+    name: str
+    inputs: tuple[ArgumentView, ...]
+    outputs: tuple[ArgumentView, ...]
+    arguments: str
+    components: tuple[str, ...]
+    statements: tuple[Statement, ...]
+    results: tuple[OutputText, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class CallsView:
+    """All inputs and outputs of a kernel, as calls of C pass them.
+
+    Parameters
+    ----------
+    symbols : str
+        By their own names.
+    pointers : str
+        Elements of the arrays of pointers ``in`` and ``out``.
+    single : str
+        Evaluation ``i`` of the arrays.
+    lanes : str
+        Block ``block`` of the lanes layout.
+    wanted : str
+        By their own names; NULL where the caller's pointer is.
+    names_in, names_out : str
+        The names as strings.
+    """
+
+    symbols: str
+    pointers: str
+    single: str
+    lanes: str
+    wanted: str
+    names_in: str
+    names_out: str
+
+
+@dataclass(frozen=True, slots=True)
+class KernelView:
+    """One kernel.
+
+    Parameters
+    ----------
+    name, title : str
+        As in the kernel.
+    summary : str
+        First line of a docstring.
+    about : tuple of str
+        Lines of the formula and its source.
+    cost : str
+        Count of operations, and what it would be without sharing.
+    inputs, outputs : tuple of ArgumentView
+        In the order of the arguments.
+    calls : CallsView
+        Arguments that differ only in where they come from.
+    c, numpy : tuple of BodyView
+        The code for all outputs first, then, if there are several, for each alone.
+    is_polynomial : bool
+        Whether Python's floats give what arrays give.
+    """
+
+    name: str
+    title: str
+    summary: str
+    about: tuple[str, ...]
+    cost: str
+    inputs: tuple[ArgumentView, ...]
+    outputs: tuple[ArgumentView, ...]
+    calls: CallsView
+    c: tuple[BodyView, ...]
+    numpy: tuple[BodyView, ...]
+    is_polynomial: bool
+
+
+@dataclass(frozen=True, slots=True)
+class PackageView:
+    """What the templates of all files get.
+
+    Parameters
+    ----------
+    name, title, regenerate, version, digest : str
+        As in the manifest.
+    kernels : tuple of KernelView
+        In the order of the text.
+    input_sizes, output_sizes : tuple of int
+        The sizes of all inputs and of all outputs of all kernels, ascending.
+    functions : tuple of (str, int)
+        C name and count of operands of each function that the kernels call.
+    """
+
+    name: str
+    title: str
+    regenerate: str
+    version: str
+    digest: str
+    kernels: tuple[KernelView, ...]
+    input_sizes: tuple[int, ...]
+    output_sizes: tuple[int, ...]
+    functions: tuple[tuple[str, int], ...]
+
+
+def package_view(package: Package, version: str, digest: str) -> PackageView:
+    """Return what the templates of all files get.
+
+    Raises
+    ------
+    EmitError
+        A name is no identifier, or an operation cannot be printed.
+    """
+    kernels = package.kernels
+    called = {node.op for kernel in kernels for node in kernel.nodes} & printers.FUNCTIONS
+    return PackageView(
+        name=checked(package.name, "package name"),
+        title=_plain(package.title),
+        regenerate=_plain(package.regenerate),
+        version=version,
+        digest=digest,
+        kernels=tuple(kernel_view(kernel) for kernel in kernels),
+        input_sizes=tuple(sorted({q.size for kernel in kernels for q in kernel.inputs})),
+        output_sizes=tuple(sorted({q.size for kernel in kernels for q in kernel.outputs})),
+        functions=tuple(
+            (printers.C.functions[op], 2 if op is Op.ATAN2 else 1) for op in Op if op in called
+        ),
+    )
+
+
+def kernel_view(kernel: Kernel) -> KernelView:
+    """Return what the templates see of one kernel."""
+    namer = Namer()
+    for quantity in (*kernel.inputs, *kernel.outputs):
+        checked(quantity.name, f"argument of {kernel.name}")
+    read = {node.symbol[0] for node in kernel.nodes if node.symbol is not None}
+    inputs = _arguments(kernel.inputs, namer, read)
+    outputs = _arguments(kernel.outputs, namer, {q.name for q in kernel.outputs})
+    alone = range(len(outputs)) if len(outputs) > 1 else ()
+    choices = (tuple(range(len(outputs))), *((k,) for k in alone))
+    bodies = [_Choice(kernel, choice, (inputs, outputs)).bodies() for choice in choices]
+    about = (*_wrapped(kernel.formula), *_wrapped(f"({kernel.source})" if kernel.source else ""))
+    return KernelView(
+        name=checked(kernel.name, "kernel name"),
+        title=_plain(kernel.title),
+        summary=shorten(f"Evaluate {kernel.name}: {_plain(kernel.title)}", 90).rstrip(".") + ".",
+        about=about,
+        cost=_cost(kernel),
+        inputs=inputs,
+        outputs=outputs,
+        calls=_calls(inputs, outputs),
+        c=tuple(in_c for in_c, _ in bodies),
+        numpy=tuple(in_numpy for _, in_numpy in bodies),
+        is_polynomial=set(kernel.operations) <= _POLYNOMIAL,
+    )
+
+
+def _arguments(
+    quantities: Sequence[Quantity], namer: Namer, used: set[str]
+) -> tuple[ArgumentView, ...]:
+    symbols = [namer.take(quantity.name) for quantity in quantities]
+    shapes = [str(quantity.shape).replace(",)", ")") for quantity in quantities]
+    columns = list(zip(symbols, shapes, (f"[{q.unit}]" for q in quantities), strict=True))
+    widths = [max(map(len, column), default=0) for column in zip(*columns, strict=True)]
+    return tuple(
+        ArgumentView(
+            name=quantity.name,
+            symbol=symbol,
+            index=index,
+            size=quantity.size,
+            shape=str(quantity.shape),
+            batched=f"{_batched(quantity.shape)} [{quantity.unit}]",
+            meaning=_plain(quantity.meaning),
+            row="  ".join(
+                [cell.ljust(width) for cell, width in zip(cells, widths, strict=True)]
+                + [_plain(quantity.meaning)]
+            ).rstrip(),
+            is_used=quantity.name in used,
+        )
+        for index, (quantity, symbol, cells) in enumerate(
+            zip(quantities, symbols, columns, strict=True)
+        )
+    )
+
+
+def _batched(shape: tuple[int, ...]) -> str:
+    return f"({', '.join(['...', *map(str, shape)])})"
+
+
+def _calls(inputs: tuple[ArgumentView, ...], outputs: tuple[ArgumentView, ...]) -> CallsView:
+    ins, outs = [a.symbol for a in inputs], [a.symbol for a in outputs]
+    return CallsView(
+        symbols=_joined(ins + outs),
+        pointers=_joined([f"in[{a.index}]" for a in inputs] + [f"out[{a.index}]" for a in outputs]),
+        single=_joined(
+            [f"in[{a.index}] + i * stride[{a.index}]" for a in inputs]
+            + [f"out[{a.index}] ? out[{a.index}] + i * {a.size} : NULL" for a in outputs]
+        ),
+        lanes=_joined(
+            [f"(const vec *)in[{a.index}] + block * {a.size}" for a in inputs]
+            + [f"out[{a.index}] ? (vec *)out[{a.index}] + block * {a.size} : NULL" for a in outputs]
+        ),
+        wanted=_joined(ins + [f"out[{a.index}] ? {a.symbol} : NULL" for a in outputs]),
+        names_in=_joined([f'"{a.name}"' for a in inputs]),
+        names_out=_joined([f'"{a.name}"' for a in outputs]),
+    )
+
+
+def _joined(items: Sequence[str]) -> str:
+    """Return a list of arguments, broken between them into lines that fit."""
+    lines = [""]
+    for item in items:
+        if len(lines[-1]) + len(item) > 84:
+            lines.append("")
+        lines[-1] += f" {item}," if lines[-1] else f"{item},"
+    return "\n            ".join(lines).removesuffix(",")
+
+
+@dataclass(frozen=True, slots=True)
+class _Choice:
+    """One choice of the outputs of a kernel, before it is printed."""
+
+    kernel: Kernel
+    outputs: tuple[int, ...]
+    arguments: tuple[tuple[ArgumentView, ...], tuple[ArgumentView, ...]]
+
+    def bodies(self) -> tuple[BodyView, BodyView]:
+        """Return the text in C and in NumPy, line by line the same."""
+        inputs = self.arguments[0]
+        kernel, elements = self.kernel, [(a, k) for a in inputs for k in range(a.size)]
+        in_c = {(a.name, k): f"{a.symbol}[{k}]" for a, k in elements}
+        plan = layout(kernel, self.outputs, in_c)
+        live = {kernel.nodes[node].symbol for node in plan.live}
+        namer = self._namer()
+        in_numpy = {
+            (a.name, k): namer.take(f"{a.symbol}_{k}") if (a.name, k) in live else "_"
+            for a, k in elements
+        }
+        return (
+            self._body(plan, printers.C, in_c, self._namer()),
+            self._body(plan, printers.NUMPY, in_numpy, namer),
+        )
+
+    def _namer(self) -> Namer:
+        namer = Namer()
+        for side in self.arguments:
+            for argument in side:
+                namer.keep(argument.symbol)
+        return namer
+
+    def _body(
+        self,
+        plan: Layout,
+        printer: Printer,
+        leaves: Mapping[tuple[str, int], str],
+        namer: Namer,
+    ) -> BodyView:
+        kernel, (inputs, outputs) = self.kernel, self.arguments
+        statements, texts = straight_line(plan, printer, leaves, namer)
+        symbols = [kernel.nodes[node].symbol for node in texts]
+        reads = {symbol[0] for symbol in symbols if symbol is not None}
+        read = tuple(a for a in inputs if a.name in reads)
+        written = tuple(outputs[k] for k in self.outputs)
+        return BodyView(
+            name=written[0].name if len(written) < len(outputs) else "all",
+            inputs=read,
+            outputs=written,
+            arguments=_joined([a.symbol for a in (*read, *written)]),
+            components=tuple(
+                ", ".join(leaves[a.name, k] for k in range(a.size)) + ("," if a.size == 1 else "")
+                for a in read
+            ),
+            statements=statements,
+            results=tuple(output_text(kernel, a.index, a.symbol, texts) for a in written),
+        )
+
+
+def _cost(kernel: Kernel) -> str:
+    counts = kernel.operations
+    parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
+    return ", ".join(parts) or "none"
+
+
+def _plain(text: str) -> str:
+    """Return ``text`` on one line, harmless inside a comment of C and a docstring of Python."""
+    line = " ".join(text.split())
+    return line.replace("\\", "/").replace("*/", "* /").replace("/*", "/ *").replace('"""', "'''")
+
+
+def _wrapped(text: str) -> tuple[str, ...]:
+    return tuple(wrap(_plain(text), width=88))

@@ -1,0 +1,186 @@
+"""Straight-line text of one choice of outputs: what is computed once, then what is written."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.graph import Op
+from kousoku.codegen.printers import FUNCTIONS, C, Text
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.kernel import Kernel
+    from kousoku.codegen.printers import Printer
+    from kousoku.codegen.view_names import Namer
+
+#: Longest right-hand side: with indentation and a left-hand side a line stays within 100.
+WIDTH = 78
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """A value that has a name.
+
+    Parameters
+    ----------
+    name, text : str
+        ``name = text``.
+    function : str
+        What is called; empty for arithmetic.
+    arguments : tuple of str
+        Of the call: names, never expressions.
+    """
+
+    name: str
+    text: str
+    function: str
+    arguments: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class OutputText:
+    """The elements of one output.
+
+    Parameters
+    ----------
+    name : str
+        The output, as it is called in the text.
+    size : int
+        Count of its elements.
+    elements : tuple of str
+        The expressions of all elements.
+    written : tuple of (int, str)
+        Flat index and expression of each element that is not a number.
+    numbers : tuple of (int, str)
+        Likewise of each that is a number, zero left out.
+    has_zeros : bool
+        Whether some are identically zero.
+    """
+
+    name: str
+    size: int
+    elements: tuple[str, ...]
+    written: tuple[tuple[int, str], ...]
+    numbers: tuple[tuple[int, str], ...]
+    has_zeros: bool
+
+
+def live_nodes(kernel: Kernel, outputs: Sequence[int]) -> list[int]:
+    """Return the nodes that some outputs need, in topological order."""
+    needed = [False] * len(kernel.nodes)
+    for output in outputs:
+        for node in kernel.results[output]:
+            needed[node] = True
+    for node in range(len(kernel.nodes) - 1, -1, -1):
+        if needed[node]:
+            for arg in kernel.nodes[node].args:
+                needed[arg] = True
+    return [node for node, is_needed in enumerate(needed) if is_needed]
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """What is computed for some outputs, and where lines begin: the same in every language.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The whole kernel.
+    outputs : tuple of int
+        Those that are asked for.
+    live : tuple of int
+        The nodes that they need, in topological order.
+    lines : tuple of int
+        The nodes that get a line of their own, in the order of the lines.
+    """
+
+    kernel: Kernel
+    outputs: tuple[int, ...]
+    live: tuple[int, ...]
+    lines: tuple[int, ...]
+
+
+def layout(
+    kernel: Kernel, outputs: tuple[int, ...], leaves: Mapping[tuple[str, int], str]
+) -> Layout:
+    """Decide what gets a line of its own.
+
+    What is used once is written where it is used, as long as the line stays short; what has a
+    name, and what is called or is an operand of a call, stands alone.
+    """
+    live = live_nodes(kernel, outputs)
+    uses = Counter(arg for node in live for arg in kernel.nodes[node].args)
+    uses.update(node for output in outputs for node in kernel.results[output])
+    alone = {node for node, _ in kernel.names}
+    for node in live:
+        if kernel.nodes[node].op in FUNCTIONS:
+            alone.update((node, *kernel.nodes[node].args))
+    texts: dict[int, Text] = {}
+    order: list[int] = []
+
+    def settle(node: int) -> None:
+        order.append(node)
+        texts[node] = Text("t000")
+
+    for node in live:
+        op, args = kernel.nodes[node].op, kernel.nodes[node].args
+        texts[node] = _text(kernel, node, C, leaves, texts)
+        while len(texts[node].text) > WIDTH:
+            settle(max(args, key=lambda arg: len(texts[arg].text)))
+            texts[node] = _text(kernel, node, C, leaves, texts)
+        if op is not Op.INPUT and (node in alone or (args and uses[node] > 1)):
+            settle(node)
+    return Layout(kernel, outputs, tuple(live), tuple(order))
+
+
+def straight_line(
+    plan: Layout, printer: Printer, leaves: Mapping[tuple[str, int], str], namer: Namer
+) -> tuple[tuple[Statement, ...], dict[int, str]]:
+    """Return the statements of a layout in one language, and the text of every live node."""
+    kernel, names = plan.kernel, dict(plan.kernel.names)
+    symbols = {
+        node: namer.take(names[node]) if node in names else namer.temporary() for node in plan.lines
+    }
+    texts: dict[int, Text] = {}
+    lines: dict[int, Statement] = {}
+    for node in plan.live:
+        op, args = kernel.nodes[node].op, kernel.nodes[node].args
+        texts[node] = _text(kernel, node, printer, leaves, texts)
+        if node in symbols:
+            call = printer.functions.get(op, "")
+            operands = tuple(texts[arg].text for arg in args) if call else ()
+            lines[node] = Statement(symbols[node], texts[node].text, call, operands)
+            texts[node] = Text(symbols[node])
+    return tuple(lines[node] for node in plan.lines), {node: t.text for node, t in texts.items()}
+
+
+def _text(
+    kernel: Kernel,
+    node: int,
+    printer: Printer,
+    leaves: Mapping[tuple[str, int], str],
+    texts: Mapping[int, Text],
+) -> Text:
+    item = kernel.nodes[node]
+    if item.symbol is not None:
+        return Text(leaves[item.symbol])
+    if item.value is not None:
+        return printer.constant(item.value)
+    return printer.apply(item.op, [texts[arg] for arg in item.args])
+
+
+def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, str]) -> OutputText:
+    """Return what is written into one output, given the texts of :func:`straight_line`."""
+    nodes = kernel.results[output]
+    values = [kernel.nodes[node].value for node in nodes]
+    return OutputText(
+        name=name,
+        size=len(nodes),
+        elements=tuple(texts[node] for node in nodes),
+        written=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k] is None),
+        numbers=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k]),
+        has_zeros=any(value == 0 for value in values),
+    )

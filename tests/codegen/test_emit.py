@@ -1,0 +1,127 @@
+"""Emission: the folder as a whole."""
+
+import hashlib
+import json
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.emit import emit
+from kousoku.model.errors import EmitError
+from kousoku.model.manifest import Manifest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def folder(n1_package):
+    return emit(n1_package, {"reference.json": "{}\n"})
+
+
+def test_the_folder_has_the_files_that_the_house_names(folder):
+    assert list(folder) == [
+        "__init__.py",
+        "kernels.py",
+        "kernels.c",
+        "kernels_batch.c",
+        "kernels.h",
+        "reference.json",
+        "manifest.json",
+    ]
+
+
+def test_the_manifest_holds_the_hash_of_every_other_file(folder):
+    manifest = Manifest.from_json(folder["manifest.json"])
+    hashes = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in folder.items()}
+    del hashes["manifest.json"]
+    assert dict(manifest.files) == hashes
+
+
+def test_the_library_the_module_and_the_manifest_have_one_digest(folder):
+    digest = json.loads(folder["manifest.json"])["digest"]
+    assert f'return "{digest}";' in folder["kernels.c"]
+    assert f'DIGEST = "{digest}"' in folder["kernels.py"]
+
+
+def test_no_line_is_long_or_ends_in_a_blank_and_every_file_ends_in_one_newline(folder):
+    for name, text in folder.items():
+        assert text.endswith("\n") and not text.endswith("\n\n"), name
+        for line in text.splitlines():
+            assert line == line.rstrip(), (name, line)
+            assert len(line) <= 100 or name == "manifest.json", (name, line)
+
+
+def test_c_has_no_pow_no_heap_and_no_globals(folder):
+    for name in ("kernels.c", "kernels_batch.c", "kernels.h"):
+        for word in ("pow(", "malloc", "calloc", "alloca"):
+            assert word not in folder[name]
+
+
+def test_emitting_twice_gives_the_same_bytes(n1_package, folder):
+    assert emit(n1_package, {"reference.json": "{}\n"}) == folder
+
+
+def test_another_graph_has_another_digest(n1_package, folder):
+    kernel = replace(n1_package.kernels[0], results=((0,), (1, 1, 1)))
+    other = emit(replace(n1_package, kernels=(kernel,)), {})
+    assert json.loads(other["manifest.json"])["digest"] not in folder["kernels.c"]
+
+
+@pytest.mark.parametrize("name", ["p2 z", "2p", "ä", "", "a-b", "x;int main"])
+def test_a_name_that_is_no_identifier_is_refused(n1_package, name):
+    with pytest.raises(EmitError, match="cannot be emitted"):
+        emit(replace(n1_package, name=name), {})
+
+
+def test_generated_python_is_formatted_and_clean(folder, tmp_path):
+    ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
+    if ruff is None:
+        pytest.skip("ruff is not installed")
+    package = tmp_path / "generated" / "n1"
+    package.mkdir(parents=True)
+    shutil.copy(ROOT / "pyproject.toml", tmp_path)
+    for name, text in folder.items():
+        (package / name).write_text(text, encoding="utf-8")
+    for command in (["format", "--check", "--diff"], ["check", "--no-cache"]):
+        done = subprocess.run(
+            [ruff, *command, "."], cwd=tmp_path, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stdout + done.stderr
+
+
+def load_module(folder, tmp_path):
+    """Return the emitted NumPy module."""
+    import importlib.util
+
+    path = tmp_path / "kernels.py"
+    path.write_text(folder["kernels.py"], encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("emitted_kernels", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_numpy_batches_equal_single_evaluations_bit_for_bit(folder, tmp_path, rng):
+    module = load_module(folder, tmp_path)
+    n = 2 * module.BLOCK + 3
+    inputs = [rng.normal(size=(n, k)) for k in (4, 3, 4, 3)]
+    values, vectors = module.constraint(*inputs)
+    for k in (0, 1, module.BLOCK - 1, module.BLOCK, n - 1):
+        value, vector = module.constraint(*[x[k].tolist() for x in inputs])
+        assert value.tobytes() == values[k].tobytes()
+        assert vector.tobytes() == vectors[k].tobytes()
+
+
+def test_leading_axes_are_broadcast(folder, tmp_path, rng):
+    module = load_module(folder, tmp_path)
+    p_i, a_i, a_j = rng.normal(size=(5, 1, 4)), rng.normal(size=3), rng.normal(size=(2, 3))
+    p_j = rng.normal(size=4)
+    value, vector = module.constraint(p_i, a_i, p_j, a_j)
+    assert value.shape == (5, 2, 1) and vector.shape == (5, 2, 3)
+    alone = module.constraint(p_i[3, 0], a_i, p_j, a_j[1], outputs=["C"])
+    np.testing.assert_array_equal(value[3, 1], alone[0])
