@@ -249,6 +249,7 @@ def _fast_call(
         return None
     shapes = (tuple(q.shape for q in side) for side in (signature.inputs, signature.outputs))
     try:
-        return plan(*target.addresses, *shapes)
+        fast: Callable[..., Any] = plan(*target.addresses, *shapes)
     except ValueError:  # more arrays than a plan holds
         return None
+    return fast

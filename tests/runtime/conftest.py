@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import math
+from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -29,6 +32,62 @@ SPHERE = KernelManifest(
 )
 
 
+POINTS: dict[str, list[float]] = {
+    "ordinary": [0.1, -1.7, 0.3, 2.3],
+    "small": [1e-160, 1e-170, 3.0, 1e-120],
+    "zero": [0.0, 1.0, -1.0, 0.7],
+    "infinite": [1.0, math.inf, 2.0, 1.5],
+    "NaN": [1.0, 2.0, 2.0, math.nan],
+}
+
+
+def sha256(data: bytes) -> str:
+    return hashlib.sha256(data).hexdigest()
+
+
+def reference() -> dict[str, Any]:
+    """Return reference values in exact arithmetic."""
+    points = []
+    for label, numbers in POINTS.items():
+        r, length = numbers[:3], numbers[3]
+        C = [_expected(numbers, [(1, (3, k, k)) for k in range(3)])]
+        C_q = [_expected(numbers, [(2, (3, k))]) for k in range(3)]
+        inputs = {"r": [_json(x) for x in r], "length": [_json(length)]}
+        points.append(
+            {"label": label, "inputs": inputs, "outputs": {"C": _columns(C), "C_q": _columns(C_q)}}
+        )
+    return {"format": 1, "package": "tiny", "kernels": [{"name": "sphere", "points": points}]}
+
+
+def _expected(
+    numbers: list[float], terms: list[tuple[int, tuple[int, ...]]]
+) -> tuple[float | None, float, float]:
+    """Return high, low and unit of a sum of (factor, places of the numbers multiplied)."""
+    if not all(math.isfinite(numbers[place]) for _, places in terms for place in places):
+        return None, 0.0, 5e-324
+    values = []
+    for factor, places in terms:
+        value = Fraction(factor)
+        for place in places:
+            value *= Fraction(numbers[place])
+        values.append(value)
+    total = sum(values, Fraction(0))
+    size = abs(total) + sum(
+        (abs(v) * len(places) for v, (_, places) in zip(values, terms, strict=True)), Fraction(0)
+    )
+    high = float(total)
+    return high, float(total - Fraction(high)), max(float(size / 2**53), 5e-324)
+
+
+def _columns(elements: list[tuple[float | None, float, float]]) -> dict[str, Any]:
+    names = ("high", "low", "unit")
+    return {name: [element[k] for element in elements] for k, name in enumerate(names)}
+
+
+def _json(x: float) -> float | str:
+    return x if math.isfinite(x) else str(x)
+
+
 def write_tiny(folder: Path, *, edit: Callable[[str, str], str] = lambda name, text: text) -> Path:
     """Write the package as the generator would; ``edit`` changes a file before it is listed."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -37,7 +96,9 @@ def write_tiny(folder: Path, *, edit: Callable[[str, str], str] = lambda name, t
     for name, text in texts.items():
         data = edit(name, text.replace("DIGEST", DIGEST)).encode()
         (folder / name).write_bytes(data)
-        files.append((name, hashlib.sha256(data).hexdigest()))
+        files.append((name, sha256(data)))
+    (folder / "reference.json").write_text(json.dumps(reference()), encoding="utf-8")
+    files.append(("reference.json", sha256((folder / "reference.json").read_bytes())))
     manifest = Manifest(
         "tiny", "Tiny", "kousoku generate tiny", "0", DIGEST, tuple(files), (SPHERE,)
     )

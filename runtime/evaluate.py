@@ -1,0 +1,103 @@
+"""Run a kernel at its reference points in every way that it can be called."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from kousoku.runtime.lanes import from_lanes, to_lanes
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.manifest import KernelManifest
+    from kousoku.runtime.arguments import Floats
+    from kousoku.runtime.kernel import Kernel
+    from kousoku.runtime.reference import Reference
+
+Way = Literal["C", "C batch", "C lanes", "NumPy", "NumPy batch"]
+
+
+@dataclass(frozen=True, slots=True)
+class Evaluation:
+    """One output at every point.
+
+    Parameters
+    ----------
+    way : str
+        How the kernel was called.
+    output : int
+        Which output.
+    is_alone : bool
+        Whether only this output was asked for, which runs other code.
+    values : (n, size)
+        Elements flat; a batch may be longer than the list of points, which then starts over.
+    """
+
+    way: Way
+    output: int
+    is_alone: bool
+    values: Floats
+
+
+def ways(target: Literal["c", "numpy"]) -> tuple[Way, ...]:
+    """Return the ways to call a kernel of a target."""
+    return ("C", "C batch", "C lanes") if target == "c" else ("NumPy", "NumPy batch")
+
+
+def evaluate(kernel: Kernel, reference: Reference, way: Way) -> Iterator[Evaluation]:
+    """Yield every output at every point, all of them together and each alone."""
+    names = tuple(q.name for q in kernel.manifest.outputs)
+    # The points are chosen to hurt; that NumPy notices is no news.
+    with np.errstate(all="ignore"):
+        for k, values in enumerate(_run(kernel, reference, way, names)):
+            yield Evaluation(way, k, False, values)
+        for k, name in enumerate(names if len(names) > 1 else ()):
+            (values,) = _run(kernel, reference, way, (name,))
+            yield Evaluation(way, k, True, values)
+
+
+def _run(
+    kernel: Kernel, reference: Reference, way: Way, names: tuple[str, ...]
+) -> tuple[Floats, ...]:
+    n = len(reference.labels)
+    if way in {"C", "NumPy"}:
+        results = [
+            kernel(*(array[point] for array in reference.inputs), outputs=names)
+            for point in range(n)
+        ]
+        return tuple(np.array(column).reshape((n, -1)) for column in zip(*results, strict=True))
+    width = kernel.lane_width
+    if way == "C lanes":
+        blocks = kernel.lanes(*(to_lanes(a, width) for a in reference.inputs), outputs=names)
+        return tuple(from_lanes(block, n).reshape((n, -1)) for block in blocks)
+    # Some full blocks and a rest, whatever the count of points is.
+    rows = np.arange(n + width + (n % width == 0)) % n
+    results_ = kernel(*(array[rows] for array in reference.inputs), outputs=names)
+    return tuple(array.reshape((len(rows), -1)) for array in results_)
+
+
+def different_bits(
+    kernel: KernelManifest, reference: Reference, evaluations: Sequence[Evaluation]
+) -> Iterator[str]:
+    """Yield a message for each output whose bits depend on the way of calling.
+
+    Which NaN it is does not count: IEEE 754 leaves that to the processor.
+    """
+    n = len(reference.labels)
+    for k, output in enumerate(kernel.outputs):
+        for is_alone in (False, True):
+            same = [e for e in evaluations if e.output == k and e.is_alone == is_alone]
+            for other in same[1:]:
+                a, b = same[0].values, other.values[:n]
+                differs = (a.view(np.int64) != b.view(np.int64)) & ~(np.isnan(a) & np.isnan(b))
+                if differs.any():
+                    point, element = (int(i) for i in np.argwhere(differs)[0])
+                    yield (
+                        f"{kernel.name}: {output.name} element {element} has other bits by "
+                        f"{other.way} ({b[point, element].hex()}) than by {same[0].way} "
+                        f"({a[point, element].hex()}) at point {point} "
+                        f"({reference.labels[point]}); contraction or other compiler flags do that"
+                    )

@@ -1,0 +1,127 @@
+"""The reference values of a package: points, and what the kernels must give there."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.model.errors import VerifyError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kousoku.model.manifest import KernelManifest, Manifest
+    from kousoku.model.quantity import Quantity
+    from kousoku.runtime.arguments import Floats
+
+REFERENCE_FILE = "reference.json"
+FORMAT = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """What one output must be at every point, elements flat.
+
+    Parameters
+    ----------
+    high, low : (n_points, size)
+        The value is high + low; NaN where the output must not be finite.
+    unit : (n_points, size)
+        The unit of error; 0 for elements that are identically zero.
+    """
+
+    high: Floats
+    low: Floats
+    unit: Floats
+
+    def errors(self, values: Floats) -> Floats:
+        """Return how many units each element is off; infinite where no number of units says it.
+
+        Parameters
+        ----------
+        values : (n, size)
+            What a kernel gave at the points, which start over where there are more rows.
+        """
+        rows = np.arange(len(values)) % len(self.high)
+        high, low, unit = self.high[rows], self.low[rows], self.unit[rows]
+        with np.errstate(all="ignore"):
+            distance = np.abs((values - high) - low)
+            units = np.where(distance == 0, 0.0, distance / unit)
+        # NaN is nowhere near a number.
+        units = np.where(np.isnan(units), np.inf, units)
+        return np.where(np.isnan(high), np.where(np.isfinite(values), np.inf, 0.0), units)
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """The points of one kernel.
+
+    Parameters
+    ----------
+    labels : tuple of str
+        Why each point is there.
+    inputs : tuple of (n_points, *shape) arrays
+        In kernel order.
+    outputs : tuple of Expected
+        In kernel order.
+    """
+
+    labels: tuple[str, ...]
+    inputs: tuple[Floats, ...]
+    outputs: tuple[Expected, ...]
+
+    def inputs_at(self, point: int, kernel: KernelManifest) -> tuple[tuple[str, str], ...]:
+        """Return the names of the inputs and their numbers at a point, with all their digits."""
+        return tuple(
+            (q.name, str(array[point].tolist()))
+            for q, array in zip(kernel.inputs, self.inputs, strict=True)
+        )
+
+
+def read_references(folder: Path, manifest: Manifest) -> dict[str, Reference]:
+    """Return the reference values of every kernel of a package.
+
+    Raises
+    ------
+    VerifyError
+        There are none, or they are not those of this package.
+    """
+    path = folder / REFERENCE_FILE
+    if REFERENCE_FILE not in dict(manifest.files):
+        raise VerifyError(
+            f"{folder / 'manifest.json'} lists no {REFERENCE_FILE}: nothing to verify"
+        )
+    try:
+        data = json.loads(path.read_text(encoding="utf-8"))
+        if data["format"] != FORMAT:
+            raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
+        points = {kernel["name"]: kernel["points"] for kernel in data["kernels"]}
+        if not all(points[k.name] for k in manifest.kernels):
+            raise VerifyError(f"{path}: a kernel has no points: nothing to verify")
+        return {k.name: _reference(k, points[k.name]) for k in manifest.kernels}
+    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+        raise VerifyError(f"{path} does not fit the manifest beside it: {error!r}") from None
+
+
+def _reference(kernel: KernelManifest, points: list[dict[str, Any]]) -> Reference:
+    def stack(q: Quantity) -> Floats:
+        rows = [[float(x) for x in point["inputs"][q.name]] for point in points]
+        return np.array(rows, dtype=np.float64).reshape((len(points), *q.shape))
+
+    outputs = []
+    for q, nonzero in zip(kernel.outputs, kernel.nonzero, strict=True):
+        columns = {}
+        for name in ("high", "low", "unit"):
+            column = np.zeros((len(points), q.size))
+            rows = [point["outputs"][q.name][name] for point in points]
+            # None becomes NaN: the output must not be finite.
+            column[:, list(nonzero)] = np.array(rows, dtype=np.float64).reshape(
+                (len(points), len(nonzero))
+            )
+            columns[name] = column
+        outputs.append(Expected(**columns))
+    labels = tuple(str(point["label"]) for point in points)
+    return Reference(labels, tuple(stack(q) for q in kernel.inputs), tuple(outputs))

@@ -1,0 +1,133 @@
+"""`verify`: recompute the reference values of a package on this machine.
+
+Every kernel runs at every point of ``reference.json`` in every way it can be called, with all its
+outputs and with each output alone, and its error is told in the units that stand there. Kernels
+that use only + − × ÷ √ must also give the same bits in C and in NumPy.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from kousoku.model.errors import LoadError, NoCompilerError, VerifyError
+from kousoku.runtime.evaluate import different_bits, evaluate, ways
+from kousoku.runtime.library import Library, load, read_files, read_manifest
+from kousoku.runtime.reference import read_references
+from kousoku.runtime.report import LIMIT, Report, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.manifest import KernelManifest
+    from kousoku.runtime.evaluate import Evaluation
+    from kousoku.runtime.reference import Reference
+
+__all__ = ["LIMIT", "Report", "Row", "verify"]
+
+
+def verify(
+    package: Library | str | Path, *, target: Literal["auto", "c", "numpy"] = "auto"
+) -> Report:
+    """Check that a package computes what was derived.
+
+    Parameters
+    ----------
+    package : Library or path
+        A loaded package, or its folder.
+    target : {"auto", "c", "numpy"}
+        What to check: all that this machine can run, or one target. A loaded package brings its
+        own target; ``"auto"`` checks the other one beside it.
+
+    Returns
+    -------
+    Report
+        ``report.ok``; it does not raise for what is wrong with the package. ``report.check()``
+        does.
+    """
+    folder = package.folder if isinstance(package, Library) else Path(package).absolute()
+    try:
+        manifest = read_manifest(folder)
+        read_files(folder, manifest)
+        references = read_references(folder, manifest)
+    except (LoadError, VerifyError) as error:
+        return Report(folder.name, str(folder), (), (str(error),))
+    problems: list[str] = []
+    notes: list[str] = []
+    libraries = list(_libraries(package, folder, target, problems, notes))
+    rows: list[Row] = []
+    for kernel in manifest.kernels:
+        reference = references[kernel.name]
+        evaluations = [
+            evaluation
+            for library in libraries
+            for way in ways(library.target)
+            for evaluation in evaluate(library[kernel.name], reference, way)
+        ]
+        found = list(_rows(kernel, reference, evaluations))
+        wrong = [str(row) for row in found if not row.ok]
+        rows += found
+        problems += wrong
+        # Where a value is wrong, its bits are no news.
+        if kernel.is_exact and not wrong:
+            problems += different_bits(kernel, reference, evaluations)
+    return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
+
+
+def _libraries(
+    package: Library | str | Path,
+    folder: Path,
+    target: Literal["auto", "c", "numpy"],
+    problems: list[str],
+    notes: list[str],
+) -> Iterator[Library]:
+    """Yield the package for every target to check; what cannot be had is a problem or a note."""
+    targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy") if target == "auto" else (target,)
+    for wanted in targets:
+        try:
+            if isinstance(package, Library) and package.target == wanted:
+                library = package
+            else:
+                library = load(folder, target=wanted)
+        except NoCompilerError as error:
+            (notes if target == "auto" else problems).append(f"C is not checked: {error}")
+        except LoadError as error:
+            problems.append(str(error))
+        else:
+            problems += filter(None, [library.damage])
+            yield library
+
+
+def _rows(
+    kernel: KernelManifest, reference: Reference, evaluations: Sequence[Evaluation]
+) -> Iterator[Row]:
+    """Yield the worst error of each output in each way of calling."""
+    for way in dict.fromkeys(evaluation.way for evaluation in evaluations):
+        for k in range(len(kernel.outputs)):
+            candidates = [e for e in evaluations if e.way == way and e.output == k]
+            if candidates and len(reference.labels):
+                rows = (_row(kernel, reference, candidate) for candidate in candidates)
+                yield max(rows, key=lambda row: row.worst)
+
+
+def _row(kernel: KernelManifest, reference: Reference, evaluation: Evaluation) -> Row:
+    expected = reference.outputs[evaluation.output]
+    errors = expected.errors(evaluation.values)
+    row, element = np.unravel_index(int(np.argmax(errors)), errors.shape)
+    point = int(row) % len(reference.labels)
+    output = kernel.outputs[evaluation.output]
+    place = np.unravel_index(int(element), output.shape) if output.shape else ()
+    return Row(
+        kernel=kernel.name,
+        output=output.name,
+        way=evaluation.way,
+        worst=float(errors[row, element]),
+        element=tuple(int(index) for index in place),
+        point=point,
+        label=reference.labels[point],
+        inputs=reference.inputs_at(point, kernel),
+        got=float(evaluation.values[row, element]),
+        wanted=float(expected.high[point, element]),
+    )
