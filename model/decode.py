@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import datetime
 import difflib
+import json
+import re
 from collections.abc import Mapping
 from math import isfinite
 from types import UnionType
@@ -41,8 +43,8 @@ def decode(tree: object, record: type[S], *, key: str = "") -> S:
     fields = {field.encode_name: field for field in msgspec.structs.fields(record)}
     for name in tree:
         if name not in fields:
-            problem = unknown(f"key {str(name)[:40]!r}", str(name), tuple(fields))
-            raise SceneError(problem, key=key)
+            problem = unknown("key", str(name), tuple(fields))
+            raise SceneError(problem, key=_join(key, str(name)))
     values: dict[str, Any] = {}
     for name, field in fields.items():
         place = _join(key, name)
@@ -71,7 +73,7 @@ def _value(value: object, kind: Any, key: str) -> object:
         if not isinstance(value, Mapping):
             raise SceneError(f"{_got(value)} stands where a table is wanted", key=key)
         return {
-            str(name): _value(item, arguments[1], _join(key, str(name)[:40]))
+            str(name): _value(item, arguments[1], _join(key, str(name)))
             for name, item in value.items()
         }
     if origin is tuple:
@@ -98,7 +100,10 @@ def _tuple(value: object, kind: Any, key: str) -> tuple[object, ...]:
 
 
 def _join(key: str, name: str) -> str:
-    return f"{key}.{name}" if key else name
+    shown = name if len(name) <= 40 else name[:40] + "…"
+    if not re.fullmatch("[A-Za-z0-9_-]+…?", shown):
+        shown = json.dumps(shown, ensure_ascii=not shown.isprintable())
+    return f"{key}.{shown}" if key else shown
 
 
 def _without_none(kind: Any) -> Any:

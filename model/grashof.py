@@ -15,42 +15,17 @@ import numpy as np
 
 from kousoku.model.circuits import check_circuits
 from kousoku.model.errors import SceneError
+from kousoku.model.known import known_nodes
 from kousoku.model.motion import input_values, period
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from kousoku.model.known import Crank, Known
     from kousoku.model.scene import Scene
 
 BLOCK = 65536
 """Divisions that are checked at once."""
-
-
-@dataclass(frozen=True, slots=True)
-class Crank:
-    """A link that an input turns about a fixed node."""
-
-    given: str
-    link: str
-    length: float
-    center: str
-    origin: tuple[float, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Known:
-    """Where a node is at some divisions, known from the inputs alone.
-
-    Parameters
-    ----------
-    at : (2, n) or (2, 1) ndarray [unit of the scene]
-        Positions; one only where the node never moves.
-    crank : Crank, optional
-        The crank whose pin it is.
-    """
-
-    at: np.ndarray
-    crank: Crank | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +74,7 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
     n_rows = period(scene) + 1
     for first in range(0, n_rows, BLOCK):
         ks = np.arange(first, min(first + BLOCK, n_rows))
-        known = _known_nodes(scene, ks)
+        known = known_nodes(scene, ks)
         for dyad in _dyads(scene, known):
             tolerance = max(scene.residual_limit, 64 * 2.0**-52 * _scale(dyad))
             outside = np.maximum(dyad.distance - dyad.most, dyad.least - dyad.distance)
@@ -113,34 +88,6 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
 
 def _scale(dyad: Dyad) -> float:
     return dyad.most + float(dyad.distance.max())
-
-
-def _known_nodes(scene: Scene, ks: np.ndarray) -> dict[str, Known]:
-    """Return the nodes whose positions follow from the inputs alone, in the order of finding."""
-    known = {
-        name: Known(np.array(node.at).reshape(2, 1))
-        for name, node in scene.nodes.items()
-        if node.fixed
-    }
-    for given in scene.inputs.values():
-        if given.slider is not None:
-            slider = scene.sliders[given.slider]
-            unit = np.array(slider.direction) / hypot(*slider.direction)
-            way = input_values(given, scene.divisions, ks)
-            at = np.array(slider.through)[:, None] + unit[:, None] * way
-            known.setdefault(slider.node, Known(at))
-    waiting = {name: given for name, given in scene.inputs.items() if given.link is not None}
-    while ready := [name for name, given in waiting.items() if given.about in known]:
-        for name in ready:
-            given = waiting.pop(name)
-            link, about = given.link or "", given.about or ""
-            angle = input_values(given, scene.divisions, ks)
-            length = scene.length(link)
-            at = known[about].at + length * np.array([np.cos(angle), np.sin(angle)])
-            is_fixed = scene.nodes[about].fixed
-            crank = Crank(name, link, length, about, scene.nodes[about].at) if is_fixed else None
-            known.setdefault(scene.links[link].other(about), Known(at, crank))
-    return known
 
 
 def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
@@ -194,14 +141,15 @@ def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, k: int) -> None:
 
 def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float) -> str:
     """Return Grashof's inequality (34) that does not hold, and where the crank stops."""
-    x, y = (b - a for a, b in zip(crank.origin, scene.nodes[end].at, strict=True))
+    origin, length = scene.nodes[crank.center].at, scene.length(crank.link)
+    x, y = (b - a for a, b in zip(origin, scene.nodes[end].at, strict=True))
     frame = hypot(x, y)
     if frame == 0:
         return ""
     lengths = [
         (part.partition(".")[2], scene.length(part.partition(".")[2])) for part in dyad.parts
     ]
-    sides = [(crank.link, crank.length), (_frame_name(scene, crank.center, end), frame)]
+    sides = [(crank.link, length), (_frame_name(scene, crank.center, end), frame)]
     if distance > dyad.most:
         left, right = sides, lengths
     else:
@@ -209,7 +157,7 @@ def _four_bar(scene: Scene, dyad: Dyad, crank: Crank, end: str, distance: float)
         sides.sort(key=lambda side: side[1])
         left, right = [sides[0], lengths[1]], [lengths[0], sides[1]]
     limit = dyad.most if distance > dyad.most else dyad.least
-    cosine = (crank.length**2 + frame**2 - limit**2) / (2 * crank.length * frame)
+    cosine = (length**2 + frame**2 - limit**2) / (2 * length * frame)
     stops = [atan2(y, x) + sign * acos(cosine) for sign in (1, -1)] if abs(cosine) <= 1 else []
     return _stops(crank, "Grashof's condition (34) ", left, right, stops)
 
@@ -218,13 +166,14 @@ def _slider_crank(scene: Scene, dyad: Dyad, crank: Crank) -> str:
     """Return the condition of a crank with an offset slider, and where the crank stops."""
     slider = scene.sliders[dyad.parts[1].partition(".")[2]]
     rod = dyad.parts[0].partition(".")[2]
-    (dx, dy), (x, y) = slider.direction, crank.origin
+    (dx, dy), (x, y) = slider.direction, scene.nodes[crank.center].at
+    length = scene.length(crank.link)
     offset = ((x - slider.through[0]) * dy - (y - slider.through[1]) * dx) / hypot(dx, dy)
-    sines = [(offset + sign * dyad.most) / crank.length for sign in (1, -1)]
+    sines = [(offset + sign * dyad.most) / length for sign in (1, -1)]
     along = atan2(dy, dx)
     reached = [asin(sine) for sine in sines if abs(sine) <= 1]
     stops = [along + angle for one in reached for angle in (one, tau / 2 - one)]
-    left = [(crank.link, crank.length), ("offset", abs(offset))]
+    left = [(crank.link, length), ("offset", abs(offset))]
     return _stops(crank, "", left, [(rod, dyad.most)], stops)
 
 
@@ -236,7 +185,9 @@ def _stops(
 ) -> str:
     names = " <= ".join(" + ".join(name for name, _ in side) for side in (left, right))
     numbers = " > ".join(" + ".join(f"{value:.12g}" for _, value in side) for side in (left, right))
-    angles = " and ".join(f"{angle % tau:.6g}" for angle in sorted(stop % tau for stop in stops))
+    angles = " and ".join(
+        f"{angle:.6g}" for angle in sorted((s - crank.offset) % tau for s in stops)
+    )
     where = f", stops it at {crank.given} = {angles} rad" if stops else ", closes at no angle"
     return (
         f"the crank {crank.link} cannot make the motion: {title}{names} does not hold "

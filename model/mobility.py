@@ -40,7 +40,7 @@ def check_mobility(scene: Scene) -> None:
         Elements repeat each other, the number of inputs is wrong, or inputs prescribe the same.
     """
     positions = _random_positions(scene)
-    basis = _Basis({}, {})
+    basis = _Basis({}, {}, {})
     n_constraints = 0
     for key, row in _constraints(scene, positions):
         repeated = basis.add(key, row)
@@ -55,9 +55,10 @@ def check_mobility(scene: Scene) -> None:
     wanted = n_coordinates - n_constraints
     if wanted != len(scene.inputs):
         raise SceneError(
-            f"wrong number of inputs: the linkage has {wanted} degrees of freedom "
+            f"wrong number of inputs: the linkage has {_count(wanted, 'degree')} of freedom "
             f"({n_coordinates} coordinates of free nodes − {n_constraints} constraints of links, "
-            f"sliders and rigid connections) and wants {wanted} inputs, got {len(scene.inputs)}",
+            "sliders and rigid connections) and wants "
+            f"{_count(wanted, 'input')}, got {len(scene.inputs)}",
             key="inputs",
         )
     for key, row in _inputs(scene, positions):
@@ -76,6 +77,7 @@ class _Basis:
 
     rows: dict[Column, Row]
     origins: dict[Column, dict[str, int]]
+    order: dict[str, None]
 
     def add(self, key: str, row: Row) -> tuple[str, ...] | None:
         """Add a row; where it depends on earlier ones, return their keys instead."""
@@ -86,7 +88,8 @@ class _Basis:
             _accumulate(rest, self.rows[pivot], factor)
             _accumulate(origin, self.origins[pivot], factor)
         if not rest:
-            return tuple(other for other in origin if other != key)
+            return tuple(name for name in self.order if name in origin)
+        self.order.setdefault(key)
         pivot = next(iter(rest))
         scale = pow(rest[pivot], -1, PRIME)
         self.rows[pivot] = {column: value * scale % PRIME for column, value in rest.items()}
@@ -180,11 +183,15 @@ def _relative(scene: Scene, ends: tuple[str, str], x: int, y: int) -> Row:
     return row
 
 
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
 def _names(keys: tuple[str, ...]) -> str:
-    shown = list(dict.fromkeys(keys))[:6] + (["others"] if len(set(keys)) > 6 else [])
+    shown = [*keys[:6], "others"] if len(keys) > 6 else list(keys)
     listed = ", ".join(shown[:-1])
     return f"{listed} and {shown[-1]}" if listed else (shown[0] if shown else "the frame")
 
 
 def _determine(keys: tuple[str, ...]) -> str:
-    return "determine" if len(set(keys)) > 1 else "determines"
+    return "determine" if len(keys) > 1 else "determines"
