@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
+from kousoku.model.errors import NoCompilerError
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -53,10 +54,10 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
 @pytest.fixture(scope="session")
 def compiler() -> Toolchain:
     """Return this machine's C compiler; without one the test is skipped."""
-    toolchain = find_toolchain()
-    if toolchain is None:
-        pytest.skip("no C compiler here")
-    return toolchain
+    try:
+        return find_toolchain()
+    except NoCompilerError as error:
+        pytest.skip(f"no C compiler: {error}")
 
 
 @pytest.fixture(params=["numpy", "c"])
