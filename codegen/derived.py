@@ -1,0 +1,148 @@
+"""What deriving a kind gives, kept on disk by content: SymPy runs once for each version of it."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import logging
+from dataclasses import dataclass
+from importlib import metadata
+from pathlib import Path
+
+from kousoku import __version__
+from kousoku.codegen.kernel import Package
+from kousoku.codegen.passes.optimise import optimise
+from kousoku.codegen.store import dump, parse
+from kousoku.model.cache import cache_folder, write_atomically
+from kousoku.model.errors import LoadError
+
+#: The sources that decide what is derived, relative to the folder of the package kousoku.
+SOURCES = (
+    "symbolic/*.py",
+    "codegen/chain.py",
+    "codegen/derived.py",
+    "codegen/freeze.py",
+    "codegen/graph.py",
+    "codegen/interpret.py",
+    "codegen/jsontext.py",
+    "codegen/kernel.py",
+    "codegen/manifold.py",
+    "codegen/passes/*.py",
+    "codegen/points.py",
+    "codegen/reference.py",
+    "codegen/store.py",
+    "codegen/tape.py",
+    "model/quantity.py",
+)
+_LOG = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Derived:
+    """The result of deriving a kind: what is emitted, and what it is checked against.
+
+    Parameters
+    ----------
+    package : Package
+        The frozen and optimised kernels.
+    references : str
+        The text of ``reference.json``.
+    """
+
+    package: Package
+    references: str
+
+
+def derive_package(name: str) -> Derived:
+    """Derive a package with SymPy, freeze and optimise it, and compute its references.
+
+    Parameters
+    ----------
+    name : str
+        A package of a kind, such as ``p2_z``.
+
+    Raises
+    ------
+    DerivationError
+        No kind has this package.
+    """
+    # SymPy takes a third of a second to import, and nothing needs it when the cache answers.
+    from kousoku.codegen.freeze import freeze  # noqa: PLC0415
+    from kousoku.codegen.reference import references  # noqa: PLC0415
+    from kousoku.symbolic import derive  # noqa: PLC0415
+
+    derivation = derive(name)
+    kernels = tuple(optimise(freeze(function))[0] for function in derivation.functions)
+    package = Package(
+        name=derivation.name,
+        title=derivation.title,
+        regenerate=f"kousoku generate {derivation.name}",
+        kernels=kernels,
+    )
+    return Derived(package, references(package, derivation.functions))
+
+
+def recall_or_derive(name: str) -> Derived:
+    """Return what :func:`derive_package` gives, from the cache where it is there.
+
+    A cache that is broken, full or read-only costs time and a message, nothing else.
+    """
+    key = content_key()
+    try:
+        path = cache_folder() / "derived" / f"{name}-{key[:32]}.json"
+    except OSError as problem:
+        _LOG.warning("nothing derived is kept: %s", problem)
+        return derive_package(name)
+    found = _recall(path, name)
+    if found is None:
+        found = derive_package(name)
+        _keep(path, found)
+    return found
+
+
+def content_key() -> str:
+    """Return the SHA-256 over all that decides what deriving gives: sources and versions."""
+    root = Path(__file__).parents[1]
+    total = hashlib.sha256()
+    versions = [("kousoku", __version__)]
+    versions += [(name, metadata.version(name)) for name in ("mpmath", "sympy")]
+    total.update(repr(versions).encode())
+    for pattern in SOURCES:
+        for path in sorted(root.glob(pattern)):
+            total.update(f"\n{path.relative_to(root).as_posix()}\n".encode())
+            total.update(path.read_bytes())
+    return total.hexdigest()
+
+
+def _recall(path: Path, name: str) -> Derived | None:
+    """Return what a file of the cache holds; None where there is none, or it is damaged."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except FileNotFoundError:
+        return None
+    except (OSError, UnicodeDecodeError) as problem:
+        _LOG.warning("%s is derived again: %s cannot be read: %s", name, path, problem)
+        return None
+    try:
+        data = json.loads(text)
+        graph, references = data["graph"], data["references"]
+        if data["sha256"] != _digest(graph, references):
+            raise ValueError("its digest is another")
+        package = parse(graph)
+    except (ValueError, KeyError, TypeError, LoadError) as problem:
+        _LOG.warning("%s is derived again: %s is damaged: %s", name, path, problem)
+        return None
+    return Derived(package, references)
+
+
+def _keep(path: Path, derived: Derived) -> None:
+    graph, references = dump(derived.package), derived.references
+    data = {"sha256": _digest(graph, references), "graph": graph, "references": references}
+    try:
+        write_atomically(path, json.dumps(data).encode())
+    except OSError as problem:
+        _LOG.warning("%s is not kept for the next time: %s", derived.package.name, problem)
+
+
+def _digest(graph: str, references: str) -> str:
+    return hashlib.sha256(json.dumps([graph, references]).encode()).hexdigest()

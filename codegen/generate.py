@@ -1,0 +1,135 @@
+"""The pipeline of a kind, from its name to the folder that is committed."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.derived import recall_or_derive
+from kousoku.codegen.emit import emit
+from kousoku.codegen.store import GRAPH_FILE, dump
+from kousoku.model.cache import write_atomically
+from kousoku.symbolic.kinds import KINDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+    SourceTree = dict[str, str]
+
+MANIFEST_FILE = "manifest.json"
+REFERENCE_FILE = "reference.json"
+
+
+def package_names() -> tuple[str, ...]:
+    """Return the packages of all kinds, in the order of the list of kinds."""
+    return tuple(name for kind in KINDS.values() for name in kind.packages)
+
+
+def generate_kind(name: str) -> SourceTree:
+    """Derive, freeze, optimise and emit one package of a kind.
+
+    Parameters
+    ----------
+    name : str
+        A package, such as ``p2_z``; see :func:`package_names`.
+
+    Returns
+    -------
+    dict of str to str
+        File name and text, the manifest last. The same on every machine.
+
+    Raises
+    ------
+    DerivationError
+        No kind has this package.
+    """
+    derived = recall_or_derive(name)
+    data = {GRAPH_FILE: dump(derived.package), REFERENCE_FILE: derived.references}
+    return emit(derived.package, data)
+
+
+def generate_all(progress: Callable[[str], None] = lambda name: None) -> dict[str, SourceTree]:
+    """Generate the packages of all kinds.
+
+    Parameters
+    ----------
+    progress : callable
+        Called with the name of each package before it is generated.
+    """
+    trees = {}
+    for name in package_names():
+        progress(name)
+        trees[name] = generate_kind(name)
+    return trees
+
+
+def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
+    """Write a folder, each file whole or not at all, and remove what an older version left.
+
+    Only files that the folder's own manifest lists are removed. The manifest is written last, so
+    that a folder that was written half is recognised by its digests.
+
+    Returns
+    -------
+    list of str
+        The names of the files that changed.
+
+    Raises
+    ------
+    OSError
+        The folder cannot be written.
+    """
+    stale = sorted(set(_listed_files(folder)) - set(tree))
+    changed = [name for name, text in tree.items() if _read(folder / name) != text]
+    for name in changed:
+        write_atomically(folder / name, tree[name].encode())
+    for name in stale:
+        (folder / name).unlink(missing_ok=True)
+    return changed + stale
+
+
+def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
+    """Return how a folder differs from what would be written, a line for each file; empty if not.
+
+    Files that Python or an operating system puts beside them (hidden ones, ``__pycache__``) do not
+    count.
+    """
+    differences = []
+    for name, text in tree.items():
+        found = _read(folder / name)
+        if found is None:
+            differences.append(f"{folder / name} is missing")
+        elif found != text:
+            differences.append(f"{folder / name} differs {_where(found, text)}")
+    extra = [path.name for path in sorted(folder.glob("*")) if path.is_file()]
+    differences += [
+        f"{folder / name} is not generated any more"
+        for name in extra
+        if name not in tree and not name.startswith(".")
+    ]
+    return differences
+
+
+def _read(path: Path) -> str | None:
+    try:
+        return path.read_bytes().decode()
+    except (FileNotFoundError, UnicodeDecodeError):
+        return None
+
+
+def _listed_files(folder: Path) -> list[str]:
+    """Return the files that an older manifest lists, those outside the folder left out."""
+    try:
+        files = json.loads(_read(folder / MANIFEST_FILE) or "{}").get("files", [])
+        return [name for name, _ in files if (folder / name).parent == folder]
+    except (ValueError, TypeError, AttributeError):
+        return []
+
+
+def _where(found: str, wanted: str) -> str:
+    pairs = zip(found.splitlines(), wanted.splitlines(), strict=False)
+    for number, (old, new) in enumerate(pairs, 1):
+        if old != new:
+            return f"from line {number} on: {old[:60]!r} instead of {new[:60]!r}"
+    return "in its length or its line ends"

@@ -1,0 +1,20 @@
+"""The passes that every kernel goes through before it is emitted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.passes.rebuild import drop_dead
+from kousoku.codegen.passes.trace import run_passes
+
+if TYPE_CHECKING:
+    from kousoku.codegen.kernel import Kernel
+    from kousoku.codegen.passes.trace import Trace
+
+#: In the order in which they run. None uses that Euler parameters have norm one.
+PASSES = (drop_dead,)
+
+
+def optimise(kernel: Kernel) -> tuple[Kernel, Trace]:
+    """Return a kernel that computes the same with less, and the trace of how."""
+    return run_passes(kernel, PASSES)

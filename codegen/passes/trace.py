@@ -1,0 +1,85 @@
+"""What a pass did: the record that ``kousoku explain`` prints; nothing of it is emitted."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kousoku.codegen.kernel import Kernel
+
+BYTES_OF_A_DOUBLE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """One pass over one kernel.
+
+    Parameters
+    ----------
+    kernel, name : str
+        The kernel, and the verb of the pass.
+    operations_before, operations_after : int
+        All operations but constants and inputs.
+    bytes_before, bytes_after : int
+        The largest number of intermediate results that are alive at once, times eight.
+    seconds : float
+        How long the pass took.
+    """
+
+    kernel: str
+    name: str
+    operations_before: int
+    operations_after: int
+    bytes_before: int
+    bytes_after: int
+    seconds: float
+
+
+Trace = tuple[Record, ...]
+
+
+def run_passes(
+    kernel: Kernel, passes: Sequence[Callable[[Kernel], Kernel]]
+) -> tuple[Kernel, Trace]:
+    """Apply passes one after the other, and record what each did."""
+    records = []
+    for one in passes:
+        start = time.perf_counter()
+        better = one(kernel)
+        seconds = time.perf_counter() - start
+        records.append(
+            Record(
+                kernel=kernel.name,
+                name=one.__name__,
+                operations_before=kernel.operations.total(),
+                operations_after=better.operations.total(),
+                bytes_before=BYTES_OF_A_DOUBLE * most_alive(kernel),
+                bytes_after=BYTES_OF_A_DOUBLE * most_alive(better),
+                seconds=seconds,
+            )
+        )
+        kernel = better
+    return kernel, tuple(records)
+
+
+def most_alive(kernel: Kernel) -> int:
+    """Return the largest number of intermediate results that are alive at once.
+
+    A result is alive from where it is computed to its last use; one that is an output goes to
+    memory at once. Inputs and constants are in memory.
+    """
+    last_use = {arg: k for k, node in enumerate(kernel.nodes) for arg in node.args}
+    ends = dict.fromkeys(range(len(kernel.nodes)), 0)
+    alive = most = 0
+    for k, node in enumerate(kernel.nodes):
+        if node.args:
+            if last_use.get(k, k) > k:
+                alive += 1
+                ends[last_use[k]] += 1
+            most = max(most, alive)
+        alive -= ends[k]
+    return most
