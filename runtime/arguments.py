@@ -107,7 +107,8 @@ class Signature:
         arrays = [self._floats(k, value) for k, value in enumerate(inputs)]
         batch = self._batch_shape(arrays)
         results = self._results(out, wanted, batch)
-        arrays = [_apart(array, results) for array in arrays]
+        if out is not None:
+            arrays = [_apart(array, results) for array in arrays]
         n = None if batch == () else int(np.prod(batch, dtype=np.intp))
         flat = [self._flat(k, array, batch) for k, array in enumerate(arrays)]
         call = Call(
@@ -172,6 +173,8 @@ class Signature:
                     "after any leading batch axes"
                 )
             shapes.append(array.shape[:split])
+        if not any(shapes):
+            return ()
         try:
             return np.broadcast_shapes(*shapes)
         except ValueError:

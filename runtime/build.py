@@ -114,6 +114,7 @@ def build(source: Source, toolchain: Toolchain) -> Built:
                 _make(source, toolchain, library)
     except OSError as error:
         raise CacheError(
+            f"{damage + '; ' if damage else ''}"
             f"cannot write the cache {shelf}: {error.strerror or error}; "
             "free some space or set KOUSOKU_CACHE to a folder that can be written"
         ) from None

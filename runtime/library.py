@@ -167,6 +167,8 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     problems = []
     for name, digest in manifest.files:
+        if Path(name).name != name:
+            raise LoadError(f"{folder / MANIFEST} lists {name!r}, which is not a plain file name")
         try:
             files[name] = (folder / name).read_bytes()
         except OSError as error:
@@ -183,14 +185,11 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
 
 def _load_numpy(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
     module = _import_source(folder / "kernels.py", files["kernels.py"])
-    kernels = {
-        k.name: Kernel(
-            k,
-            Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs),
-            NumpyTarget(getattr(module, k.name)),
-        )
-        for k in manifest.kernels
-    }
+    kernels = {}
+    for k in manifest.kernels:
+        signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
+        target = NumpyTarget(getattr(module, k.name), k)
+        kernels[k.name] = Kernel(k, signature, target, target.call)
     return Library(folder, manifest, "numpy", types.MappingProxyType(kernels))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.errors import LoadError
+from kousoku.model.errors import CacheError, LoadError
 from kousoku.runtime.lanes import from_lanes, to_lanes
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 #: Lanes of a block where no processor decides it.
 NUMPY_WIDTH = 8
-_STALE = "the library was built from other sources; remove its folder, the next load builds it"
+_DOUBLE = np.dtype(np.float64)
 
 
 class NumpyTarget:
@@ -29,13 +29,31 @@ class NumpyTarget:
     ----------
     function : callable
         It broadcasts over leading batch axes and writes into ``out``.
+    manifest : KernelManifest
+        Its signature.
     """
 
-    __slots__ = ("_function", "width")
+    __slots__ = ("_function", "_names", "_shapes", "width")
 
-    def __init__(self, function: Callable[..., Any]) -> None:
+    def __init__(self, function: Callable[..., Any], manifest: KernelManifest) -> None:
+        names = [q.name for q in manifest.outputs]
         self._function = function
+        self._shapes = tuple(q.shape for q in manifest.inputs)
+        self._names = tuple(
+            tuple(name for k, name in enumerate(names) if mask >> k & 1)
+            for mask in range(1 << len(names))
+        )
         self.width = NUMPY_WIDTH
+
+    def call(self, inputs: tuple[Any, ...], out: Any, mask: int) -> tuple[Floats, ...] | None:
+        """Evaluate once if nothing needs to be converted or checked, else return None."""
+        if out is not None or len(inputs) != len(self._shapes):
+            return None
+        for array, shape in zip(inputs, self._shapes, strict=True):
+            if type(array) is not np.ndarray or array.dtype is not _DOUBLE or array.shape != shape:
+                return None
+        results: tuple[Floats, ...] = self._function(*inputs, outputs=self._names[mask])
+        return results
 
     def run(self, call: Call) -> None:
         """Evaluate once, or a batch."""
@@ -110,29 +128,34 @@ def open_library(path: Path, manifest: Manifest) -> ctypes.CDLL:
 
     Raises
     ------
+    CacheError
+        The system does not load it, for instance from a file system mounted without execution.
     LoadError
-        It is not the library of this package: stale, foreign, or not loadable at all.
+        It is not the library of this package: stale or foreign.
     """
     try:
         library = ctypes.CDLL(str(path))
     except OSError as error:
-        raise LoadError(f"{path}: the system cannot load it: {error}") from None
+        raise CacheError(f"the system cannot load {path}: {error}") from None
+    problem = _problem(library, manifest)
+    if problem:
+        raise LoadError(
+            f"{path} is not the library of the package {manifest.package!r}: {problem}. "
+            "It is stale or foreign; remove its folder, and the next load builds it again"
+        )
+    return library
+
+
+def _problem(library: ctypes.CDLL, manifest: Manifest) -> str:
+    """Say how a library differs from what a manifest promises, ``""`` if it does not."""
     prefix = f"kousoku_{manifest.package}"
     try:
         digest = _text(library, f"{prefix}_digest")()
-        problem = _difference(library, prefix, manifest.kernels) if digest else ""
-    except AttributeError as error:
-        raise LoadError(
-            f"{path} is a foreign library, not that of the package {manifest.package!r}: {error}"
-        ) from None
-    if digest != manifest.digest:
-        raise LoadError(
-            f"{path}: it exports the digest {digest!r}, the manifest of {manifest.package!r} "
-            f"wants {manifest.digest!r}: {_STALE}"
-        )
-    if problem:
-        raise LoadError(f"{path}: {problem}: {_STALE}")
-    return library
+        if digest != manifest.digest:
+            return f"it exports the digest {digest}, the manifest wants {manifest.digest}"
+        return _difference(library, prefix, manifest.kernels)
+    except AttributeError as error:  # ctypes names the symbol that it did not find
+        return str(error)
 
 
 def lane_width(library: ctypes.CDLL, package: str) -> int:

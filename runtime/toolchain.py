@@ -35,6 +35,9 @@ _SHARED = {"win32": ("-shared",), "darwin": ("-dynamiclib", "-fPIC")}.get(
     sys.platform, ("-shared", "-fPIC")
 )
 #: What every kernel includes: a compiler that has no C library headers is no compiler for us.
+_NONE_FOUND = (
+    "no C compiler found (tried cc, gcc and clang; pip install 'kousoku[compiler]' brings one)"
+)
 _PROBE = b"#include <math.h>\n#include <stddef.h>\n"
 
 
@@ -98,7 +101,7 @@ def find_toolchain() -> Toolchain:
     chosen = os.environ.get("KOUSOKU_CC", "").strip()
     flags = tuple(_split(os.environ.get("KOUSOKU_CFLAGS", "")))
     if chosen.lower() == "none":
-        raise NoCompilerError("KOUSOKU_CC=none")
+        raise NoCompilerError("KOUSOKU_CC=none switches the C compiler off")
     if chosen:
         return _chosen(chosen, os.environ.get("PATH", ""), flags)
     return _first(os.environ.get("CC", "").strip(), os.environ.get("PATH", ""), flags)
@@ -128,7 +131,7 @@ def _first(usual: str, path: str, added: tuple[str, ...]) -> Toolchain:
             refusals.append(str(error))
         else:
             return probe(command, added)
-    raise NoCompilerError("\n".join(refusals) or "no C compiler found (cc, gcc, clang, ziglang)")
+    raise NoCompilerError("\n".join(refusals) or _NONE_FOUND)
 
 
 def _located(text: str, path: str) -> tuple[str, ...] | None:
