@@ -10,6 +10,7 @@ import typer
 from kousoku import __version__
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
+from kousoku.cli.generate import generate
 from kousoku.cli.listing import list_names
 from kousoku.cli.verify import verify
 from kousoku.model.errors import KousokuError
@@ -45,6 +46,7 @@ def _kousoku(
 
 
 app.command("derive")(derive)
+app.command("generate")(generate)
 app.command("verify")(verify)
 app.command("list")(list_names)
 

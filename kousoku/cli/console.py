@@ -25,7 +25,13 @@ def generated_folder() -> Path:
     """Return the folder of the generated packages that came with kousoku."""
     import kousoku.generated
 
-    return Path(kousoku.generated.__path__[0])
+    return Path(kousoku.generated.__path__[0]).resolve()  # past the link of a checkout
+
+
+def checkout() -> Path | None:
+    """Return the root of the checkout that kousoku runs from, None where it is installed."""
+    root = generated_folder().parent
+    return root if (root / "pyproject.toml").is_file() else None
 
 
 def generated_packages() -> list[Path]:

@@ -1,0 +1,154 @@
+"""``kousoku generate``: from kinds and scenes to folders of NumPy and C."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from kousoku.cli.console import (
+    DISAGREEMENT,
+    AsJson,
+    checkout,
+    generated_folder,
+    print_json,
+    progress,
+)
+
+SourceTree = dict[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """One package to generate.
+
+    Parameters
+    ----------
+    folder : Path
+        Where it goes.
+    make : callable
+        Gives its files.
+    """
+
+    folder: Path
+    make: Callable[[], SourceTree]
+
+
+def generate(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(help="Kinds and scene files; all that kousoku ships when left out."),
+    ] = None,
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; fail where a folder would change.")
+    ] = False,
+    out: Annotated[
+        Path | None, typer.Option(help="Write each package into a folder of its name in here.")
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Derive, freeze, optimise and emit packages of NumPy and C.
+
+    Without --out, a kind or scene that kousoku ships goes where it stands in a checkout, and any
+    other into the user's cache.
+    """
+    orders = [order for name in names or [""] for order in _orders(name, out)]
+    with progress() as bar:
+        trees = [order.make() for order in bar.track(orders, description="generate")]
+    if check:
+        _report_check(orders, trees, _leftovers() if not names and out is None else [], as_json)
+        return
+    from kousoku.codegen.generate import write_tree
+
+    rows = [
+        (order.folder, write_tree(order.folder, tree))
+        for order, tree in zip(orders, trees, strict=True)
+    ]
+    if as_json:
+        print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
+        return
+    for folder, changed in rows:
+        typer.echo(f"{folder}: {', '.join(changed) if changed else 'unchanged'}")
+
+
+def scene_folder(name: str) -> Path:
+    """Return where a scene's solver goes by default: where it is committed, or the user's cache."""
+    from kousoku.model.cache import cache_folder
+
+    committed = generated_folder() / name
+    if checkout() is not None and committed.is_dir():
+        return committed
+    return cache_folder() / "generated" / name
+
+
+def _orders(name: str, out: Path | None) -> list[Order]:
+    """Return the packages that a name stands for."""
+    from kousoku.codegen.generate import generate_kind, package_names
+    from kousoku.symbolic import packages_of
+
+    if name.endswith(".toml"):
+        return [_scene_order(Path(name), out)]
+    packages = packages_of(name) if name else package_names()
+    kinds = _kinds_folder() if out is None else out
+    orders = [Order(kinds / package, partial(generate_kind, package)) for package in packages]
+    return orders if name else orders + [_scene_order(path, out) for path in committed_scenes()]
+
+
+def _scene_order(path: Path, out: Path | None) -> Order:
+    from kousoku.codegen.linkage import generate_scene
+    from kousoku.model.read import read_scene
+
+    scene = read_scene(path)
+    folder = scene_folder(scene.name) if out is None else out / scene.name
+    return Order(folder, partial(generate_scene, scene))
+
+
+def committed_scenes() -> list[Path]:
+    """Return the scene files of a checkout whose solvers are committed."""
+    root = checkout()
+    if root is None:
+        return []
+    scenes = sorted((root / "scenes").glob("*.toml"))
+    return [path for path in scenes if (generated_folder() / path.stem).is_dir()]
+
+
+def _kinds_folder() -> Path:
+    """Return where the kinds go: a checkout's own folder, never an installed package."""
+    from kousoku.model.cache import cache_folder
+
+    if checkout() is not None:
+        return generated_folder() / "kinds"
+    return cache_folder() / "generated" / "kinds"
+
+
+def _leftovers() -> list[str]:
+    """Return the committed folders that nothing generates any more."""
+    from kousoku.codegen.generate import package_names
+
+    scenes = {path.stem for path in committed_scenes()}
+    kinds = set(package_names())
+    found = sorted(generated_folder().glob("*/manifest.json"))
+    found_kinds = sorted(generated_folder().glob("kinds/*/manifest.json"))
+    left = [path.parent for path in found if path.parent.name not in scenes]
+    left += [path.parent for path in found_kinds if path.parent.name not in kinds]
+    return [f"{folder} is not generated any more" for folder in left] if checkout() else []
+
+
+def _report_check(
+    orders: Sequence[Order], trees: Sequence[SourceTree], leftovers: list[str], as_json: bool
+) -> None:
+    from kousoku.codegen.generate import check_tree
+
+    pairs = zip(orders, trees, strict=True)
+    differences = [line for order, tree in pairs for line in check_tree(order.folder, tree)]
+    differences += leftovers
+    if as_json:
+        print_json({"ok": not differences, "differences": differences})
+    else:
+        for line in differences:
+            typer.echo(line, err=True)
+        typer.echo(f"{len(orders)} packages, {len(differences)} files differ")
+    if differences:
+        raise typer.Exit(DISAGREEMENT)
