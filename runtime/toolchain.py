@@ -23,8 +23,15 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 #: Flags of every kernel: contraction stays off because fused operations would round differently
-#: from the NumPy kernels; math functions need not set errno.
-FLAGS = ("-std=c99", "-O3", "-ffp-contract=off", "-fno-math-errno")
+#: from the NumPy kernels; math functions need not set errno. gcc 12 contracts in spite of that flag
+#: where it vectorises straight-line code (it makes vfmaddsub of a product, a sum and a difference).
+FLAGS = (
+    "-std=c99",
+    "-O3",
+    "-ffp-contract=off",
+    "-fno-tree-slp-vectorize",
+    "-fno-math-errno",
+)
 #: How to ask for the features of this machine's processor; the first that the compiler takes.
 NATIVE_FLAGS = (("-march=native",), ("-mcpu=native",), ())
 #: The math library comes after the sources.
