@@ -5,7 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.symbolic.matrices import coefficient_and_factors, transpose
+from kousoku.symbolic.matrices import mul, transpose
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -21,12 +21,10 @@ def flip(factors: Factors) -> tuple[int, Factors]:
     """Return the transposed product as a sign and its factors: (X ṽ)ᵀ = −ṽ Xᵀ."""
     sign, flipped = 1, []
     for factor in reversed(factors):
-        scalar, parts = coefficient_and_factors(transpose(factor))
-        if scalar == -1 and len(parts) == 1:
-            sign = -sign
-            flipped.append(parts[0])
-        else:
-            flipped.append(transpose(factor))
+        turned = transpose(factor)
+        if mul(-1, turned) == factor:  # a skew matrix
+            sign, turned = -sign, factor
+        flipped.append(turned)
     return sign, tuple(flipped)
 
 

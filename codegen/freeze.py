@@ -3,7 +3,7 @@
 Every node of ``symbolic.matrices`` is lowered to a matrix of graph nodes by one walk with a memo.
 A product is associated in the cheapest order, zeros known; partial products that several products
 share count once. The order of terms is that of the derivation, and inside scalar formulas that of
-:func:`description`, so that the same bytes come out under every version of SymPy.
+``symbolic.matrices.description``, so that the same bytes come out under every version of SymPy.
 """
 
 from __future__ import annotations
@@ -35,6 +35,7 @@ from kousoku.symbolic.matrices import (
     Orientation,
     Skew,
     coefficient_and_factors,
+    description,
     mul,
 )
 
@@ -103,20 +104,6 @@ def _without_unused(kernel: Kernel) -> Kernel:
         results=tuple(tuple(new[node] for node in result) for result in kernel.results),
         names=tuple((new[node], name) for node, name in kernel.names if node in new),
     )
-
-
-def description(x: Any) -> str:
-    """Return a text that fixes the order of commuting scalar terms, the same in all versions."""
-    if isinstance(x, sympy.Rational):
-        return f"0 {x.p}/{x.q}"
-    if isinstance(x, MatrixElement):
-        return f"1 {x.parent.name} {x.i},{x.j}"
-    if isinstance(x, sympy.Symbol | MatrixSymbol):
-        return f"1 {x.name}"
-    parts = [description(arg) for arg in x.args]
-    if isinstance(x, sympy.Add | sympy.Mul):
-        parts.sort()
-    return f"2 {type(x).__name__}({' '.join(parts)})"
 
 
 class _Lowering:
@@ -262,12 +249,13 @@ class _Lowering:
     def _scale(self, scalar: Any, cells: Cells) -> Cells:
         if scalar == 1:
             return cells
-        numerator, denominator = (self.scalar(part) for part in sympy.fraction(scalar))
         graph = self.graph
-        return tuple(
-            tuple(graph.div(graph.mul(numerator, cell), denominator) for cell in row)
-            for row in cells
-        )
+        numerator, denominator = sympy.fraction(scalar)
+        if len(cells) == len(cells[0]) == 1 and not denominator.is_Number:
+            over = graph.mul(self.scalar(numerator), cells[0][0])
+            return ((graph.div(over, self.scalar(denominator)),),)
+        factor = self.scalar(scalar)
+        return tuple(tuple(graph.mul(factor, cell) for cell in row) for row in cells)
 
     def _chain(self, factors: tuple[Any, ...]) -> Cells:
         """Lower a product of two or more factors, in the cheapest association."""
@@ -383,15 +371,15 @@ class _Lowering:
 
 
 def split(x: Any) -> tuple[Any, tuple[Any, ...]]:
-    """Split a product into a scalar and factors; a symbolic scalar goes to the smallest factor.
+    """Split a product into a scalar and factors; a symbolic scalar goes to the cheapest factor.
 
     So d/l is divided once where several blocks hold it; a number stays for the result.
     """
     scalar, factors = coefficient_and_factors(x)
     if len(factors) == 1 or scalar.is_Rational:
         return scalar, factors
-    sizes = [int(factor.shape[0] * factor.shape[1]) for factor in factors]
     sign = -1 if scalar.could_extract_minus_sign() else 1
-    smallest = min(range(len(sizes)), key=sizes.__getitem__)
-    scaled = mul(sign * scalar, factors[smallest])
-    return sympy.Integer(sign), (*factors[:smallest], scaled, *factors[smallest + 1 :])
+    costs = [3 if isinstance(f, Skew) else int(f.shape[0] * f.shape[1]) for f in factors]
+    cheapest = min(range(len(costs)), key=costs.__getitem__)
+    scaled = mul(sign * scalar, factors[cheapest])
+    return sympy.Integer(sign), (*factors[:cheapest], scaled, *factors[cheapest + 1 :])

@@ -5,56 +5,39 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from sympy import S
-from sympy.matrices.expressions import BlockMatrix, ZeroMatrix
+from sympy import S, Symbol
+from sympy.matrices.expressions import BlockMatrix, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.components import Flow, half_turn
+from kousoku.symbolic.bodies import (
+    COLUMNS,
+    CONFIGURATION,
+    DELTA,
+    MOTION,
+    PRODUCT_RULE,
+    RATE,
+    motion_flow,
+    unit_flows,
+)
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
 from kousoku.symbolic.matrices import (
     Matrix,
-    Orientation,
+    Named,
+    add,
+    coefficient_and_factors,
     elements,
+    is_zero,
     mul,
     neg,
     symbol,
     transpose,
-    vector,
 )
-from kousoku.symbolic.variation import Variation, coefficient, without
+from kousoku.symbolic.variation import abbreviate, coefficient, orthogonality, rewrite, without
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
-
-BODIES = ("i", "j")
-
-
-def _of_body(body: str) -> tuple[Quantity, ...]:
-    return (
-        Quantity(f"r_{body}", (3,), "m", f"position of body {body}, frame O"),
-        Quantity(f"p_{body}", (4,), "-", f"Euler parameters of body {body}, scalar first"),
-        Quantity(f"a_{body}_b", (3,), "-", f"axis fixed in body {body}, frame of {body}"),
-        Quantity(f"s_{body}_b", (3,), "m", f"point fixed in body {body}, frame of {body}"),
-    )
-
-
-def _motion_of_body(body: str) -> tuple[Quantity, ...]:
-    return (
-        Quantity(f"v_{body}", (3,), "m/s", f"velocity of the origin of body {body}, frame O"),
-        Quantity(
-            f"omega_{body}_b", (3,), "rad/s", f"angular velocity of body {body}, frame of {body}"
-        ),
-    )
-
-
-CONFIGURATION = (*_of_body("i"), *_of_body("j"), Quantity("length", (), "m", "given distance"))
-MOTION = (*_motion_of_body("i"), *_motion_of_body("j"))
-
-#: Matrix-level symbols and component-level symbols of every input, by name.
-SYMBOLS: dict[str, Any] = {q.name: symbol(q) for q in (*CONFIGURATION, *MOTION)}
-COMPONENTS: dict[str, tuple[Any, ...]] = {q.name: elements(q) for q in (*CONFIGURATION, *MOTION)}
-A = {body: Orientation(SYMBOLS[f"p_{body}"]) for body in BODIES}
+    from collections.abc import Sequence
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +49,15 @@ class Constraint:
     name, kind, title, source, formula : str
         As in :class:`kousoku.symbolic.derivation.Derivation` and ``Function``.
     unit : str
-        Unit of C.
+        Unit of C: ``m``, or ``-`` where C is a product of axes.
     steps : tuple of Step
         From the lecture's equation to ``value``.
     value : Matrix
         C, a column.
     components : tuple of sympy.Expr
         C as polynomials of the input components.
+    names : tuple of Named
+        What ``value`` abbreviates.
     """
 
     name: str
@@ -84,145 +69,251 @@ class Constraint:
     steps: tuple[Step, ...]
     value: Matrix
     components: tuple[Any, ...]
+    names: tuple[Named, ...] = ()
 
     @property
-    def n_rows(self) -> int:
-        """Count of equations."""
-        return len(self.components)
+    def lam(self) -> Quantity:
+        """The multipliers, dual to C."""
+        unit = "N" if self.unit == "m" else "N m"
+        return Quantity("lam", (len(self.components),), unit, "multipliers, one for each row of C")
 
 
-COLUMNS = tuple(
-    (f"{kind}_{body}", vector(f"δr_{body}" if kind == "r" else f"δθ_{body}_b"), quantity)
-    for body in BODIES
-    for kind, quantity in (("r", f"v_{body}"), ("θ", f"omega_{body}_b"))
-)
-DELTA = Variation(
-    {SYMBOLS["r_i"]: COLUMNS[0][1], SYMBOLS["r_j"]: COLUMNS[2][1]},
-    {SYMBOLS["p_i"]: COLUMNS[1][1], SYMBOLS["p_j"]: COLUMNS[3][1]},
-)
-ACCELERATIONS = tuple(vector(f"{name}_dot") for _, _, name in COLUMNS)
-RATE = Variation(
-    {
-        SYMBOLS["r_i"]: SYMBOLS["v_i"],
-        SYMBOLS["r_j"]: SYMBOLS["v_j"],
-        **{SYMBOLS[name]: dot for (_, _, name), dot in zip(COLUMNS, ACCELERATIONS, strict=True)},
-    },
-    {SYMBOLS["p_i"]: SYMBOLS["omega_i_b"], SYMBOLS["p_j"]: SYMBOLS["omega_j_b"]},
-)
+@dataclass(frozen=True, slots=True)
+class Forms:
+    """The matrix level of a constraint, collected.
+
+    Parameters
+    ----------
+    variation, rate, acceleration : Matrix
+        δC, Ċ and C̈ as the product rule leaves them.
+    jacobian : tuple of Matrix
+        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
+    nu, gamma : Matrix
+        Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
+    reaction : tuple of Matrix
+        The blocks of C_qᵀλ.
+    stiffness : tuple of tuple of Matrix
+        For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
+    """
+
+    variation: Matrix
+    rate: Matrix
+    acceleration: Matrix
+    jacobian: tuple[Matrix, ...]
+    nu: Matrix
+    gamma: Matrix
+    reaction: tuple[Matrix, ...]
+    stiffness: tuple[tuple[Matrix, ...], ...]
+
+
+def collect(c: Constraint) -> Forms:
+    """Apply δ and d/dt to a constraint and collect the linear forms.
+
+    Raises
+    ------
+    DerivationError
+        Ċ or C̈ has other coefficients than δC.
+    """
+
+    def blocks(x: Matrix, symbols: Sequence[Matrix]) -> tuple[Matrix, ...]:
+        collected = (coefficient(x, symbol) for symbol in symbols)
+        return tuple(abbreviate(rewrite(block, orthogonality), *c.names) for block in collected)
+
+    variation, rate = DELTA(c.value), RATE(c.value)
+    acceleration = RATE(rate)
+    jacobian = blocks(variation, [column.delta for column in COLUMNS])
+    velocities = [column.velocity for column in COLUMNS]
+    accelerations = [column.acceleration for column in COLUMNS]
+    for form, symbols in ((rate, velocities), (acceleration, accelerations)):
+        if blocks(form, symbols) != jacobian:
+            raise DerivationError(f"{c.name}: the coefficients of {form} are not the Jacobian")
+    reaction = tuple(_weighted(block, symbol(c.lam)) for block in jacobian)
+    return Forms(
+        variation,
+        rate,
+        acceleration,
+        jacobian,
+        neg(without(rate, *velocities)),
+        abbreviate(neg(without(acceleration, *accelerations)), *c.names),
+        reaction,
+        tuple(blocks(DELTA(f), [column.delta for column in COLUMNS]) for f in reaction),
+    )
+
+
+def _weighted(block: Matrix, lam: Matrix) -> Matrix:
+    """Return blockᵀ λ; a single multiplier is a number and goes to the vector on the right."""
+    if lam.shape[0] > 1 or is_zero(block):
+        return mul(transpose(block), lam)
+    scalar, factors = coefficient_and_factors(transpose(block))
+    sign = -1 if scalar.could_extract_minus_sign() else 1
+    weighted = Named("b", mul(sign * scalar * lam[0, 0], factors[-1]))
+    return mul(sign, *factors[:-1], weighted)
 
 
 def derive_constraint(c: Constraint) -> Derivation:
     """Return all that is derived of a constraint: Jacobian, right-hand sides, reaction."""
-    blocks = [coefficient(DELTA(c.value), delta) for _, delta, _ in COLUMNS]
-    jacobian = BlockMatrix([blocks])
-    acceleration = RATE(RATE(c.value))
-    gamma = neg(without(acceleration, *ACCELERATIONS))
-    lam = Quantity("lam", (c.n_rows,), "N", "multipliers, one for each row of C")
-    reaction = [mul(transpose(block), symbol(lam)) for block in blocks]
-    stiffness = [[coefficient(DELTA(f), delta) for _, delta, _ in COLUMNS] for f in reaction]
-    scalars = _Components(c, elements(lam))
-    m = c.n_rows
-    constraint = _function(
-        c,
-        "constraint",
-        "constraint and Jacobian",
-        (
-            Output(Quantity("C", (m,), c.unit, "constraint"), c.value, _column(c.components)),
-            Output(
-                Quantity("C_q", (m, 12), c.unit, "Jacobian"), jacobian, _column(scalars.jacobian)
-            ),
-        ),
-    )
-    rates = _function(
-        c,
-        "rates",
-        "right-hand sides",
-        (
-            Output(
-                Quantity("nu", (m,), f"{c.unit}/s", "velocity right-hand side"),
-                ZeroMatrix(m, 1),
-                _column([S.Zero] * m),
-            ),
-            Output(
-                Quantity("gamma", (m,), f"{c.unit}/s^2", "acceleration right-hand side"),
-                gamma,
-                _column(scalars.gamma),
-            ),
-        ),
-    )
-    reactions = _function(
-        c,
-        "reaction",
-        "reaction and its derivative",
-        (
-            Output(
-                Quantity("reaction", (12,), "N, N m", "C_q^T lam"),
-                BlockMatrix([[f] for f in reaction]),
-                _column(scalars.reaction),
-            ),
-            Output(
-                Quantity("reaction_q", (12, 12), "N/m, N, N m", "derivative at fixed lam"),
-                BlockMatrix(stiffness),
-                _column(scalars.reaction_q),
-            ),
-        ),
-        lam,
-    )
+    forms = collect(c)
     return Derivation(
         name=c.name,
         kind=c.kind,
         title=c.title,
         source=c.source,
-        steps=c.steps,
-        functions=(constraint, rates, reactions),
+        steps=(*c.steps, *_jacobian_steps(c, forms), *_rate_steps(c, forms), *_force_steps(forms)),
+        functions=_functions(c, forms),
     )
 
 
-def _column(values: Sequence[Any]) -> ImmutableDenseMatrix:
-    return ImmutableDenseMatrix(len(values), 1, list(values))
+def _jacobian_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
+    left = MatrixSymbol("δC", *c.value.shape)
+    form = add(*(mul(block, x.delta) for block, x in zip(forms.jacobian, COLUMNS, strict=True)))
+    blocks = (
+        Step(_block("C", x.name, block), block, f"coefficient of {_spoken(x.name)}", "")
+        for block, x in zip(forms.jacobian, COLUMNS, strict=True)
+    )
+    return (
+        Step(left, PRODUCT_RULE(c.value), "product rule; a′ and s′ are constant", "7.10"),
+        Step(left, forms.variation, "δA = A δθ′~", "7.16"),
+        Step(left, form, "u~ v = −v~ u, a number is its own transpose; collected", "7.19"),
+        *blocks,
+    )
+
+
+def _rate_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
+    rate, acceleration = (MatrixSymbol(f"C_{dots}", *c.value.shape) for dots in ("dot", "ddot"))
+    form = add(*(mul(block, x.velocity) for block, x in zip(forms.jacobian, COLUMNS, strict=True)))
+    return (
+        Step(rate, forms.rate, "δ → d/dt: dA/dt = A ω′~", "5.16"),
+        Step(rate, form, "collected: the coefficients are the Jacobian", "7.19"),
+        Step(
+            MatrixSymbol("nu", *c.value.shape),
+            forms.nu,
+            "dC/dt = C_q v − ν: minus what is left without velocities",
+            "",
+        ),
+        Step(acceleration, forms.acceleration, "d/dt once more", "5.16"),
+        Step(
+            MatrixSymbol("gamma", *c.value.shape),
+            forms.gamma,
+            "d²C/dt² = C_q dv/dt − γ: minus what is left without accelerations",
+            "",
+        ),
+    )
+
+
+def _force_steps(forms: Forms) -> tuple[Step, ...]:
+    weighted = next(
+        (name for f in forms.reaction for name in f.atoms(Named) if name.name == "b"), None
+    )
+    steps = []
+    if weighted is not None:
+        text = "abbreviation: the vector times its multiplier"
+        steps.append(Step(_block("b", "", weighted), weighted.value, text, ""))
+    for f, x, row in zip(forms.reaction, COLUMNS, forms.stiffness, strict=True):
+        steps.append(
+            Step(_block("f", x.name, f), f, f"block of C_qᵀλ dual to {_spoken(x.name)}", "")
+        )
+        steps.extend(
+            Step(
+                _block("f", f"{x.name},{y.name}", block),
+                block,
+                f"δ at fixed λ, coefficient of {_spoken(y.name)}",
+                "7.16",
+            )
+            for block, y in zip(row, COLUMNS, strict=True)
+            if not is_zero(block)
+        )
+    return tuple(steps)
+
+
+def _block(letter: str, name: str, block: Matrix) -> Matrix:
+    return MatrixSymbol(f"{letter}_{name}" if name else letter, *block.shape)
+
+
+def _spoken(name: str) -> str:
+    kind, body = name.split("_")
+    return f"δ{kind}{'′' * (kind == 'θ')}_{body}"
+
+
+def _functions(c: Constraint, forms: Forms) -> tuple[Function, ...]:
+    lam, m = c.lam, len(c.components)
+    flows, motion = unit_flows(), motion_flow()
+    jacobian = [flow(x) for x in c.components for flow in flows]
+    reaction = [
+        sum((factor * x for factor, x in zip(elements(lam), jacobian[k::12], strict=True)), S.Zero)
+        for k in range(12)
+    ]
+    is_length = c.unit == "m"
+    rate_unit = "m" if is_length else "1"
+
+    def output(quantity: Quantity, x: Matrix, scalars: Sequence[Any]) -> Output:
+        return Output(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+
+    constraint = (
+        output(Quantity("C", (m,), c.unit, "constraint"), c.value, c.components),
+        output(
+            Quantity(
+                "C_q",
+                (m, 12),
+                "-, m" if is_length else "1/m, -",
+                "Jacobian; columns δr_i, δθ′_i, δr_j, δθ′_j",
+            ),
+            BlockMatrix([list(forms.jacobian)]),
+            jacobian,
+        ),
+    )
+    rates = (
+        output(
+            Quantity("nu", (m,), f"{rate_unit}/s", "dC/dt = C_q v − nu"), forms.nu, [S.Zero] * m
+        ),
+        output(
+            Quantity("gamma", (m,), f"{rate_unit}/s^2", "d²C/dt² = C_q dv/dt − gamma"),
+            forms.gamma,
+            [-motion(motion(x)) for x in c.components],
+        ),
+    )
+    forces = (
+        output(
+            Quantity(
+                "reaction",
+                (12,),
+                "N, N m",
+                "C_qᵀλ: force in frame O and torque in the body frame, of i, then of j",
+            ),
+            BlockMatrix([[f] for f in forms.reaction]),
+            reaction,
+        ),
+        output(
+            Quantity(
+                "reaction_q",
+                (12, 12),
+                "N/m, N, N m",
+                "(C_qᵀλ)_q at fixed λ; columns δr_i, δθ′_i, δr_j, δθ′_j",
+            ),
+            BlockMatrix([list(row) for row in forms.stiffness]),
+            [flow(f) for f in reaction for flow in flows],
+        ),
+    )
+    return (
+        _function(c, "constraint", "constraint and Jacobian", c.formula, constraint),
+        _function(
+            c, "rates", "right-hand sides", "dC/dt = C_q v − nu, d²C/dt² = C_q dv/dt − gamma", rates
+        ),
+        _function(c, "reaction", "reaction and its derivative", "C_qᵀλ and (C_qᵀλ)_q", forces, lam),
+    )
 
 
 def _function(
-    c: Constraint, name: str, title: str, outputs: tuple[Output, ...], *extra: Quantity
+    c: Constraint,
+    name: str,
+    title: str,
+    formula: str,
+    outputs: tuple[Output, ...],
+    *extra: Quantity,
 ) -> Function:
     used = {
         str(atom.name)
         for output in outputs
-        for atom in output.expression.atoms(type(SYMBOLS["length"]), type(SYMBOLS["r_i"]))
+        for atom in output.expression.atoms(Symbol, MatrixSymbol)
     }
     inputs = tuple(q for q in (*CONFIGURATION, *MOTION) if q.name in used)
-    return Function(name, f"{c.title}: {title}", c.formula, c.source, (*inputs, *extra), outputs)
-
-
-class _Components:
-    """The outputs of a constraint by differentiating its polynomial."""
-
-    def __init__(self, c: Constraint, lam: Sequence[Any]) -> None:
-        self._c = c
-        small = [*COMPONENTS["p_i"], *COMPONENTS["p_j"]]
-        units: list[dict[Any, Any]] = []
-        for body in BODIES:
-            r, p = COMPONENTS[f"r_{body}"], COMPONENTS[f"p_{body}"]
-            units.extend({r[k]: S.One} for k in range(3))
-            for k in range(3):
-                theta = [S.One if k == n else S.Zero for n in range(3)]
-                units.append(dict(zip(p, half_turn(p, theta), strict=True)))
-        flows = [Flow(unit, small) for unit in units]
-        rows = [[flow(x) for flow in flows] for x in c.components]
-        self.jacobian = [value for row in rows for value in row]
-        self.reaction = [
-            sum((lam[m] * rows[m][k] for m in range(c.n_rows)), S.Zero) for k in range(12)
-        ]
-        self.reaction_q = [flow(f) for f in self.reaction for flow in flows]
-        motion = Flow(_motion(), [*small, *COMPONENTS["omega_i_b"], *COMPONENTS["omega_j_b"]])
-        self.velocity = [motion(x) for x in c.components]
-        self.gamma = [-motion(x) for x in self.velocity]
-
-
-def _motion() -> Mapping[Any, Any]:
-    change: dict[Any, Any] = {}
-    for body in BODIES:
-        change.update(zip(COMPONENTS[f"r_{body}"], COMPONENTS[f"v_{body}"], strict=True))
-        p = COMPONENTS[f"p_{body}"]
-        change.update(zip(p, half_turn(p, COMPONENTS[f"omega_{body}_b"]), strict=True))
-    return change
+    return Function(name, f"{c.title}: {title}", formula, c.source, (*inputs, *extra), outputs)

@@ -29,7 +29,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from sympy import Basic, Expr, Integer, S, Symbol
+from sympy import Add, Basic, Expr, Integer, Mul, Rational, S, Symbol
 from sympy.core.symbol import Str
 from sympy.matrices.expressions import (
     BlockMatrix,
@@ -41,6 +41,7 @@ from sympy.matrices.expressions import (
     Transpose,
     ZeroMatrix,
 )
+from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 if TYPE_CHECKING:
@@ -236,3 +237,17 @@ def transpose(x: Matrix) -> Matrix:
                 [[transpose(x.blocks[i, j]) for i in range(rows)] for j in range(columns)]
             )
     return Transpose(x)
+
+
+def description(x: Any) -> str:
+    """Return a text that fixes the order of commuting scalar terms, the same in all versions."""
+    if isinstance(x, Rational):
+        return f"0 {x.p}/{x.q}"
+    if isinstance(x, MatrixElement):
+        return f"1 {x.parent.name} {x.i},{x.j}"
+    if isinstance(x, Symbol | MatrixSymbol):
+        return f"1 {x.name}"
+    parts = [description(arg) for arg in x.args]
+    if isinstance(x, Add | Mul):
+        parts.sort()
+    return f"2 {type(x).__name__}({' '.join(parts)})"

@@ -4,18 +4,31 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from sympy.matrices.expressions import MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import cross, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.components import dot as dot_product
-from kousoku.symbolic.constraint import COMPONENTS, SYMBOLS, A, Constraint, derive_constraint
-from kousoku.symbolic.matrices import Dot, Matrix, Named, add, mul, neg, skew, transpose
+from kousoku.symbolic.constraint import Constraint, derive_constraint
+from kousoku.symbolic.derivation import Step
+from kousoku.symbolic.matrices import Matrix, Named, add, mul, neg, skew, transpose
+from kousoku.symbolic.variation import orthogonality
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
 
 #: The rows of ã′ that hold the component of the named axis.
 ROWS = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
+
+#: A frame-O vector of each body, a = A a′.
+AXES = {body: Named(f"a_{body}", mul(A[body], SYMBOLS[f"a_{body}_b"])) for body in ("i", "j")}
+TO_POINT = add(SYMBOLS["r_j"], mul(A["j"], SYMBOLS["s_j_b"]), neg(SYMBOLS["r_i"]))
+FROM_CENTRE = neg(mul(A["i"], SYMBOLS["s_i_b"]))
+#: The vector from the point on i to the point on j, frame O.
+D = Named("d", add(TO_POINT, FROM_CENTRE))
+#: The point on j seen from the frame of i.
+Y = Named("y", mul(transpose(A["i"]), TO_POINT))
 
 
 def derive(package: str) -> Derivation:
@@ -25,16 +38,26 @@ def derive(package: str) -> Derivation:
     return derive_constraint(builders[kind](axis))
 
 
-def _between() -> Matrix:
-    """Return y = A_iᵀ (r_j + A_j s_j′ − r_i): the point on j seen from i."""
-    to_point = add(SYMBOLS["r_j"], mul(A["j"], SYMBOLS["s_j_b"]), neg(SYMBOLS["r_i"]))
-    return Named("y", mul(transpose(A["i"]), to_point))
+def body_frame_offset() -> Matrix:
+    """Return A_iᵀ d = y − (p·p)² s_i′, by A_iᵀA_i = (p·p)² I."""
+    own = mul(transpose(A["i"]), FROM_CENTRE)
+    return add(Y, orthogonality(own) or own)
 
 
-def _offset() -> Matrix:
-    """Return A_iᵀ d, with A_iᵀA_i = (p·p)² I: y − (p·p)² s_i′."""
-    p = SYMBOLS["p_i"]
-    return add(_between(), mul(-(Dot(p, p) ** 2), SYMBOLS["s_i_b"]))
+def _offset_steps(*before: Matrix) -> tuple[Matrix, tuple[Step, ...]]:
+    """Return C = before · A_iᵀ d with d resolved, and the steps from the frame-O form to it."""
+    value = mul(*before, body_frame_offset())
+    left = MatrixSymbol("C", *value.shape)
+    d = MatrixSymbol("d", 3, 1)
+    expanded = mul(*before, transpose(A["i"]), D.value)
+    split = mul(*before, add(Y, mul(transpose(A["i"]), FROM_CENTRE)))
+    return value, (
+        Step(d, D.value, "vector between the points", "8.8"),
+        Step(left, expanded, "d resolved", "8.8"),
+        Step(MatrixSymbol("y", 3, 1), Y.value, "abbreviation: the point on j seen from i", ""),
+        Step(left, split, "multiplied out", ""),
+        Step(left, value, "AᵀA = (p·p)² I, for Euler parameters of any norm", "4.3"),
+    )
 
 
 def _offset_components() -> list[Any]:
@@ -50,71 +73,103 @@ def _selection(axis: str) -> Matrix:
     return Named("S", ImmutableDenseMatrix(rows))
 
 
+def _choice(axis: str) -> Step:
+    selection = _selection(axis)
+    return Step(
+        MatrixSymbol("S", 2, 3),
+        selection.value,
+        f"the two rows that hold a′_{axis}, its largest component, in the frame of i",
+        "8.16",
+    )
+
+
 def _n1(_: str) -> Constraint:
     x = COMPONENTS
     value = mul(transpose(SYMBOLS["a_i_b"]), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"])
-    scalar = dot_product(rotate(x["p_i"], x["a_i_b"]), rotate(x["p_j"], x["a_j_b"]))
+    left = MatrixSymbol("C", 1, 1)
     return Constraint(
-        "n1",
-        "n1",
-        "n1, two vectors perpendicular (dot-1, PERPENDICULAR)",
-        "lecture 8.2, (8.9)",
-        "C = a_i^T A_i^T A_j a_j",
-        "-",
-        (),
-        value,
-        (scalar,),
+        name="n1",
+        kind="n1",
+        title="n1, two vectors perpendicular (dot-1, PERPENDICULAR)",
+        source="lecture 8.2, (8.9)",
+        formula="C = a′_i^T A_i^T A_j a′_j",
+        unit="-",
+        steps=(
+            Step(
+                left, mul(transpose(AXES["i"]), AXES["j"]), "the vectors are perpendicular", "8.9"
+            ),
+            Step(left, value, "a = A a′ in each body", "8.9"),
+        ),
+        value=value,
+        components=(dot_product(rotate(x["p_i"], x["a_i_b"]), rotate(x["p_j"], x["a_j_b"])),),
     )
 
 
 def _n2(_: str) -> Constraint:
-    x = COMPONENTS
-    value = mul(transpose(SYMBOLS["a_i_b"]), _offset())
-    scalar = dot_product(x["a_i_b"], _offset_components())
+    value, steps = _offset_steps(transpose(SYMBOLS["a_i_b"]))
+    first = Step(
+        MatrixSymbol("C", 1, 1),
+        mul(transpose(AXES["i"]), D),
+        "the vector is perpendicular to the line between the points",
+        "8.12",
+    )
     return Constraint(
-        "n2",
-        "n2",
-        "n2, vector perpendicular to the line between two points (dot-2, INPLANE)",
-        "lecture 8.2, (8.12)",
-        "C = a_i^T A_i^T d",
-        "m",
-        (),
-        value,
-        (scalar,),
+        name="n2",
+        kind="n2",
+        title="n2, vector perpendicular to the line between two points (dot-2, INPLANE)",
+        source="lecture 8.2, (8.12)",
+        formula="C = a′_i^T A_i^T d, d = r_j + A_j s′_j − r_i − A_i s′_i",
+        unit="m",
+        steps=(first, *steps),
+        value=value,
+        components=(dot_product(COMPONENTS["a_i_b"], _offset_components()),),
+        names=(Y,),
     )
 
 
 def _p1(axis: str) -> Constraint:
     x = COMPONENTS
-    value = mul(
-        _selection(axis), skew(SYMBOLS["a_i_b"]), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"]
-    )
+    into = transpose(A["i"])
+    value = mul(_selection(axis), skew(SYMBOLS["a_i_b"]), into, A["j"], SYMBOLS["a_j_b"])
+    crossed = mul(skew(AXES["i"]), AXES["j"])
+    left = MatrixSymbol("C", 2, 1)
     product = cross(x["a_i_b"], rotate_back(x["p_i"], rotate(x["p_j"], x["a_j_b"])))
     return Constraint(
-        f"p1_{axis}",
-        "p1",
-        "p1, two vectors parallel (parallel-1, PARALLEL AXES)",
-        "lecture 8.2, (8.14)",
-        "C = S a_i~ A_i^T A_j a_j",
-        "-",
-        (),
-        value,
-        tuple(product[row] for row in ROWS[axis]),
+        name=f"p1_{axis}",
+        kind="p1",
+        title="p1, two vectors parallel (parallel-1, PARALLEL AXES)",
+        source="lecture 8.2, (8.14)",
+        formula="C = S a′_i~ A_i^T A_j a′_j",
+        unit="-",
+        steps=(
+            Step(MatrixSymbol("c", 3, 1), crossed, "the cross product vanishes", "8.14"),
+            _choice(axis),
+            Step(left, value, "(A a′)~ = A a′~ Aᵀ; rows in the frame of i", "4.20"),
+        ),
+        value=value,
+        components=tuple(product[row] for row in ROWS[axis]),
     )
 
 
 def _p2(axis: str) -> Constraint:
-    x = COMPONENTS
-    value = mul(_selection(axis), skew(SYMBOLS["a_i_b"]), _offset())
-    product = cross(x["a_i_b"], _offset_components())
+    value, steps = _offset_steps(_selection(axis), skew(SYMBOLS["a_i_b"]))
+    product = cross(COMPONENTS["a_i_b"], _offset_components())
+    left, crossed = MatrixSymbol("C", 2, 1), mul(skew(AXES["i"]), D)
+    in_frame_i = mul(_selection(axis), skew(SYMBOLS["a_i_b"]), transpose(A["i"]), D)
     return Constraint(
-        f"p2_{axis}",
-        "p2",
-        "p2, vector parallel to the line between two points (parallel-2, INLINE)",
-        "lecture 8.2, (8.16)",
-        "C = S a_i~ A_i^T d",
-        "m",
-        (),
-        value,
-        tuple(product[row] for row in ROWS[axis]),
+        name=f"p2_{axis}",
+        kind="p2",
+        title="p2, vector parallel to the line between two points (parallel-2, INLINE)",
+        source="lecture 8.2, (8.16)",
+        formula="C = S a′_i~ A_i^T d, d = r_j + A_j s′_j − r_i − A_i s′_i",
+        unit="m",
+        steps=(
+            Step(MatrixSymbol("c", 3, 1), crossed, "the cross product vanishes", "8.16"),
+            _choice(axis),
+            Step(left, in_frame_i, "(A a′)~ = A a′~ Aᵀ; rows in the frame of i", "4.20"),
+            *steps,
+        ),
+        value=value,
+        components=tuple(product[row] for row in ROWS[axis]),
+        names=(Y,),
     )

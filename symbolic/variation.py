@@ -51,7 +51,8 @@ class Variation:
         The variation of each vector that varies, e.g. r → δr; others are constant.
     rotations : Mapping
         For Euler parameters p the virtual rotation δθ′ in the body frame: δA(p) = A δθ̃′ (7.16).
-        With δp = ½ p∘(0, δθ′), p·δp is zero, so that p·p is constant.
+        With δp = ½ p∘(0, δθ′), p·δp is zero, so that p·p is constant. A symbol (3, 3) instead
+        of δθ′ stands for δA itself, before the rule is applied.
     """
 
     vectors: Mapping[Matrix, Matrix]
@@ -65,8 +66,7 @@ class Variation:
             case MatMul():
                 return self._of_product(x)
             case Orientation():
-                dtheta = self.rotations.get(x.p)
-                return ZeroMatrix(3, 3) if dtheta is None else mul(x, skew(dtheta))
+                return self._of_orientation(x)
             case Skew():
                 return skew(self(x.v))
             case Transpose():
@@ -84,9 +84,17 @@ class Variation:
                 return ZeroMatrix(*x.shape)
         raise DerivationError(f"variation: no rule for {type(x).__name__} in {x}")
 
+    def _of_orientation(self, x: Orientation) -> Matrix:
+        change = self.rotations.get(x.p)
+        if change is None:
+            return ZeroMatrix(3, 3)
+        return change if change.shape[1] == 3 else mul(x, skew(change))
+
     def _of_product(self, x: Matrix) -> Matrix:
         scalar, factors = coefficient_and_factors(x)
         self._check_constant(scalar)
+        if len(factors) == 2 and transpose(factors[1]) == factors[0] and x.shape[0] == 1:
+            return mul(2 * scalar, factors[0], self(factors[1]))  # δ(uᵀu) = 2 uᵀδu
         return add(
             *(
                 mul(scalar, *factors[:k], self(factor), *factors[k + 1 :])
@@ -199,10 +207,16 @@ def orthogonality(x: Matrix) -> Matrix | None:
     return None
 
 
-def distribute(x: Matrix, select: Callable[[Matrix], bool]) -> Matrix:
-    """Return the product ``x`` multiplied out over its last factor, a sum that ``select`` picks."""
-    scalar, factors = coefficient_and_factors(x)
-    last = factors[-1].value if isinstance(factors[-1], Named) else factors[-1]
-    if not isinstance(last, MatAdd) or not select(last):
-        return x
-    return add(*(mul(scalar, *factors[:-1], term) for term in last.args))
+def abbreviate(x: Matrix, *names: Named) -> Matrix:
+    """Return ``x`` with every product that a name stands for replaced by the name."""
+
+    def shorten(node: Matrix) -> Matrix | None:
+        scalar, factors = coefficient_and_factors(node)
+        for name in names:
+            whole = coefficient_and_factors(name.value)[1]
+            for start in range(len(factors) - len(whole) + 1):
+                if factors[start : start + len(whole)] == whole:
+                    return mul(scalar, *factors[:start], name, *factors[start + len(whole) :])
+        return None
+
+    return rewrite(x, shorten)

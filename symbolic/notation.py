@@ -1,0 +1,188 @@
+"""How names and operators are written: as text, and in the lecture's LaTeX."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+#: A printed expression and how tightly it binds: 0 a sum, 1 a product, 2 an atom.
+Piece = tuple[str, int]
+
+GREEK = {
+    "alpha": "α",
+    "beta": "β",
+    "gamma": "γ",
+    "epsilon": "ε",
+    "theta": "θ",
+    "lam": "λ",
+    "nu": "ν",
+    "omega": "ω",
+    "zeta": "ζ",
+}
+LATEX_GREEK = {
+    **{letter: f"\\{'lambda' if name == 'lam' else name} " for name, letter in GREEK.items()},
+    "δ": "\\delta ",
+    "Δ": "\\Delta ",
+}
+
+SIGNS = {
+    "′": "'",
+    "ᵀ": "^T",
+    "²": "^2",
+    "½": "\\tfrac12 ",
+    "·": "\\cdot ",
+    "×": "\\times ",
+    "∘": "\\circ ",
+    "→": "\\to ",
+    "−": "-",
+    "Σ": "\\sum ",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A symbol's name taken apart: ``omega_i_b_dot`` is ω with index i, a prime and a dot."""
+
+    letters: str
+    index: str
+    is_body: bool
+    dots: int
+
+    @classmethod
+    def parse(cls, name: str) -> Name:
+        base, *parts = name.split("_")
+        dots = sum({"dot": 1, "ddot": 2}.get(part, 0) for part in parts)
+        index = "_".join(part for part in parts if part not in {"b", "dot", "ddot"})
+        for word, letter in GREEK.items():
+            base = base.replace(word, letter) if base.removeprefix("d") == word else base
+        if len(base) > 1 and base[0] == "d" and base[1] in GREEK.values():
+            base = "δ" + base[1:]
+        return cls(base, GREEK.get(index, index), "b" in parts, dots)
+
+
+class Text:
+    """Plain text."""
+
+    minus = "−"
+
+    def name(self, name: str, *, bold: bool) -> str:
+        del bold
+        n = Name.parse(name)
+        dots = "\u0307" * (n.dots == 1) + "\u0308" * (n.dots == 2)
+        return n.letters + dots + "'" * n.is_body + f"_{n.index}" * bool(n.index)
+
+    def orientation(self, p: str) -> str:
+        return "A" + p.removeprefix("p")
+
+    def transpose(self, x: str) -> str:
+        return f"{x}^T"
+
+    def skew(self, x: str) -> str:
+        return f"{x}~"
+
+    def power(self, x: str, n: str) -> str:
+        return f"{x}^{n}"
+
+    def dot(self, u: str, v: str) -> str:
+        return f"({u}·{v})"
+
+    def root(self, x: str) -> str:
+        return f"sqrt({x})"
+
+    def call(self, name: str, args: Sequence[str]) -> str:
+        return f"{name}({', '.join(args)})"
+
+    def ratio(self, n: Piece, d: Piece) -> str:
+        return f"{at_least(n, 1)}/{at_least(d, 2)}"
+
+    def element(self, x: str, i: int, j: int, is_vector: bool) -> str:
+        return f"{x}[{i + 1}]" if is_vector else f"{x}[{i + 1},{j + 1}]"
+
+    def rows(self, rows: Sequence[Sequence[str]]) -> str:
+        return "[" + "; ".join(", ".join(row) for row in rows) + "]"
+
+
+class Latex(Text):
+    """LaTeX in the lecture's type: bold for vectors and matrices, the body as an upper index."""
+
+    minus = "-"
+
+    def name(self, name: str, *, bold: bool) -> str:
+        n = Name.parse(name)
+        if n.letters in {"C", "f"} and n.index:
+            lower = ", ".join(_coordinate(part) for part in n.index.split(","))
+            return f"\\mathbf{{{n.letters}}}_{{{lower}}}"
+        head, letters = "", n.letters
+        while letters[:1] in {"δ", "Δ"} and len(letters) > 1:
+            head, letters = head + LATEX_GREEK[letters[0]], letters[1:]
+        letters = "".join(LATEX_GREEK.get(c, c) for c in letters).strip()
+        if bold:
+            face = "boldsymbol" if letters.startswith("\\") else "mathbf"
+            letters = f"\\{face}{{{letters}}}"
+        if n.dots:
+            letters = f"\\{'d' * n.dots}ot{{{letters}}}"
+        index = "".join(LATEX_GREEK.get(c, c) for c in n.index).strip()
+        if n.letters in {"A", "δA"} and index:
+            index = "O" + index
+        upper = "\\prime " * n.is_body + index
+        return head + letters + (f"^{{{upper}}}" if upper else "")
+
+    def orientation(self, p: str) -> str:
+        return f"\\mathbf{{A}}^{{O{p.removeprefix('p').removeprefix('_')}}}"
+
+    def transpose(self, x: str) -> str:
+        return f"{{{x}}}^{{T}}"
+
+    def skew(self, x: str) -> str:
+        return f"\\widetilde{{{x}}}"
+
+    def power(self, x: str, n: str) -> str:
+        return f"{{{x}}}^{{{n}}}"
+
+    def dot(self, u: str, v: str) -> str:
+        return f"\\left({u} \\cdot {v}\\right)"
+
+    def root(self, x: str) -> str:
+        return f"\\sqrt{{{x}}}"
+
+    def call(self, name: str, args: Sequence[str]) -> str:
+        return f"\\operatorname{{{name}}}\\left({', '.join(args)}\\right)"
+
+    def ratio(self, n: Piece, d: Piece) -> str:
+        return f"\\frac{{{n[0]}}}{{{d[0]}}}"
+
+    def element(self, x: str, i: int, j: int, is_vector: bool) -> str:
+        return f"{{{x}}}_{{{i + 1}}}" if is_vector else f"{{{x}}}_{{{i + 1}{j + 1}}}"
+
+    def rows(self, rows: Sequence[Sequence[str]]) -> str:
+        body = " \\\\ ".join(" & ".join(row) for row in rows)
+        return f"\\begin{{bmatrix}} {body} \\end{{bmatrix}}"
+
+
+def at_least(piece: Piece, level: int) -> str:
+    """Return the text, in parentheses where it binds less tightly than ``level``."""
+    return piece[0] if piece[1] >= level else f"({piece[0]})"
+
+
+def _coordinate(name: str) -> str:
+    """Return δr^i's r^i or δθ′^i's θ′^i, as the index of a block."""
+    kind, body = name.split("_")
+    if kind == "θ":
+        return f"\\boldsymbol{{\\theta}}^{{\\prime {body}}}"
+    return f"\\mathbf{{{kind}}}^{{{body}}}"
+
+
+def in_text(words: str) -> str:
+    r"""Return a rule for LaTeX's ``\text``, its formulas in math mode."""
+    return " ".join(_word(word) for word in words.split(" "))
+
+
+def _word(word: str) -> str:
+    math = re.sub(r"([^\W_]+′?)~", r"\\widetilde{\1}", word)
+    for sign, command in {**SIGNS, **LATEX_GREEK}.items():
+        math = math.replace(sign, command)
+    return word if math == word and "_" not in word else f"${math}$"

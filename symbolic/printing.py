@@ -1,0 +1,182 @@
+"""Derivations as text and as LaTeX, in the lecture's letters.
+
+Text writes ``a'_i`` for body components, ``^T`` for the transpose and ``x~`` for the skew matrix of
+x. LaTeX writes what the lecture prints. Both keep the order in which the derivation was written.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal
+
+import sympy
+from sympy.matrices.expressions import (
+    BlockMatrix,
+    Identity,
+    MatAdd,
+    MatMul,
+    MatrixSymbol,
+    Transpose,
+    ZeroMatrix,
+)
+from sympy.matrices.expressions.matexpr import MatrixElement
+from sympy.matrices.immutable import ImmutableDenseMatrix
+
+from kousoku.model.errors import DerivationError
+from kousoku.symbolic.matrices import (
+    Dot,
+    Named,
+    Orientation,
+    Skew,
+    coefficient_and_factors,
+    description,
+)
+from kousoku.symbolic.notation import Latex, Piece, Text, at_least, in_text
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.symbolic.derivation import Derivation
+
+
+class _Printer:
+    """Walks over an expression; the style says how each node is written."""
+
+    def __init__(self, style: Text) -> None:
+        self._style = style
+
+    def piece(self, x: Any) -> Piece:
+        style = self._style
+        match x:
+            case MatrixSymbol() | Named():
+                return style.name(str(x.name), bold=True), 2
+            case Orientation():
+                return style.orientation(str(x.p.name)), 2
+            case Transpose():
+                return style.transpose(at_least(self.piece(x.arg), 2)), 2
+            case Skew():
+                return style.skew(at_least(self.piece(x.v), 2)), 2
+            case MatAdd():
+                return self._sum(x.args), 0
+            case MatMul():
+                scalar, factors = coefficient_and_factors(x)
+                return self._product(scalar, [self.piece(factor) for factor in factors])
+            case Identity():
+                return "1" if x.shape[0] == 1 else "I", 2
+            case ZeroMatrix():
+                return "0", 2
+            case ImmutableDenseMatrix():
+                return style.rows([[self.piece(c)[0] for c in row] for row in x.tolist()]), 2
+            case BlockMatrix():
+                rows, columns = x.blockshape
+                return style.rows(
+                    [[self.piece(x.blocks[i, j])[0] for j in range(columns)] for i in range(rows)]
+                ), 2
+        return self._scalar(x)
+
+    def _scalar(self, x: Any) -> Piece:
+        style = self._style
+        match x:
+            case sympy.Symbol():
+                return style.name(str(x.name), bold=False), 2
+            case MatrixElement():
+                is_vector = x.parent.shape[1] == 1
+                name = style.name(str(x.parent.name), bold=False)
+                if x.parent.shape == (1, 1):
+                    return name, 2
+                return style.element(name, int(x.i), int(x.j), is_vector), 2
+            case Dot():
+                return style.dot(*(self.piece(arg)[0] for arg in x.args)), 2
+            case sympy.Integer():
+                return str(x), 2 if x >= 0 else 0
+            case sympy.Add():
+                return self._sum(sorted(x.args, key=description)), 0
+            case sympy.Mul() | sympy.Rational():
+                return self._quotient(x)
+            case sympy.Pow():
+                return self._power(x)
+        return style.call(type(x).__name__, [self.piece(arg)[0] for arg in x.args]), 2
+
+    def _quotient(self, x: Any) -> Piece:
+        style = self._style
+        numerator, denominator = sympy.fraction(x)
+        if numerator.could_extract_minus_sign() and not numerator.is_Add:
+            return style.minus + at_least(self.piece(-x), 1), 0
+        if denominator != 1:
+            return style.ratio(self.piece(numerator), self.piece(denominator)), 1
+        factors = sorted(x.args, key=description)
+        return " ".join(at_least(self.piece(factor), 1) for factor in factors), 1
+
+    def _power(self, x: Any) -> Piece:
+        base, exponent = x.args
+        if exponent.could_extract_minus_sign():
+            return self._style.ratio(("1", 2), self.piece(1 / x)), 1
+        if exponent == sympy.Rational(1, 2):
+            return self._style.root(self.piece(base)[0]), 2
+        return self._style.power(at_least(self.piece(base), 2), str(exponent)), 2
+
+    def _sum(self, terms: Sequence[Any]) -> str:
+        text, minus = "", self._style.minus
+        for term in terms:
+            piece = at_least(self.piece(term), 0)
+            if text and piece.startswith(minus):
+                text += f" {minus} " + piece[1:]
+            else:
+                text += (" + " if text else "") + piece
+        return text
+
+    def _product(self, scalar: Any, factors: Sequence[Piece]) -> Piece:
+        body = " ".join(at_least(factor, 1) for factor in factors)
+        if len(factors) > 1:
+            body = " ".join(at_least(factor, 2 if factor[1] == 0 else 1) for factor in factors)
+        if scalar == 1:
+            return body, 1
+        sign = self._style.minus if scalar.could_extract_minus_sign() else ""
+        size = -scalar if sign else scalar
+        if size == 1:
+            return sign + body, 0
+        return f"{sign}{at_least(self.piece(size), 1)} {body}", 0 if sign else 1
+
+
+STYLES = {"text": Text(), "latex": Latex()}
+
+
+def show(x: Any, style: Literal["text", "latex"] = "text") -> str:
+    """Return one expression of the matrix level as text or LaTeX."""
+    return _Printer(_style(style)).piece(x)[0]
+
+
+def _style(name: str) -> Text:
+    if name not in STYLES:
+        raise DerivationError(f"unknown style {name!r}; use one of {', '.join(STYLES)}")
+    return STYLES[name]
+
+
+def print_steps(derivation: Derivation, style: Literal["text", "latex"] = "text") -> str:
+    """Return the steps of a derivation, each with its rule and equation number.
+
+    Parameters
+    ----------
+    derivation : Derivation
+        What ``kousoku.symbolic.derive`` gives.
+    style : {"text", "latex"}
+        Plain text for a terminal, or an ``align*`` environment for a notebook.
+
+    Returns
+    -------
+    str
+        Ends in one newline.
+    """
+    printer = _Printer(_style(style))
+    lines = []
+    for number, step in enumerate(derivation.steps, 1):
+        left, right = printer.piece(step.left)[0], printer.piece(step.right)[0]
+        source = f" ({step.source})" if step.source else ""
+        if style == "text":
+            lines.append(f"{number:3d}. {step.rule}{source}\n       {left} = {right}")
+        else:
+            lines.append(f"{left} &= {right} && \\text{{{in_text(step.rule + source)}}}")
+    if style == "latex":
+        body = " \\\\\n".join(lines)
+        return f"\\begin{{align*}}\n{body}\n\\end{{align*}}\n"
+    title = f"{derivation.title}\n{derivation.source}\n"
+    return title + "\n" + "\n".join(lines) + "\n"
