@@ -76,11 +76,15 @@ def render(templates: Environment, path: str, view: PackageView) -> str:
     return templates.get_template(path).render(package=view)
 
 
-def digest(package: Package) -> str:
-    """Return the SHA-256 over signatures, graphs, templates and version."""
+def digest(package: Package, solver: object = None) -> str:
+    """Return the SHA-256 over signatures, graphs, templates and version, and a scene's solver."""
     total = hashlib.sha256(__version__.encode())
     total.update(repr(astuple(package)).encode())
+    if solver is not None:
+        total.update(repr(solver).encode())
     for name in sorted(_TEMPLATES.list_templates()):
+        if name.startswith("linkage/") and solver is None:
+            continue
         text, _, _ = _TEMPLATES.get_source(environment(), name)
         total.update(f"\n{name}\n{text}".encode())
     return total.hexdigest()

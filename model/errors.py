@@ -59,3 +59,23 @@ class VerifyError(KousokuError):
 
 class SolveError(KousokuError):
     """A scene cannot be assembled or moved; what was computed is kept by the caller."""
+
+
+class AssemblyError(SolveError):
+    """A linkage does not fit together; the message names the links and by how much."""
+
+
+class MotionError(SolveError):
+    """A linkage cannot be moved on.
+
+    Parameters
+    ----------
+    problem : str
+        Where it stopped, what holds it, and what to do.
+    trajectory : kousoku.runtime.linkage.Trajectory
+        All good positions up to there.
+    """
+
+    def __init__(self, problem: str, trajectory: object) -> None:
+        self.trajectory = trajectory
+        super().__init__(problem)

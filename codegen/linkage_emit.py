@@ -1,0 +1,51 @@
+"""Emit a scene: the kernels as of any package, and after them the solver that calls them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku import __version__
+from kousoku.codegen.emit import FILES, digest, environment, manifest
+from kousoku.codegen.view import package_view
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.codegen.kernel import Package
+    from kousoku.codegen.linkage_view import SolverView
+
+#: Files that are not as of any package, and their templates.
+SOLVER_FILES = {
+    "__init__.py": "linkage/__init__.py.jinja",
+    "kernels.c": "linkage/kernels.c.jinja",
+    "kernels.h": "linkage/kernels.h.jinja",
+    "solver.py": "linkage/solver.py.jinja",
+}
+
+
+def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) -> dict[str, str]:
+    """Return the folder of a scene: the kernels and their solver.
+
+    Parameters
+    ----------
+    package : Package
+        The kernels of the blocks and of the outputs.
+    solver : SolverView
+        What the solver is made of.
+    data : mapping of str to str
+        File name and text of what belongs in the folder beside the code.
+
+    Returns
+    -------
+    dict of str to str
+        File name and text, the manifest last.
+    """
+    templates = environment()
+    signature = digest(package, solver)
+    view = package_view(package, __version__, signature)
+    files = {
+        name: templates.get_template(path).render(package=view, solver=solver)
+        for name, path in (FILES | SOLVER_FILES).items()
+    }
+    files |= dict(sorted(data.items()))
+    return files | {"manifest.json": manifest(package, signature, files).to_json()}

@@ -1,0 +1,187 @@
+"""Compose the kernels of a linkage from the frozen link element: no link is derived twice.
+
+Every kernel takes the prescribed coordinates ``alpha`` and the unknown ones ``x``, ordered block
+by block, so that a block reads what stands before it and finds what stands at its own place.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.graph import Graph
+from kousoku.codegen.kernel import Kernel
+from kousoku.codegen.linkage_blocks import DEPENDS
+from kousoku.codegen.passes.rebuild import copy_node, drop_dead
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.model.assemble import Element, Term
+
+PAPER = "Yamada and Tatsumi 1981"
+
+
+def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
+    """Return the kernels of one block: its residual and matrix, and its right-hand sides.
+
+    Parameters
+    ----------
+    layout : Layout
+        The linkage.
+    number : int
+        The block, counted from 0; the names of its kernels count from 1.
+
+    Returns
+    -------
+    position : Kernel
+        ``epsilon`` (n,) and ``D`` (n, n), its derivatives by the block's own unknowns, (20).
+    velocity : Kernel
+        ``nu`` (n,) with D ẋ = nu: what the coordinates that are known by then contribute, (22).
+    acceleration : Kernel
+        ``gamma`` (n,) with D ẍ = gamma: likewise, and −Ḋ ẋ of all coordinates, (23), (25).
+    """
+    return (
+        _Composer(layout, number).position(),
+        _Composer(layout, number).velocity(),
+        _Composer(layout, number).acceleration(),
+    )
+
+
+def _places(element: Element, row: int, matrix: Sequence[int]) -> list[tuple[Term, int]]:
+    """Return the ends that one row of a (3, 6) matrix depends on, each with its element."""
+    return [(element.ends[place], matrix[6 * row + place]) for place in DEPENDS[row]]
+
+
+class _Composer:
+    """One kernel of one block while it grows."""
+
+    def __init__(self, layout: Layout, number: int) -> None:
+        self.layout = layout
+        self.block = layout.blocks[number]
+        self.suffix = f"_{number + 1}"
+        self.graph = Graph()
+        links = dict.fromkeys(layout.system.elements[e].name for e, _ in self.block.rows)
+        names = ", ".join(layout.system.coordinates[u].name for u in self.block.unknowns)
+        self.title = f"{names} from {', '.join(links)}"
+
+    def position(self) -> Kernel:
+        n = len(self.block.rows)
+        epsilon, matrix = [], []
+        for number, row in self.block.rows:
+            element = self.layout.system.elements[number]
+            link = self._inline(self.layout.link, element, row)
+            epsilon.append(link["epsilon"][row])
+            gradient = self._gradient(_places(element, row, link["D"]))
+            matrix += [gradient.get(u, self.graph.const(0)) for u in self.block.unknowns]
+        unit = self.layout.system.scene.unit
+        return self._kernel(
+            "position",
+            f"residual of the equations for {self.title}",
+            "epsilon = 0, D = d epsilon / d x",
+            "(5)-(7), (15)",
+            {
+                Quantity("epsilon", (n,), unit, "residuals"): epsilon,
+                Quantity("D", (n, n), f"1 or {unit}", "derivatives by the block's x"): matrix,
+            },
+        )
+
+    def velocity(self) -> Kernel:
+        rows = [self._carried(number, row, 1) for number, row in self.block.rows]
+        return self._kernel(
+            "velocity",
+            f"right-hand side of the velocities of {self.title}",
+            "D x_dot = nu",
+            "(22), (24)",
+            {self._right_hand_side("nu", "/s"): rows},
+        )
+
+    def acceleration(self) -> Kernel:
+        rows = []
+        for number, row in self.block.rows:
+            element = self.layout.system.elements[number]
+            link = self._inline(self.layout.link_rates, element, row)
+            total = self._carried(number, row, 2)
+            for term, derivative in _places(element, row, link["D_dot"]):
+                motion = self._derivative(term, 1)
+                total = self.graph.sub(total, self.graph.mul(derivative, motion))
+            rows.append(total)
+        return self._kernel(
+            "acceleration",
+            f"right-hand side of the accelerations of {self.title}",
+            "D x_ddot = gamma",
+            "(23), (25)",
+            {self._right_hand_side("gamma", "/s^2"): rows},
+        )
+
+    def _right_hand_side(self, name: str, per: str) -> Quantity:
+        unit = self.layout.system.scene.unit + per
+        return Quantity(name, (len(self.block.rows),), unit, "right-hand side")
+
+    def _carried(self, number: int, row: int, order: int) -> int:
+        """Return −D times the derivatives of the coordinates that are known by now."""
+        element = self.layout.system.elements[number]
+        link = self._inline(self.layout.link, element, row)
+        total = self.graph.const(0)
+        for term, derivative in _places(element, row, link["D"]):
+            if term.coordinate not in self.block.unknowns:
+                motion = self._derivative(term, order)
+                total = self.graph.sub(total, self.graph.mul(derivative, motion))
+        return total
+
+    def _gradient(self, places: Sequence[tuple[Term, int]]) -> dict[int, int]:
+        """Return the derivatives by coordinates, given those by the ends of the link."""
+        gradient: dict[int, int] = {}
+        for term, derivative in places:
+            part = self.graph.mul(self.graph.const(term.factor), derivative)
+            known = gradient.get(term.coordinate, self.graph.const(0))
+            gradient[term.coordinate] = self.graph.add(known, part)
+        return gradient
+
+    def _inline(self, kernel: Kernel, element: Element, row: int) -> dict[str, list[int]]:
+        """Rebuild a kernel of the link element here, with the ends and the length of a link."""
+        used = DEPENDS[row]
+        inputs = {"length": [self.graph.const(element.length)]}
+        for name, order in (("x", 0), ("x_dot", 1)):
+            inputs[name] = [
+                self._derivative(term, order) if place in used else self.graph.const(0)
+                for place, term in enumerate(element.ends)
+            ]
+        ids: dict[int, int] = {}
+        for old, node in enumerate(kernel.nodes):
+            if node.symbol is not None:
+                name, index = node.symbol
+                ids[old] = inputs[name][index]
+            else:
+                ids[old] = copy_node(self.graph, node, ids)
+        return {
+            quantity.name: [ids[node] for node in result]
+            for quantity, result in zip(kernel.outputs, kernel.results, strict=True)
+        }
+
+    def _derivative(self, term: Term, order: int) -> int:
+        return self.layout.node(self.graph, term, order)
+
+    def _kernel(
+        self,
+        name: str,
+        title: str,
+        formula: str,
+        source: str,
+        outputs: Mapping[Quantity, Sequence[int]],
+    ) -> Kernel:
+        """Return the kernel of what was composed."""
+        order = ("position", "velocity", "acceleration").index(name)
+        return drop_dead(
+            Kernel(
+                name=name + self.suffix,
+                title=title,
+                formula=formula,
+                source=f"{PAPER}, {source}",
+                inputs=tuple(q for k in range(order + 1) for q in self.layout.arguments(k)),
+                outputs=tuple(outputs),
+                nodes=tuple(self.graph.nodes),
+                results=tuple(tuple(nodes) for nodes in outputs.values()),
+            )
+        )

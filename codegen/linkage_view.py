@@ -1,0 +1,215 @@
+"""What the solver templates may see: strings, whole numbers, and tuples of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.graph import literal
+from kousoku.model.directions import HALF_TURN
+
+if TYPE_CHECKING:
+    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.model.planar import Input
+
+
+#: What a solution ends with, in the order of the statuses.
+MESSAGES = (
+    "good",
+    "the linkage cannot be assembled from the positions of the scene",
+    "the linkage assembles only on the other side of a dead centre than the scene shows",
+    "a dead centre, or a change point, on the way",
+    "the residual limit is smaller than rounding allows",
+    "a number is not finite",
+    "divisions, rows, max_iterations and limit must be positive, and 0 <= start <= first",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class InputView:
+    """A prescribed coordinate; numbers are literals of C and of Python.
+
+    Parameters
+    ----------
+    name, unit : str
+        The input.
+    origin, span : str
+        Value at division 0, and what is added until the last division.
+    turns : int
+        Whole turns until the last division; 0 where the motion does not repeat.
+    rate, rate_dot : str
+        First and second time derivative.
+    scale : str
+        Length that a change by 1 moves.
+    """
+
+    name: str
+    unit: str
+    origin: str
+    span: str
+    turns: int
+    rate: str
+    rate_dot: str
+    scale: str
+
+
+@dataclass(frozen=True, slots=True)
+class UnknownView:
+    """An unknown coordinate: where it starts, the length that a change by 1 moves."""
+
+    name: str
+    start: str
+    scale: str
+    is_angle: int
+
+
+@dataclass(frozen=True, slots=True)
+class LinkView:
+    """A link: its nodes and its design length."""
+
+    name: str
+    first: str
+    second: str
+    length: str
+
+
+@dataclass(frozen=True, slots=True)
+class BlockView:
+    """A block, counted from 1: names of its unknowns and of the links that hold them."""
+
+    number: int
+    unknowns: tuple[str, ...]
+    links: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SolverView:
+    """What the solver of a scene is made of.
+
+    Parameters
+    ----------
+    unit : str
+        Length unit of the scene.
+    nodes : tuple of str
+        In the order of the scene.
+    links, inputs, unknowns, blocks : tuple
+        In the order of the scene, and in the order of solving.
+    first_of, matrix_of : tuple of int
+        Where the unknowns and the matrix of each block start, and where the last ones end.
+    largest_block : int
+        Unknowns of the largest block.
+    largest_length, limit : str
+        Largest length of the scene, and limit of the residual.
+    divisions, max_iterations : int
+        As in the scene.
+    method : int
+        0 full Newton, 1 the iteration of the paper.
+    outputs : tuple of str
+        What is wanted beside positions.
+    """
+
+    unit: str
+    nodes: tuple[str, ...]
+    links: tuple[LinkView, ...]
+    inputs: tuple[InputView, ...]
+    unknowns: tuple[UnknownView, ...]
+    blocks: tuple[BlockView, ...]
+    first_of: tuple[int, ...]
+    matrix_of: tuple[int, ...]
+    largest_block: int
+    largest_length: str
+    limit: str
+    divisions: int
+    max_iterations: int
+    method: int
+    outputs: tuple[str, ...]
+
+    @property
+    def messages(self) -> tuple[str, ...]:
+        """What a solution ends with."""
+        return MESSAGES
+
+    @property
+    def has_angles(self) -> bool:
+        """Whether the angles of links are wanted."""
+        return "angles" in self.outputs
+
+    @property
+    def matrix_size(self) -> int:
+        """Count of the elements of the matrices of all blocks."""
+        return self.matrix_of[-1]
+
+
+def solver_view(layout: Layout) -> SolverView:
+    """Return what the templates of a scene's solver see."""
+    scene = layout.system.scene
+    sizes = [len(block.unknowns) for block in layout.blocks]
+    coordinates = layout.system.coordinates
+    return SolverView(
+        unit=scene.unit,
+        nodes=tuple(scene.nodes),
+        links=tuple(
+            LinkView(name, *link.nodes, literal(Fraction(scene.length(name))))
+            for name, link in scene.links.items()
+        ),
+        inputs=tuple(
+            _input(layout, name, number)
+            for name, number in zip(scene.inputs, layout.system.inputs, strict=True)
+        ),
+        unknowns=tuple(
+            UnknownView(c.name, literal(c.start), literal(c.scale), int(c.unit == "rad"))
+            for c in (coordinates[number] for number in layout.unknowns)
+        ),
+        blocks=tuple(_block(layout, number) for number in range(len(layout.blocks))),
+        first_of=_starts(sizes),
+        matrix_of=_starts([size * size for size in sizes]),
+        largest_block=max(sizes),
+        largest_length=literal(Fraction(scene.largest_length)),
+        limit=literal(Fraction(scene.residual_limit)),
+        divisions=scene.divisions,
+        max_iterations=scene.method.iterations,
+        method=("newton", "paper").index(scene.method.scheme),
+        outputs=scene.outputs,
+    )
+
+
+def _starts(sizes: list[int]) -> tuple[int, ...]:
+    return tuple(sum(sizes[:k]) for k in range(len(sizes) + 1))
+
+
+def _input(layout: Layout, name: str, number: int) -> InputView:
+    coordinate, given = layout.system.coordinates[number], layout.system.scene.inputs[name]
+    turns = _turns(given)
+    return InputView(
+        name=name,
+        unit=coordinate.unit,
+        origin=literal(Fraction(given.start)),
+        span=literal(_span(given, turns)),
+        turns=int(turns) if turns.denominator == 1 else 0,
+        rate=literal(Fraction(given.rate)),
+        rate_dot=literal(Fraction(given.acceleration)),
+        scale=literal(coordinate.scale),
+    )
+
+
+def _turns(given: Input) -> Fraction:
+    """Return the turns of an input, 0 where it goes to a value instead."""
+    if given.turns is None:
+        return Fraction(0 if given.to is not None or given.slider is not None else 1)
+    return Fraction(given.turns)
+
+
+def _span(given: Input, turns: Fraction) -> Fraction:
+    if given.to is not None:
+        return Fraction(given.to) - Fraction(given.start)
+    return 2 * HALF_TURN * turns
+
+
+def _block(layout: Layout, number: int) -> BlockView:
+    block, system = layout.blocks[number], layout.system
+    return BlockView(
+        number=number + 1,
+        unknowns=tuple(system.coordinates[unknown].name for unknown in block.unknowns),
+        links=tuple(dict.fromkeys(system.elements[element].name for element, _ in block.rows)),
+    )

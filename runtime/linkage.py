@@ -1,0 +1,257 @@
+"""Solve a linkage with the package that was generated from its scene."""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+from types import MappingProxyType, ModuleType
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
+from kousoku.runtime.library import Library, load, read_files
+from kousoku.runtime.linkage_trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
+    import numpy.typing as npt
+
+__all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
+
+SOLVER = "solver.py"
+#: Room for the results, in the order of the fields of ``kernels.h``.
+RESULTS = ("alpha", "position", "velocity", "acceleration")
+ANGLES = ("angle", "angle_dot", "angle_ddot")
+
+
+@dataclass(frozen=True, slots=True)
+class LinkageSolver:
+    """A loaded scene.
+
+    Parameters
+    ----------
+    library : Library
+        The kernels, and in C the solver.
+    module : module
+        The folder's ``solver.py``: names, defaults, and the solver in NumPy.
+    """
+
+    library: Library
+    module: ModuleType
+
+    @property
+    def target(self) -> str:
+        """What computes, ``c`` or ``numpy``."""
+        return self.library.target
+
+    def solve(self, **options: Any) -> Trajectory:
+        """Return the motion of the scene.
+
+        Parameters
+        ----------
+        method : {"newton", "paper"}, optional
+            Full Newton, or the iteration of the paper, (27) and (28); as in the scene by default.
+        divisions : int, optional
+            Divisions of a turn; as in the scene by default.
+        turns : int
+            How many turns to write, one by default: ``turns * divisions + 1`` rows.
+        first_turn : int
+            The first turn that is written, counted from 0.
+        from_turn : int, optional
+            The turn in which the walk begins; the first that is written by default.
+        limit : float, optional
+            Largest residual, in the unit of the scene.
+
+        Raises
+        ------
+        AssemblyError
+            The linkage does not fit together near the positions of the scene.
+        MotionError
+            It cannot be moved on; the error has the trajectory up to there.
+        SolveError
+            An option is not possible, or a residual limit is below rounding.
+        """
+        try:
+            run = self.module.request(**options)
+        except (ValueError, TypeError) as error:
+            raise SolveError(f"{self.library.manifest.package}: {error}") from None
+        rows = self._run_c(run) if self.target == "c" else self.module.solve(self.library, run)
+        good = self._trajectory(run, rows)
+        if rows.status != self.module.GOOD:
+            raise self._error(run, rows, good)
+        return good
+
+    def _run_c(self, run: Any) -> Any:
+        """Run the whole turn in one call of the compiled library."""
+        prefix = f"kousoku_{self.library.manifest.package}"
+        rows = self.module.empty_rows(run.rows)
+        record = _run_type(len(self.module.INPUTS))()
+        for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
+            setattr(record, name, getattr(run, name))
+        for name in ("origin", "span", "turns", "rate", "rate_dot"):
+            getattr(record, name)[:] = getattr(run, name)
+        for name in (*RESULTS, *ANGLES, "iterations", "residual"):
+            array = getattr(rows, name)
+            setattr(record, name, array.ctypes.data if array.size else None)
+        sizes = [self._size(f"{prefix}_{name}_size") for name in ("run", "workspace")]
+        if sizes[0] != ctypes.sizeof(record):
+            raise LoadError(f"{self.library.path}: its run is not as in this version of kousoku")
+        function = self.library.function(f"{prefix}_solve")
+        function.restype = ctypes.c_int
+        workspace = (ctypes.c_double * -(-sizes[1] // 8))()
+        rows.status = function(ctypes.byref(record), workspace)
+        rows.done, rows.block = int(record.done), int(record.block)
+        rows.reached = np.array(record.reached[:])
+        return rows
+
+    def _size(self, name: str) -> int:
+        function = self.library.function(name)
+        function.restype = ctypes.c_size_t
+        return int(function())
+
+    def _trajectory(self, run: Any, rows: Any) -> Trajectory:
+        """Return the good rows."""
+        module, n, wanted = self.module, rows.done, self.module.OUTPUTS
+        links = [link[0] for link in module.LINKS] if "angles" in wanted else []
+        inputs = [name for name, _ in module.INPUTS]
+        moving = module.NODES if "velocities" in wanted else ()
+        hurrying = module.NODES if "accelerations" in wanted else ()
+        return Trajectory(
+            name=self.library.manifest.package,
+            unit=module.UNIT,
+            method=module.METHODS[run.method],
+            divisions=run.divisions,
+            inputs=_by_name(inputs, rows.alpha[:n]),
+            positions=_by_name(module.NODES, rows.position[:n]),
+            velocities=_by_name(moving, rows.velocity[:n]),
+            accelerations=_by_name(hurrying, rows.acceleration[:n]),
+            angles=_by_name(links, rows.angle[:n]),
+            angular_velocities=_by_name(links, rows.angle_dot[:n]),
+            angular_accelerations=_by_name(links, rows.angle_ddot[:n]),
+            iterations=rows.iterations[:n],
+            residual=rows.residual[:n],
+            links=module.LINKS,
+            target=self.target,
+        )
+
+    def _error(self, run: Any, rows: Any, good: Trajectory) -> SolveError:
+        """Say what went wrong, where, and what to do."""
+        module, name = self.module, self.library.manifest.package
+        unknowns, links = module.BLOCKS[rows.block]
+        nodes = ", ".join(dict.fromkeys(unknown.partition(".")[0] for unknown in unknowns))
+        held = f"{nodes}, held by {', '.join(links)}"
+        where = ", ".join(
+            f"{key} = {value:.9g} {unit}"
+            for (key, unit), value in zip(module.INPUTS, rows.reached, strict=True)
+        )
+        why = module.MESSAGES[rows.status]
+        if rows.done == 0 and rows.status in (module.NOT_ASSEMBLED, module.OTHER_SIDE):
+            misfit = self._misfit(rows.position[0], links)
+            return AssemblyError(f"{name}: {why}: {held}, at {where}{misfit}")
+        advice = {
+            module.DEAD_CENTRE: "shorten the way of the input, or drive another link",
+            module.LIMIT_TOO_SMALL: "give a larger residual limit",
+            module.NOT_FINITE: "check lengths, positions and inputs",
+        }.get(rows.status, "check the options")
+        return MotionError(
+            f"{name}: {why}: {held}, at {where}, after {rows.done} good positions of {run.rows};"
+            f" {advice}",
+            good,
+        )
+
+    def _misfit(self, position: npt.NDArray[np.float64], links: Iterable[str]) -> str:
+        """Say by how much links are violated where the assembly stopped."""
+        place = dict(zip(self.module.NODES, position, strict=True))
+        parts = []
+        for name, first, second, length in self.module.LINKS:
+            gap = float(np.hypot(*(place[second] - place[first]))) - length
+            if name in links and abs(gap) > 1e-9 * self.module.LENGTH:
+                parts.append(
+                    f"{name} would be {abs(gap):.6g} {self.module.UNIT}"
+                    f" too {'long' if gap > 0 else 'short'} between {first} and {second}"
+                )
+        return (
+            f": {', '.join(parts)}; change lengths or positions"
+            if parts
+            else ("; move the approximate positions of these nodes")
+        )
+
+
+def load_scene(
+    folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto"
+) -> LinkageSolver:
+    """Load the folder that was generated from a scene.
+
+    Parameters
+    ----------
+    folder : path
+        As ``kousoku.codegen.linkage.generate_scene`` made it.
+    target : {"auto", "c", "numpy"}
+        As of :func:`kousoku.runtime.load`.
+
+    Raises
+    ------
+    LoadError
+        It is not such a folder, or a file of it was edited.
+    """
+    folder = Path(folder).absolute()
+    library = load(folder, target=target)
+    source = read_files(folder, library.manifest).get(SOLVER)
+    if source is None:
+        raise LoadError(f"{folder} has kernels, but no solver: it is not made from a scene")
+    return LinkageSolver(library, _import(folder / SOLVER, source, library.manifest.digest))
+
+
+def solve(
+    folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto", **options: Any
+) -> Trajectory:
+    """Load a scene's folder and solve it; options as of :meth:`LinkageSolver.solve`."""
+    return load_scene(folder, target=target).solve(**options)
+
+
+def _import(path: Path, source: bytes, digest: str) -> ModuleType:
+    """Import the solver from the bytes whose SHA-256 was compared, once for each content."""
+    name = f"kousoku_solver_{path.parent.name}_{digest[:16]}"
+    if name not in sys.modules:
+        module = ModuleType(name)
+        module.__file__ = str(path)
+        # Dataclasses look their module up.
+        sys.modules[name] = module
+        exec(compile(source, str(path), "exec"), module.__dict__)
+    return sys.modules[name]
+
+
+def _by_name(names: Iterable[str], rows: npt.NDArray[np.float64]) -> Mapping[str, Any]:
+    return MappingProxyType({name: rows[:, k] for k, name in enumerate(names)})
+
+
+def _run_type(inputs: int) -> type[ctypes.Structure]:
+    """Return the record of ``kernels.h``."""
+    numbers = ctypes.c_double * inputs
+    whole = ctypes.c_longlong
+
+    class Run(ctypes.Structure):
+        _fields_ = (
+            ("method", ctypes.c_int),
+            ("max_iterations", ctypes.c_int),
+            ("limit", ctypes.c_double),
+            *((name, whole) for name in ("divisions", "start", "first")),
+            ("rows", ctypes.c_size_t),
+            ("origin", numbers),
+            ("span", numbers),
+            ("turns", whole * inputs),
+            ("rate", numbers),
+            ("rate_dot", numbers),
+            *((name, ctypes.c_void_p) for name in (*RESULTS, *ANGLES)),
+            ("iterations", ctypes.c_void_p),
+            ("residual", ctypes.c_void_p),
+            ("done", ctypes.c_size_t),
+            ("block", ctypes.c_size_t),
+            ("reached", numbers),
+        )
+
+    return Run
