@@ -36,13 +36,9 @@ class NumpyTarget:
     __slots__ = ("_function", "_names", "_shapes", "width")
 
     def __init__(self, function: Callable[..., Any], manifest: KernelManifest) -> None:
-        names = [q.name for q in manifest.outputs]
         self._function = function
         self._shapes = tuple(q.shape for q in manifest.inputs)
-        self._names = tuple(
-            tuple(name for k, name in enumerate(names) if mask >> k & 1)
-            for mask in range(1 << len(names))
-        )
+        self._names = tuple(q.name for q in manifest.outputs)
         self.width = NUMPY_WIDTH
 
     def call(self, inputs: tuple[Any, ...], out: Any, mask: int) -> tuple[Floats, ...] | None:
@@ -52,7 +48,8 @@ class NumpyTarget:
         for array, shape in zip(inputs, self._shapes, strict=True):
             if type(array) is not np.ndarray or array.dtype is not _DOUBLE or array.shape != shape:
                 return None
-        results: tuple[Floats, ...] = self._function(*inputs, outputs=self._names[mask])
+        names = tuple(name for k, name in enumerate(self._names) if mask >> k & 1)
+        results: tuple[Floats, ...] = self._function(*inputs, outputs=names)
         return results
 
     def run(self, call: Call) -> None:

@@ -13,9 +13,12 @@ import pytest
 
 from kousoku.model.manifest import KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
+from kousoku.runtime import notice, plan, toolchain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from kousoku.runtime.toolchain import Toolchain
 
 TINY = Path(__file__).parent / "tiny"
 DIGEST = "3f9a" * 16
@@ -118,3 +121,38 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def tiny(tmp_path: Path) -> Path:
     """Return the folder of the small package."""
     return write_tiny(tmp_path / "tiny")
+
+
+@pytest.fixture(scope="session")
+def warm_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a cache folder that all tests of this run share."""
+    return tmp_path_factory.mktemp("cache")
+
+
+@pytest.fixture
+def warm_cache(warm_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Use the shared cache, for tests that are not about the cache."""
+    monkeypatch.setenv("KOUSOKU_CACHE", str(warm_folder))
+    return warm_folder
+
+
+@pytest.fixture
+def wrapper(tmp_path: Path, compiler: Toolchain) -> Callable[[str], str]:
+    """Return a function that writes a compiler: shell code, then the real compiler."""
+
+    def write(code: str, name: str = "wrapped-cc") -> str:
+        real = " ".join(compiler.command)
+        path = tmp_path / name
+        path.write_text(f'#!/bin/sh\n{code}\nexec {real} "$@"\n', encoding="utf-8")
+        path.chmod(0o755)
+        return str(path)
+
+    return write
+
+
+@pytest.fixture(autouse=True)
+def forgotten() -> None:
+    """Let every test find the compiler anew, and say again what was said once."""
+    for function in (toolchain._chosen, toolchain._first, toolchain.probe, plan.plan_type):
+        function.cache_clear()
+    notice._said.clear()
