@@ -10,7 +10,11 @@ from kousoku.model.read import scene_from_dict
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from kousoku.model.scene import Scene
+
+    Coordinates = Sequence[float] | NDArray[Any]
 
 
 class SceneBuilder:
@@ -53,7 +57,7 @@ class SceneBuilder:
             "divisions": divisions,
         }
 
-    def node(self, name: str, *, at: Sequence[float], fixed: bool = False) -> Self:
+    def node(self, name: str, *, at: Coordinates, fixed: bool = False) -> Self:
         """Add a node, see :class:`kousoku.model.planar.Node`."""
         return self._add("nodes", name, at=at, fixed=fixed)
 
@@ -67,9 +71,7 @@ class SceneBuilder:
         """Connect links rigidly at a node, see :class:`kousoku.model.planar.Rigid`."""
         return self._add("rigid", name, at=at, links=links, angle=angle)
 
-    def slider(
-        self, name: str, *, node: str, through: Sequence[float], direction: Sequence[float]
-    ) -> Self:
+    def slider(self, name: str, *, node: str, through: Coordinates, direction: Coordinates) -> Self:
         """Let a node slide on a line, see :class:`kousoku.model.planar.Slider`."""
         return self._add("sliders", name, node=node, through=through, direction=direction)
 

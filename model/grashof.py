@@ -190,7 +190,7 @@ def _stops(
     )
     where = f", stops it at {crank.given} = {angles} rad" if stops else ", closes at no angle"
     return (
-        f"the crank {crank.link} cannot make the motion: {title}{names} does not hold "
+        f"the crank {crank.link!r} cannot make the motion: {title}{names} does not hold "
         f"({numbers}){where}; "
     )
 

@@ -21,7 +21,7 @@ def turns_of(given: Input) -> float | None:
     An input of a link with neither ``to`` nor ``turns`` makes one turn.
     """
     if given.turns is not None:
-        return given.turns
+        return float(given.turns)
     return 1.0 if given.link is not None and given.to is None else None
 
 

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import unknown
 from kousoku.model.errors import SceneError
 from kousoku.model.grashof import check_closure
 from kousoku.model.mobility import check_mobility
 from kousoku.model.names import name_problem, scene_name_problem
 from kousoku.model.scene import TABLES
+from kousoku.model.validate_inputs import check_inputs
 from kousoku.model.validate_planar import check_planar
 from kousoku.model.validate_spatial import check_spatial
 
@@ -42,11 +41,13 @@ def check(scene: Scene) -> tuple[str, ...]:
     """
     _check_names(scene)
     _check_settings(scene)
-    _check_input_forms(scene)
     if scene.is_spatial:
         check_spatial(scene)
+    else:
+        check_planar(scene)
+    check_inputs(scene)
+    if scene.is_spatial:
         return ()
-    check_planar(scene)
     check_mobility(scene)
     return check_closure(scene)
 
@@ -111,33 +112,6 @@ def _check_settings(scene: Scene) -> None:
             "quotes, backslashes and comment marks: it heads the generated files",
             key="title",
         )
-
-
-def _check_input_forms(scene: Scene) -> None:
-    """Check each input by itself: what it drives, and from where to where."""
-    for name, given in scene.inputs.items():
-        key = f"inputs.{name}"
-        targets = [of for of in ("link", "slider", "joint") if getattr(given, of) is not None]
-        if len(targets) != 1:
-            got = " and ".join(targets) or "none of them"
-            raise SceneError(f"wanted one of link, slider and joint, got {got}", key=key)
-        (target,) = targets
-        known = tuple(getattr(scene, f"{target}s"))
-        driven = getattr(given, target)
-        if driven not in known:
-            raise SceneError(unknown(f"{target} {driven!r}", driven, known), key=f"{key}.{target}")
-        if given.to is not None and given.turns is not None:
-            raise SceneError("has both 'to' and 'turns'; wanted one of them", key=key)
-        if target == "slider" and given.turns is not None:
-            raise SceneError("a slider makes no turns; wanted 'to'", key=f"{key}.turns")
-        if target == "slider" and given.to is None:
-            raise SceneError("is missing; wanted the last displacement", key=f"{key}.to")
-        if target != "link" and given.about is not None:
-            raise SceneError("belongs to an input of a link; leave it out", key=f"{key}.about")
-        numbers = {"from": given.start, "rate": given.rate, "acceleration": given.acceleration}
-        for what, number in {**numbers, "to": given.to, "turns": given.turns}.items():
-            if number is not None and not isfinite(number):
-                raise SceneError(f"{number!r} is not a finite number", key=f"{key}.{what}")
 
 
 def _short(number: int) -> str:

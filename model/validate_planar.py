@@ -21,7 +21,7 @@ MOST_LINKS = 2000
 
 
 def check_planar(scene: Scene) -> None:
-    """Check nodes, links, sliders, rigid connections and what the inputs drive.
+    """Check nodes, links, sliders and rigid connections.
 
     Raises
     ------
@@ -42,7 +42,6 @@ def check_planar(scene: Scene) -> None:
     _check_sliders(scene)
     for name, rigid in scene.rigid.items():
         _check_rigid(scene, rigid, f"rigid.{name}")
-    _check_driven(scene)
 
 
 def _check_point(point: tuple[float, ...], key: str) -> None:
@@ -181,27 +180,3 @@ def _check_rigid(scene: Scene, rigid: Rigid, key: str) -> None:
         )
     if rigid.angle is not None and not isfinite(rigid.angle):
         raise SceneError(f"{rigid.angle!r} is not a finite number", key=f"{key}.angle")
-
-
-def _check_driven(scene: Scene) -> None:
-    drives: dict[tuple[str, str], str] = {}
-    for name, given in scene.inputs.items():
-        key = f"inputs.{name}"
-        kind, driven = ("slider", given.slider) if given.slider else ("link", given.link or "")
-        other = drives.setdefault((kind, driven), name)
-        if other != name:
-            raise SceneError(f"prescribes the {kind} {driven}, as inputs.{other} does", key=key)
-        if given.link is None:
-            continue
-        first, second = scene.links[given.link].nodes
-        if given.about not in (first, second):
-            got = "is missing" if given.about is None else f"{given.about!r} is no end of it"
-            raise SceneError(
-                f"{got}; wanted {first!r} or {second!r}, the end of the link {given.link} from "
-                "which its angle is seen",
-                key=f"{key}.about",
-            )
-        if scene.is_ground(given.link):
-            raise SceneError(
-                f"the link {given.link} lies between fixed nodes and cannot turn", key=f"{key}.link"
-            )

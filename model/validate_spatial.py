@@ -43,13 +43,6 @@ def check_spatial(scene: Scene) -> None:
     for name in scene.bodies:
         if name not in connected:
             raise SceneError("no joint connects this body", key=f"bodies.{name}")
-    drives: dict[str, str] = {}
-    for name, given in scene.inputs.items():
-        other = drives.setdefault(given.joint or "", name)
-        if other != name:
-            raise SceneError(
-                f"prescribes the joint {given.joint}, as inputs.{other} does", key=f"inputs.{name}"
-            )
 
 
 def _check_body(body: Body, key: str) -> None:

@@ -1,0 +1,105 @@
+"""Scene files: what is read, and the message for each thing that can be wrong with one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from kousoku.model.errors import SceneError
+from kousoku.model.read import LARGEST_FILE, read_scene, scene_from_dict, scene_from_toml
+
+ROOT = Path(__file__).parents[2]
+SCENES = sorted((ROOT / "scenes").glob("*.toml"))
+BAD = sorted((ROOT / "tests" / "scenes" / "bad").glob("*.toml"))
+
+
+@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+def test_a_committed_scene_is_valid_and_named_as_its_file(path: Path) -> None:
+    assert read_scene(path).name == path.stem
+
+
+@pytest.mark.parametrize("path", BAD, ids=lambda path: path.stem)
+def test_a_bad_scene_gets_one_message_with_file_key_and_reason(path: Path) -> None:
+    """The first two lines of each file hold the key and a part of the reason."""
+    key, says = (line.partition(": ")[2] for line in path.read_text().splitlines()[:2])
+    with pytest.raises(SceneError) as caught:
+        read_scene(path)
+    error = caught.value
+    assert error.file == str(path)
+    assert error.key == key
+    assert says in error.problem
+    assert str(error) == ": ".join(part for part in (str(path), key, error.problem) if part)
+    assert "\n" not in str(error)
+
+
+def test_the_paper_scenes_hold_what_section_4_says() -> None:
+    piston = read_scene(ROOT / "scenes" / "piston_crank.toml")
+    lever = read_scene(ROOT / "scenes" / "lever_crank.toml")
+    assert [piston.length(name) for name in piston.links] == [1, 2]
+    assert [lever.length(name) for name in lever.links] == [30, 60, 80, 100]
+    for scene in (piston, lever):
+        assert (scene.unit, scene.divisions, scene.residual_limit) == ("cm", 60, 1e-13)
+        (alpha,) = scene.inputs.values()
+        assert (alpha.about, alpha.start, alpha.turns) == ("O1", 0, 1)
+        assert (alpha.rate, alpha.acceleration) == (1, 0)
+    assert piston.nodes["O3"].at[0] > 0
+    assert lever.nodes["O3"].at[1] > 0
+    assert lever.nodes["O4"].at == (100, 0)
+
+
+def test_a_file_that_is_not_there_is_named() -> None:
+    with pytest.raises(SceneError, match=r"^nowhere\.toml: cannot be read: No such file"):
+        read_scene("nowhere.toml")
+
+
+def test_a_folder_is_no_scene(tmp_path: Path) -> None:
+    with pytest.raises(SceneError, match="cannot be read: "):
+        read_scene(tmp_path)
+
+
+def test_a_name_that_no_file_has_is_shown_safely() -> None:
+    with pytest.raises(SceneError, match=r"^'a\\x00b': is not the name of a file"):
+        read_scene("a\0b")
+
+
+def test_text_in_another_encoding_is_refused_with_its_line(tmp_path: Path) -> None:
+    path = tmp_path / "latin.toml"
+    path.write_bytes('name = "x"\ntitle = "Schwinge für O4"\n'.encode("latin-1"))
+    with pytest.raises(SceneError, match=r"is not UTF-8 text \(at line 2\)"):
+        read_scene(path)
+
+
+def test_the_mark_that_some_editors_put_first_is_read_over(tmp_path: Path) -> None:
+    path = tmp_path / "lever.toml"
+    text = (ROOT / "scenes" / "lever_crank.toml").read_bytes()
+    path.write_bytes(b"\xef\xbb\xbf" + text.replace(b"\n", b"\r\n"))
+    assert read_scene(path) == read_scene(ROOT / "scenes" / "lever_crank.toml")
+
+
+def test_broken_toml_is_refused_with_its_line() -> None:
+    with pytest.raises(SceneError, match=r"is not valid TOML: .*line 2"):
+        scene_from_toml('name = "x"\nunit == "m"\n')
+
+
+def test_a_number_of_ten_thousand_digits_is_refused() -> None:
+    with pytest.raises(SceneError, match="is not valid TOML"):
+        scene_from_toml("divisions = " + "9" * 10_000)
+
+
+def test_tables_nested_too_deeply_are_refused() -> None:
+    with pytest.raises(SceneError, match="nested too deeply"):
+        scene_from_toml("nodes = " + "[" * 100_000)
+
+
+def test_a_file_that_never_ends_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "large.toml"
+    path.write_bytes(b"#" * (LARGEST_FILE + 1))
+    with pytest.raises(SceneError, match="is too large: a scene file has at most 16 MiB"):
+        read_scene(path)
+
+
+@pytest.mark.parametrize("tree", [None, 3, "scene", [], [{}], object()])
+def test_what_is_no_table_is_no_scene(tree: object) -> None:
+    with pytest.raises(SceneError, match="stands where a table is wanted"):
+        scene_from_dict(tree)

@@ -1,0 +1,256 @@
+"""What is refused before anything is derived; the common cases are files in tests/scenes/bad."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from kousoku.model.errors import SceneError
+from kousoku.model.planar import Link, Node
+from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.scene import Scene
+from kousoku.model.validate import check, require_planar
+
+ROOT = Path(__file__).parents[2]
+Tree = dict[str, Any]
+
+
+def refused(tree: Tree, key: str, says: str) -> None:
+    """Check that a scene is refused at a key, for a reason."""
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+    assert caught.value.key == key
+    assert says in caught.value.problem
+
+
+def put(tree: Tree, place: str, value: object) -> Tree:
+    """Set one value of a tree by its dotted key."""
+    *tables, last = place.split(".")
+    table = tree
+    for name in tables:
+        table = table.setdefault(name, {})
+    table[last] = value
+    return tree
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "key", "says"),
+    [
+        ("nodes", {}, "nodes", "is missing; wanted nodes and links"),
+        ("links", {}, "links", "is missing; wanted one link at least"),
+        ("nodes.l1", {"at": [9, 9]}, "links.l1", "the name 'l1' is also in nodes"),
+        ("inputs.O2", {"link": "l1"}, "inputs.O2", "the name 'O2' is also in nodes"),
+        ("links.l1.length", 1e-60, "links.l1.length", "has the length 1e-60"),
+        ("links.l1.length", 1e-14, "links.l1", "within the limit of the residual"),
+        ("nodes.O3.at", [30, 0], "links.l2", "has no direction: O2 and O3 are given at the same"),
+        ("links.l4", {"nodes": ["O4", "O1"], "length": 99}, "links.l4.length", "contradicts"),
+        ("links.l4", {"nodes": ["O2", "O1"], "length": 30}, "links.l4", "and repeats it"),
+        ("method", {"residual": 1e-20}, "method.residual", "below the rounding"),
+        ("method", {"iterations": 0}, "method.iterations", "0 iterations; wanted 1 to 100000"),
+        ("divisions", 10**4000, "divisions", "more than 10²⁰ divisions"),
+        ("outputs", ["angles", "angles"], "outputs", "stands there twice"),
+        ("outputs", ["speeds"], "outputs[0]", "one of 'positions', 'velocities'"),
+        ("title", "a\nb", "title", "wanted one line"),
+        ("title", "\u202egnp.exe", "title", "wanted one line"),
+        ("title", "t" * 1000, "title", "at most 120"),
+        ("title", 'a "b"', "title", "without double quotes"),
+        ("title", "a\\", "title", "backslashes"),
+    ],
+)
+def test_a_setting_or_element_is_refused(
+    lever: Tree, place: str, value: object, key: str, says: str
+) -> None:
+    refused(put(lever, place, value), key, says)
+
+
+def test_a_title_may_be_in_any_language(lever: Tree) -> None:
+    assert scene_from_dict(put(lever, "title", "てこクランク機構")).title == "てこクランク機構"
+
+
+def test_frame_links_are_taken_with_hand_rounded_lengths(lever: Tree) -> None:
+    lever["nodes"]["O4"]["at"] = [70.7106781, 70.7106781]
+    lever["links"]["l4"] = {"nodes": ["O4", "O1"], "length": 100}
+    assert scene_from_dict(lever).is_ground("l4")
+
+
+@pytest.mark.parametrize(
+    ("given", "place", "says"),
+    [
+        ({}, "", "wanted one of link, slider and joint, got none of them"),
+        ({"link": "l1", "slider": "s"}, "", "got link and slider"),
+        ({"link": "l9", "about": "O1"}, ".link", "unknown link 'l9'; known here: l1, l2, l3"),
+        ({"slider": "s", "to": 1}, ".slider", "unknown slider 's'; known here: none"),
+        ({"joint": "j"}, ".joint", "unknown joint 'j'"),
+    ],
+)
+def test_an_input_must_drive_something(lever: Tree, given: Tree, place: str, says: str) -> None:
+    refused(put(lever, "inputs.alpha", given), f"inputs.alpha{place}", says)
+
+
+def test_an_input_may_not_turn_the_frame(lever: Tree) -> None:
+    lever["links"]["l4"] = {"nodes": ["O4", "O1"]}
+    lever["inputs"]["alpha"] = {"link": "l4", "about": "O1"}
+    refused(lever, "inputs.alpha.link", "lies between fixed nodes and cannot turn")
+
+
+def test_two_inputs_on_one_link_are_refused(lever: Tree) -> None:
+    lever["inputs"]["beta"] = {"link": "l1", "about": "O2"}
+    refused(lever, "inputs.beta", "prescribes the link l1, as inputs.alpha does")
+
+
+@pytest.mark.parametrize(
+    ("given", "place", "says"),
+    [
+        ({"slider": "piston", "turns": 1}, ".turns", "a slider makes no turns; wanted 'to'"),
+        ({"slider": "piston"}, ".to", "is missing; wanted the last displacement"),
+        ({"slider": "piston", "to": 2, "about": "O1"}, ".about", "belongs to an input of a link"),
+    ],
+)
+def test_an_input_of_a_slider_has_a_last_displacement(
+    piston: Tree, given: Tree, place: str, says: str
+) -> None:
+    refused(put(piston, "inputs.alpha", given), f"inputs.alpha{place}", says)
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "key", "says"),
+    [
+        ("node", "O9", ".node", "unknown node 'O9'"),
+        ("node", "O1", ".node", "the node O1 is fixed and cannot slide"),
+        ("direction", [0, 0], ".direction", "has zero length; wanted a direction"),
+    ],
+)
+def test_a_slider_needs_a_free_node_and_a_direction(
+    piston: Tree, place: str, value: object, key: str, says: str
+) -> None:
+    refused(put(piston, f"sliders.piston.{place}", value), f"sliders.piston{key}", says)
+
+
+def test_a_node_slides_on_one_line_only(piston: Tree) -> None:
+    piston["sliders"]["second"] = {"node": "O3", "through": [0, 0], "direction": [0, 1]}
+    refused(piston, "sliders.second.node", "slides on sliders.piston already")
+
+
+@pytest.mark.parametrize(
+    ("rigid", "place", "says"),
+    [
+        ({"at": "O9", "links": ["l1", "l2"]}, ".at", "unknown node 'O9'"),
+        ({"at": "O2", "links": ["l1"]}, ".links", "wanted two links or more"),
+        ({"at": "O2", "links": ["l1", "l1"]}, ".links[1]", "the link l1 stands there twice"),
+        ({"at": "O2", "links": ["l1", "l7"]}, ".links[1]", "unknown link 'l7'"),
+        ({"at": "O2", "links": ["l1", "l3"]}, ".links[1]", "and does not meet O2"),
+    ],
+)
+def test_a_rigid_connection_joins_links_at_their_node(
+    lever: Tree, rigid: Tree, place: str, says: str
+) -> None:
+    refused(put(lever, "rigid.corner", rigid), f"rigid.corner{place}", says)
+
+
+def test_one_angle_does_not_describe_three_links(lever: Tree) -> None:
+    lever["nodes"]["P"] = {"at": [20, 30]}
+    lever["links"]["p"] = {"nodes": ["O2", "P"]}
+    lever["rigid"] = {"star": {"at": "O2", "links": ["l1", "l2", "p"], "angle": 1}}
+    refused(lever, "rigid.star.angle", "one angle cannot describe more than two links")
+
+
+def test_too_many_links_are_refused_at_once(lever: Tree) -> None:
+    for i in range(3000):
+        lever["links"][f"m{i}"] = {"nodes": ["O1", "O2"]}
+    refused(lever, "links", "has 3003 links; the limit is 2000")
+
+
+def test_a_scene_that_python_made_by_hand_is_checked_for_numbers_too() -> None:
+    nodes = {"A": Node(at=(0.0, 0.0), fixed=True), "B": Node(at=(float("nan"), 0.0))}
+    scene = Scene(name="x", unit="m", nodes=nodes, links={"l": Link(nodes=("A", "B"))})
+    with pytest.raises(SceneError, match=r"nodes\.B\.at: nan is not a number"):
+        check(scene)
+
+
+def test_spatial_scenes_are_validated_but_refused_by_the_solver() -> None:
+    scene = read_scene(ROOT / "scenes" / "spatial_four_bar.toml")
+    assert [joint.type for joint in scene.joints.values()].count("revolute") == 2
+    with pytest.raises(SceneError, match="validated but not solved yet"):
+        require_planar(scene)
+
+
+def test_planar_scenes_are_not_refused_by_the_solver() -> None:
+    require_planar(read_scene(ROOT / "scenes" / "five_bar.toml"))
+
+
+@pytest.fixture
+def bar() -> Tree:
+    """Return the tables of a spatial pendulum, new for each test."""
+    zero = [0, 0, 0]
+    joint = {"type": "revolute", "bodies": ["ground", "bar"], "points": [zero, zero]}
+    return {
+        "name": "pendulum",
+        "unit": "m",
+        "bodies": {"bar": {"position": zero}},
+        "joints": {"a": {**joint, "axes": [[0, 0, 1], [0, 0, 1]]}},
+        "inputs": {"alpha": {"joint": "a"}},
+    }
+
+
+def test_a_spatial_pendulum_is_valid(bar: Tree) -> None:
+    assert scene_from_dict(bar).is_spatial
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "key", "says"),
+    [
+        ("nodes.A", {"at": [0, 0]}, "nodes", "wanted either nodes and links, or bodies"),
+        ("bodies", {}, "bodies", "is missing; joints need bodies to connect"),
+        ("bodies.ground", {"position": [0, 0, 0]}, "bodies.ground", "is the fixed body"),
+        ("bodies.rod", {"position": [0, 0, 0]}, "bodies.rod", "no joint connects this body"),
+        ("bodies.bar.position", [0, 0], "bodies.bar.position", "a list of 3 numbers is wanted"),
+        ("bodies.bar.mass", -1, "bodies.bar.mass", "wanted a positive mass"),
+        ("bodies.bar.center", [1, 0, 0], "bodies.bar.mass", "is missing, but center is given"),
+        ("joints.a.type", "hinge", "joints.a.type", "one of 'revolute', "),
+        ("joints.a.bodies", ["ground", "bra"], "joints.a.bodies[1]", "did you mean 'bar'?"),
+        ("joints.a.axes", [[0, 0, 1], [0, 0, 0]], "joints.a.axes[1]", "has zero length"),
+        ("joints.a.type", "spherical", "joints.a.axes", "a spherical joint has no axis"),
+        ("inputs.beta", {"joint": "a"}, "inputs.beta", "prescribes the joint a, as inputs.alpha"),
+    ],
+)
+def test_a_body_or_joint_is_refused(
+    bar: Tree, place: str, value: object, key: str, says: str
+) -> None:
+    refused(put(bar, place, value), key, says)
+
+
+def test_a_revolute_joint_needs_axes(bar: Tree) -> None:
+    del bar["joints"]["a"]["axes"]
+    refused(bar, "joints.a.axes", "a revolute joint wants an axis in each body")
+
+
+def test_mass_is_described_once(bar: Tree) -> None:
+    bar["bodies"]["bar"] |= {"mass": 1, "mass_points": [{"mass": 1, "at": [0, 0, 0]}]}
+    refused(bar, "bodies.bar", "wanted one description of the mass")
+
+
+def test_a_mass_point_has_a_mass(bar: Tree) -> None:
+    bar["bodies"]["bar"]["mass_points"] = [{"mass": 0, "at": [0, 0, 0]}]
+    refused(bar, "bodies.bar.mass_points[0].mass", "wanted a positive mass")
+
+
+def test_moments_of_inertia_that_no_body_has_are_refused(bar: Tree) -> None:
+    bar["bodies"]["bar"] |= {"mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 3}}
+    refused(bar, "bodies.bar.inertia", "no body has these moments")
+
+
+@pytest.mark.parametrize(
+    ("orientation", "key", "says"),
+    [
+        ({"quaternion": [1, 0, 0, 0]}, ".order", "is missing; wanted one of 'wxyz', 'xyzw'"),
+        ({"quaternion": [0, 0, 0, 0], "order": "wxyz"}, ".quaternion", "has zero length"),
+        ({"quaternion": [1, 0, 0], "order": "wxyz"}, ".quaternion", "a list of 4 numbers"),
+    ],
+)
+def test_a_quaternion_is_given_with_its_order(
+    bar: Tree, orientation: Tree, key: str, says: str
+) -> None:
+    bar["bodies"]["bar"]["orientation"] = orientation
+    refused(bar, f"bodies.bar.orientation{key}", says)
