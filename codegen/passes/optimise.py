@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.passes.factor import factor
 from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.codegen.passes.trace import run_passes
 
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.passes.trace import Trace
 
 #: In the order in which they run. None uses that Euler parameters have norm one.
-PASSES = (drop_dead,)
+PASSES = (drop_dead, factor)
 
 
 def optimise(kernel: Kernel) -> tuple[Kernel, Trace]:

@@ -1,5 +1,7 @@
 """Kernels built by hand, for tests of the stages behind freezing."""
 
+from collections.abc import Sequence
+
 import pytest
 
 from kousoku.codegen.graph import Graph
@@ -7,7 +9,7 @@ from kousoku.codegen.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 
 
-def body_vector(graph, p, a_b):
+def body_vector(graph: Graph, p: Sequence[int], a_b: Sequence[int]) -> list[int]:
     """Return A(p) a' with A(p) = (e0² − e·e) I + 2 e eᵀ + 2 e0 ẽ."""
     e0, *e = p
     two = graph.const(2)
@@ -23,7 +25,7 @@ def body_vector(graph, p, a_b):
 
 
 @pytest.fixture
-def n1():
+def n1() -> Kernel:
     """Build C = a_i · a_j of the kind n1, with the vector of body i beside it."""
     graph = Graph()
     inputs = (
@@ -53,6 +55,6 @@ def n1():
 
 
 @pytest.fixture
-def n1_package(n1):
+def n1_package(n1: Kernel) -> Package:
     """Put the kernel in a package, as it is emitted."""
     return Package("n1", "dot-1, PERPENDICULAR", "kousoku generate n1", (n1,))

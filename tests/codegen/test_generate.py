@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -94,7 +95,10 @@ def test_another_source_is_another_entry(
     ],
 )
 def test_a_damaged_entry_is_told_and_derived_again(
-    cache: Path, counted: list[str], caplog: pytest.LogCaptureFixture, damage
+    cache: Path,
+    counted: list[str],
+    caplog: pytest.LogCaptureFixture,
+    damage: Callable[[bytes], bytes],
 ) -> None:
     first = recall_or_derive("n1")
     (entry,) = cache.rglob("*.json")

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 
@@ -53,7 +54,9 @@ def test_every_kind_of_node_reads_back() -> None:
         (lambda text: "[]", "TypeError"),
     ],
 )
-def test_a_damaged_file_is_refused_with_the_reason(n1_package: Package, damage, wanted) -> None:
+def test_a_damaged_file_is_refused_with_the_reason(
+    n1_package: Package, damage: Callable[[str], str], wanted: str
+) -> None:
     damaged = damage(dump(n1_package))
     assert damaged != dump(n1_package)
     with pytest.raises(LoadError, match=wanted):

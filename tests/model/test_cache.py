@@ -9,12 +9,14 @@ import pytest
 from kousoku.model.cache import cache_folder, write_atomically
 
 
-def test_the_environment_chooses_the_cache(monkeypatch, tmp_path):
+def test_the_environment_chooses_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
     assert cache_folder() == tmp_path
 
 
-def test_a_relative_choice_is_made_absolute(monkeypatch, tmp_path):
+def test_a_relative_choice_is_made_absolute(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("KOUSOKU_CACHE", "here")
     assert cache_folder() == tmp_path / "here"
@@ -31,7 +33,9 @@ def test_a_relative_choice_is_made_absolute(monkeypatch, tmp_path):
         ("win32", "LOCALAPPDATA", "", "/home/me/AppData/Local/kousoku/Cache"),
     ],
 )
-def test_each_platform_has_its_own_place(monkeypatch, platform, variable, value, wanted):
+def test_each_platform_has_its_own_place(
+    monkeypatch: pytest.MonkeyPatch, platform: str, variable: str, value: str, wanted: str
+) -> None:
     monkeypatch.delenv("KOUSOKU_CACHE", raising=False)
     monkeypatch.setattr(sys, "platform", platform)
     monkeypatch.setattr(Path, "home", lambda: Path("/home/me"))
@@ -39,8 +43,10 @@ def test_each_platform_has_its_own_place(monkeypatch, platform, variable, value,
     assert cache_folder() == Path(wanted)
 
 
-def test_no_home_folder_is_an_error_that_names_the_variable(monkeypatch):
-    def no_home():
+def test_no_home_folder_is_an_error_that_names_the_variable(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def no_home() -> Path:
         raise RuntimeError("Could not determine home directory.")
 
     monkeypatch.delenv("KOUSOKU_CACHE", raising=False)
@@ -51,7 +57,7 @@ def test_no_home_folder_is_an_error_that_names_the_variable(monkeypatch):
         cache_folder()
 
 
-def test_a_file_is_replaced_and_no_temporary_stays(tmp_path):
+def test_a_file_is_replaced_and_no_temporary_stays(tmp_path: Path) -> None:
     path = tmp_path / "new" / "file.txt"
     write_atomically(path, b"one")
     write_atomically(path, b"two")
@@ -59,11 +65,13 @@ def test_a_file_is_replaced_and_no_temporary_stays(tmp_path):
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_a_write_that_fails_keeps_the_old_file(monkeypatch, tmp_path):
+def test_a_write_that_fails_keeps_the_old_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
     path = tmp_path / "file.txt"
     write_atomically(path, b"old")
 
-    def full(*_):
+    def full(*_: object) -> None:
         raise OSError("No space left on device")
 
     monkeypatch.setattr(Path, "replace", full)
@@ -74,7 +82,7 @@ def test_a_write_that_fails_keeps_the_old_file(monkeypatch, tmp_path):
 
 
 @pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")
-def test_a_file_has_the_rights_of_an_ordinary_file(tmp_path):
+def test_a_file_has_the_rights_of_an_ordinary_file(tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
     write_atomically(path, b"data")
     ordinary = tmp_path / "ordinary.txt"
