@@ -1,0 +1,92 @@
+"""What docs/scenes.md shows is what the reader takes."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import get_args
+
+import msgspec
+import pytest
+
+from kousoku.model import planar, spatial
+from kousoku.model.errors import SceneError
+from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
+from kousoku.model.scene import TABLES, Scene, Unit
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
+BLOCKS = re.findall(r"^( *)```(\w+)\n(.*?)^ *```$", TEXT, re.M | re.S)
+
+
+def blocks(language: str) -> list[str]:
+    """Return the code blocks of a language, their indentation taken off."""
+    return [re.sub(f"^{dent}", "", body, flags=re.M) for dent, of, body in BLOCKS if of == language]
+
+
+@pytest.mark.parametrize("name", ["piston_crank", "lever_crank"])
+def test_the_scenes_of_the_paper_are_shown_as_they_are(name: str) -> None:
+    (shown,) = (text for text in blocks("toml") if f'name = "{name}"' in text)
+    committed = read_scene(ROOT / "scenes" / f"{name}.toml")
+    scene = scene_from_toml(shown)
+    assert (scene.nodes, scene.links, scene.sliders) == (
+        committed.nodes,
+        committed.links,
+        committed.sliders,
+    )
+
+
+def test_every_shown_part_stands_in_a_committed_scene() -> None:
+    committed = [
+        tomllib.loads(path.read_text(encoding="utf-8")) for path in (ROOT / "scenes").glob("*.toml")
+    ]
+    for text in blocks("toml"):
+        for table, elements in tomllib.loads(text).items():
+            if table in TABLES:
+                for name, element in elements.items():
+                    found = [tree.get(table, {}).get(name, {}) for tree in committed]
+                    assert any(element.items() <= of.items() for of in found), f"{table}.{name}"
+
+
+def test_the_shown_python_builds_a_scene(capsys: pytest.CaptureFixture[str]) -> None:
+    (code,) = blocks("python")
+    exec(compile(code, "docs/scenes.md", "exec"), {})
+    assert scene_from_toml(capsys.readouterr().out).length("l3") == 80
+
+
+def test_the_shown_message_is_the_one_that_comes() -> None:
+    (shown,) = blocks("text")
+    tree = tomllib.loads((ROOT / "scenes" / "lever_crank.toml").read_text(encoding="utf-8"))
+    tree["links"]["l2"]["length"], tree["links"]["l3"]["length"] = 45, 70
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+    assert " ".join(shown.split()) == str(caught.value)
+    tree["inputs"]["alpha"] = {"link": "l1", "about": "O1", "from": -1, "to": 1}
+    scene_from_dict(tree)
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        Scene,
+        planar.Node,
+        planar.Link,
+        planar.Rigid,
+        planar.Slider,
+        planar.Input,
+        planar.Method,
+        spatial.Body,
+        spatial.Joint,
+    ],
+)
+def test_every_key_is_in_a_table(record: type[msgspec.Struct]) -> None:
+    for field in msgspec.structs.fields(record):
+        name = field.encode_name
+        shown = rf"^\| `{name}`|^\| `link`, `{name}`|^### `\[{name}\]`|joint = "
+        assert re.search(shown, TEXT, re.M), name
+
+
+def test_every_unit_is_listed() -> None:
+    for unit in get_args(Unit):
+        assert f'`"{unit}"`' in TEXT
