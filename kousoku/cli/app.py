@@ -12,6 +12,7 @@ from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
 from kousoku.cli.generate import generate
 from kousoku.cli.listing import list_names
+from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
 from kousoku.model.errors import KousokuError
 
@@ -48,6 +49,7 @@ def _kousoku(
 app.command("derive")(derive)
 app.command("generate")(generate)
 app.command("verify")(verify)
+app.command("solve")(solve)
 app.command("list")(list_names)
 
 

@@ -3,6 +3,7 @@
 import json
 import sys
 from collections.abc import Iterable, Sequence
+from enum import StrEnum
 from math import isfinite
 from pathlib import Path
 from typing import Annotated, Any
@@ -17,6 +18,15 @@ from kousoku.symbolic import packages_of
 
 #: Exit codes: emitted code disagrees with what was derived; bad input.
 DISAGREEMENT, BAD_INPUT = 1, 2
+
+
+class Target(StrEnum):
+    """What computes."""
+
+    AUTO = "auto"
+    C = "c"
+    NUMPY = "numpy"
+
 
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON, for a program to read.")]
 
@@ -86,11 +96,17 @@ def _finite(data: Any) -> Any:
             return data
 
 
-def print_table(columns: Sequence[str], rows: Iterable[Sequence[str]], *, title: str = "") -> None:
-    """Print a table; all but the first column are aligned to the right when they hold numbers."""
+def print_table(
+    columns: Sequence[str],
+    rows: Iterable[Sequence[str]],
+    *,
+    title: str = "",
+    numbers: bool = False,
+) -> None:
+    """Print a table; columns of numbers stand to the right."""
     table = Table(title=title or None, title_justify="left", box=None, pad_edge=False)
     for name in columns:
-        table.add_column(name, overflow="fold")
+        table.add_column(name, overflow="fold", justify="right" if numbers else "left")
     for row in rows:
         table.add_row(*row)
     console = Console(highlight=False, markup=False)

@@ -3,7 +3,6 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -12,6 +11,7 @@ import typer
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
+    Target,
     find_packages,
     print_json,
     print_table,
@@ -20,14 +20,6 @@ from kousoku.cli.console import (
 
 if TYPE_CHECKING:
     from kousoku.runtime.report import Report
-
-
-class Target(StrEnum):
-    """What computes."""
-
-    AUTO = "auto"
-    C = "c"
-    NUMPY = "numpy"
 
 
 def verify(

@@ -1,0 +1,146 @@
+"""``kousoku solve``: generate a scene's solver, run it, say how good the result is."""
+
+import tempfile
+from collections.abc import Mapping
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kousoku.cli.console import AsJson, Target, generated_folder, print_json, print_table
+from kousoku.model.errors import MotionError, SolveError
+
+if TYPE_CHECKING:
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.linkage import LinkageSolver, Trajectory
+
+#: Rows of the table for people; a file holds all of them.
+SHOWN = 13
+
+
+class Method(StrEnum):
+    """How positions are found."""
+
+    NEWTON = "newton"
+    PAPER = "paper"
+
+
+def solve(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, *.toml.")],
+    *,
+    method: Annotated[
+        Method | None, typer.Option(help="Full Newton, or the iteration of the 1981 paper.")
+    ] = None,
+    divisions: Annotated[int | None, typer.Option(min=1, help="Steps over the input.")] = None,
+    turns: Annotated[int | None, typer.Option(min=1, help="Turns to compute.")] = None,
+    first_turn: Annotated[
+        int | None, typer.Option(min=0, help="The first turn to write, counted from 0.")
+    ] = None,
+    from_turn: Annotated[
+        int | None, typer.Option(min=0, help="The turn to begin in; the first one written.")
+    ] = None,
+    target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
+    out: Annotated[
+        Path | None, typer.Option(help="Write all rows to a file, *.csv or *.npz.")
+    ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw plots into this folder.")] = None,
+    node: Annotated[str | None, typer.Option(help="The node to print and to draw.")] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Solve a scene whose inputs are prescribed: positions, velocities and accelerations.
+
+    When the linkage cannot be moved on, the good positions before that are written, and the exit
+    code is 2.
+    """
+    from kousoku.cli.motion import check_destinations, draw, errors_of, node_to_show
+    from kousoku.model.read import read_scene
+
+    scene = read_scene(scene_file)
+    check_destinations(out, plot)
+    shown = node_to_show(scene, node)
+    options = {
+        "method": method.value if method else None,
+        "divisions": divisions,
+        "turns": turns,
+        "first_turn": first_turn,
+        "from_turn": from_turn,
+    }
+    solver = solver_of(scene, target)
+    try:
+        motion = solver.solve(**{key: value for key, value in options.items() if value is not None})
+    except MotionError as error:
+        if out is not None:
+            _partial(error).save(out)
+        raise
+    if out is not None:
+        motion.save(out)
+    pictures = [] if plot is None else draw(motion, shown, plot)
+    errors = errors_of(scene, motion)
+    if as_json:
+        print_json({**motion.summary(), "errors": errors, "plots": [str(p) for p in pictures]})
+        return
+    _print_rows(motion, shown)
+    _print_summary(motion, errors)
+    for path in (*([out] if out else []), *pictures):
+        typer.echo(f"wrote {path}")
+
+
+def solver_of(scene: "Scene", target: Target) -> "LinkageSolver":
+    """Return the loaded solver of a scene, from the committed package where that is the same."""
+    from kousoku.codegen.generate import check_tree, write_tree
+    from kousoku.codegen.linkage import generate_scene
+    from kousoku.model.cache import cache_folder
+    from kousoku.runtime.linkage import load_scene
+
+    tree = generate_scene(scene)
+    committed = generated_folder() / scene.name
+    if committed.is_dir() and not check_tree(committed, tree):
+        return load_scene(committed, target=target.value)
+    try:
+        folder = cache_folder() / "scenes" / _digest(tree) / scene.name
+        write_tree(folder, tree)
+        return load_scene(folder, target=target.value)
+    except OSError:  # a full or read-only cache: the folder is needed only until it is loaded
+        with tempfile.TemporaryDirectory() as place:
+            folder = Path(place) / scene.name
+            write_tree(folder, tree)
+            return load_scene(folder, target=target.value)
+
+
+def _digest(tree: Mapping[str, str]) -> str:
+    import hashlib
+
+    return hashlib.sha256("\0".join(tree.values()).encode()).hexdigest()[:32]
+
+
+def _partial(error: MotionError) -> "Trajectory":
+    from kousoku.runtime.linkage import Trajectory
+
+    if not isinstance(error.trajectory, Trajectory):
+        raise SolveError(str(error)) from error
+    return error.trajectory
+
+
+def _print_rows(motion: "Trajectory", node: str) -> None:
+    """Print the motion of one node, thinned to a table that is read at one glance."""
+    columns = motion.columns()
+    inputs = list(columns)[: len(motion.inputs)]
+    names = inputs + [name for name in columns if name.startswith(f"{node}.")]
+    step = max(1, -(-(len(motion) - 1) // (SHOWN - 1)))
+    rows = [[f"{columns[name][k]:z.9f}" for name in names] for k in range(0, len(motion), step)]
+    title = f"{motion.name}: {node}, {motion.unit}, rad and s"
+    print_table(names, rows, title=title, numbers=True)
+
+
+def _print_summary(motion: "Trajectory", errors: Mapping[str, Any] | None) -> None:
+    summary = motion.summary()
+    count = summary["iterations"]
+    typer.echo(
+        f"{summary['method']} by {summary['target']}: {summary['rows']} positions,"
+        f" {count['min']} to {count['max']} iterations a step, {count['total']} in all,"
+        f" residual at most {summary['residual_max']:.1e} {motion.unit}"
+    )
+    if errors is not None:
+        parts = ", ".join(f"{name} {value:.1e}" for name, value in errors.items())
+        typer.echo(f"largest difference from the closed form: {parts}")

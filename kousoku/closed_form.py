@@ -1,0 +1,182 @@
+"""Closed forms of slider-cranks and four-bars, to compare a solver with.
+
+Both are a crank, and a second link (a *dyad*) whose end moves on a line or on a circle. Positions
+are intersections, velocities and accelerations two linear equations; all with 30 digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mpmath import MPContext
+
+from kousoku.model.motion import input_values
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from kousoku.model.planar import Input, Slider
+    from kousoku.model.scene import Scene
+
+    Array = NDArray[np.float64]
+
+_MP = MPContext()
+_MP.dps = 30
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The motion of all nodes that move.
+
+    Parameters
+    ----------
+    positions, velocities, accelerations : mapping of str to (n, 2) array
+        By the node's name, in the unit of the scene and seconds, in frame O.
+    """
+
+    positions: Mapping[str, Array]
+    velocities: Mapping[str, Array]
+    accelerations: Mapping[str, Array]
+
+
+@dataclass(frozen=True, slots=True)
+class _Dyad:
+    """A crank O1-O2 with a link O2-O3, where O3 is on a slider's line or on a link O4-O3."""
+
+    given: Input
+    center: str
+    pin: str
+    end: str
+    pivot: str = ""
+    slider: Slider | None = None
+
+
+def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
+    """Return the exact motion of a slider-crank or a four-bar, None of any other linkage.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked planar scene.
+    divisions : int
+        Steps over the whole input.
+    rows : int
+        Divisions 0 … rows − 1 are computed.
+
+    References
+    ----------
+    Yamada and Tatsumi 1981, (30)-(32), are the slider-crank whose line passes through O1.
+    """
+    dyad = _recognise(scene)
+    if dyad is None:
+        return None
+    crank, rod = (_length(scene, dyad.pin, other) for other in (dyad.center, dyad.end))
+    alphas = input_values(dyad.given, divisions, range(rows))
+    moved = []
+    side = 0
+    for alpha in alphas.tolist():
+        arm = crank * _MP.expj(_MP.mpf(alpha))
+        rate, rate_dot = _MP.mpf(dyad.given.rate), _MP.mpf(dyad.given.acceleration)
+        pin = (_at(scene, dyad.center) + arm, 1j * rate * arm, (1j * rate_dot - rate**2) * arm)
+        ends = _intersections(scene, dyad, pin[0], rod)
+        if not side:
+            near = _at(scene, dyad.end)
+            side = 1 if abs(ends[0] - near) <= abs(ends[1] - near) else -1
+        end = ends[0] if side > 0 else ends[1]
+        moved.append((pin, (end, *_derivatives(scene, dyad, pin, end))))
+    tables: list[dict[str, Array]] = [
+        {
+            node: np.array([[float(m[n][d].real), float(m[n][d].imag)] for m in moved])
+            for n, node in enumerate((dyad.pin, dyad.end))
+        }
+        for d in range(3)
+    ]
+    return Motion(*tables)
+
+
+def _recognise(scene: Scene) -> _Dyad | None:
+    """Return the dyad that a scene is, None if it is another linkage."""
+    fixed = {name for name, node in scene.nodes.items() if node.fixed}
+    links = {
+        name: link.nodes for name, link in scene.links.items() if not fixed.issuperset(link.nodes)
+    }
+    inputs = list(scene.inputs.values())
+    if len(inputs) != 1 or inputs[0].link not in links or scene.rigid:
+        return None
+    given = inputs[0]
+    center = given.about or ""
+    ends = links.pop(given.link or "")
+    pin = ends[1] if ends[0] == center else ends[0]
+    if center not in fixed or pin in fixed:
+        return None
+    rods = [name for name, nodes in links.items() if pin in nodes]
+    if len(rods) != 1:
+        return None
+    rod = links.pop(rods[0])
+    end = rod[1] if rod[0] == pin else rod[0]
+    sliders = list(scene.sliders.values())
+    if not links and len(sliders) == 1 and sliders[0].node == end:
+        return _Dyad(given, center, pin, end, slider=sliders[0])
+    if len(links) == 1 and not sliders:
+        (levers,) = links.values()
+        pivot = levers[1] if levers[0] == end else levers[0]
+        if end in levers and end not in fixed and pivot in fixed:
+            return _Dyad(given, center, pin, end, pivot=pivot)
+    return None
+
+
+def _at(scene: Scene, node: str) -> Any:
+    """Return a position as a complex number, x + i y."""
+    return _MP.mpc(*scene.nodes[node].at)
+
+
+def _length(scene: Scene, first: str, second: str) -> Any:
+    link = next(name for name, it in scene.links.items() if set(it.nodes) == {first, second})
+    return _MP.mpf(scene.length(link))
+
+
+def _line(slider: Slider) -> tuple[Any, Any]:
+    """Return a point of a line, and its direction with length 1."""
+    direction = _MP.mpc(*slider.direction)
+    return _MP.mpc(*slider.through), direction / abs(direction)
+
+
+def _intersections(scene: Scene, dyad: _Dyad, pin: Any, rod: Any) -> tuple[Any, Any]:
+    """Return the two places where the end of the rod can be."""
+    if dyad.slider is not None:
+        point, along = _line(dyad.slider)
+        seen = (pin - point) / along
+        half = _MP.sqrt(rod**2 - seen.imag**2)
+        return point + along * (seen.real + half), point + along * (seen.real - half)
+    lever = _length(scene, dyad.end, dyad.pivot)
+    way = _at(scene, dyad.pivot) - pin
+    foot = (rod**2 - lever**2 + abs(way) ** 2) / (2 * abs(way))
+    height = _MP.sqrt(rod**2 - foot**2)
+    unit = way / abs(way)
+    return pin + unit * (foot + 1j * height), pin + unit * (foot - 1j * height)
+
+
+def _derivatives(scene: Scene, dyad: _Dyad, pin: tuple[Any, Any, Any], end: Any) -> tuple[Any, Any]:
+    """Return velocity and acceleration of the end: the rod keeps its length, the end its path."""
+    rod = end - pin[0]
+    if dyad.slider is not None:
+        normal, bends = 1j * _line(dyad.slider)[1], 0
+    else:
+        normal, bends = end - _at(scene, dyad.pivot), 1
+    velocity = _solve(rod, normal, _dot(rod, pin[1]), _MP.mpf(0))
+    turning = _dot(rod, pin[2]) - abs(velocity - pin[1]) ** 2
+    return velocity, _solve(rod, normal, turning, -bends * abs(velocity) ** 2)
+
+
+def _dot(a: Any, b: Any) -> Any:
+    return a.real * b.real + a.imag * b.imag
+
+
+def _solve(a: Any, b: Any, p: Any, q: Any) -> Any:
+    """Return the vector x with a · x = p and b · x = q."""
+    determinant = a.real * b.imag - a.imag * b.real
+    return _MP.mpc(p * b.imag - q * a.imag, q * a.real - p * b.real) / determinant
