@@ -73,18 +73,9 @@ def generate(
         typer.echo(f"{folder}: {', '.join(changed) if changed else 'unchanged'}")
 
 
-def scene_folder(name: str) -> Path:
-    """Return where a scene's solver goes by default: where it is committed, or the user's cache."""
-    from kousoku.model.cache import cache_folder
-
-    committed = generated_folder() / name
-    if checkout() is not None and committed.is_dir():
-        return committed
-    return cache_folder() / "generated" / name
-
-
 def _orders(name: str, out: Path | None) -> list[Order]:
     """Return the packages that a name stands for."""
+    from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names
     from kousoku.symbolic import packages_of
 
@@ -97,21 +88,12 @@ def _orders(name: str, out: Path | None) -> list[Order]:
 
 
 def _scene_order(path: Path, out: Path | None) -> Order:
+    from kousoku.cli.scenes import read_planar_scene, scene_folder
     from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.read import read_scene
 
-    scene = read_scene(path)
+    scene = read_planar_scene(path)
     folder = scene_folder(scene.name) if out is None else out / scene.name
     return Order(folder, partial(generate_scene, scene))
-
-
-def committed_scenes() -> list[Path]:
-    """Return the scene files of a checkout whose solvers are committed."""
-    root = checkout()
-    if root is None:
-        return []
-    scenes = sorted((root / "scenes").glob("*.toml"))
-    return [path for path in scenes if (generated_folder() / path.stem).is_dir()]
 
 
 def _kinds_folder() -> Path:
@@ -125,6 +107,7 @@ def _kinds_folder() -> Path:
 
 def _leftovers() -> list[str]:
     """Return the committed folders that nothing generates any more."""
+    from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import package_names
 
     scenes = {path.stem for path in committed_scenes()}

@@ -46,12 +46,8 @@ def node_to_show(scene: Scene, wanted: str | None) -> str:
     Raises
     ------
     SolveError
-        The scene has no such node, or describes bodies in space.
+        The scene has no such node.
     """
-    if scene.is_spatial:
-        raise SolveError(
-            f"{scene.name}: is a spatial scene; it is valid, but only planar linkages are solved"
-        )
     if wanted is None:
         return [name for name, node in scene.nodes.items() if not node.fixed][-1]
     if wanted not in scene.nodes:

@@ -1,6 +1,5 @@
 """``kousoku solve``: generate a scene's solver, run it, say how good the result is."""
 
-import tempfile
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
@@ -8,12 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kousoku.cli.console import AsJson, Target, generated_folder, print_json, print_table
+from kousoku.cli.console import AsJson, Target, print_json, print_table
 from kousoku.model.errors import MotionError, SolveError
 
 if TYPE_CHECKING:
-    from kousoku.model.scene import Scene
-    from kousoku.runtime.linkage import LinkageSolver, Trajectory
+    from kousoku.runtime.linkage import Trajectory
 
 #: Rows of the table for people; a file holds all of them.
 SHOWN = 13
@@ -54,9 +52,9 @@ def solve(
     code is 2.
     """
     from kousoku.cli.motion import check_destinations, draw, errors_of, node_to_show
-    from kousoku.model.read import read_scene
+    from kousoku.cli.scenes import read_planar_scene, solver_of
 
-    scene = read_scene(scene_file)
+    scene = read_planar_scene(scene_file)
     check_destinations(out, plot)
     shown = node_to_show(scene, node)
     options = {
@@ -84,34 +82,6 @@ def solve(
     _print_summary(motion, errors)
     for path in (*([out] if out else []), *pictures):
         typer.echo(f"wrote {path}")
-
-
-def solver_of(scene: "Scene", target: Target) -> "LinkageSolver":
-    """Return the loaded solver of a scene, from the committed package where that is the same."""
-    from kousoku.codegen.generate import check_tree, write_tree
-    from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.cache import cache_folder
-    from kousoku.runtime.linkage import load_scene
-
-    tree = generate_scene(scene)
-    committed = generated_folder() / scene.name
-    if committed.is_dir() and not check_tree(committed, tree):
-        return load_scene(committed, target=target.value)
-    try:
-        folder = cache_folder() / "scenes" / _digest(tree) / scene.name
-        write_tree(folder, tree)
-        return load_scene(folder, target=target.value)
-    except OSError:  # a full or read-only cache: the folder is needed only until it is loaded
-        with tempfile.TemporaryDirectory() as place:
-            folder = Path(place) / scene.name
-            write_tree(folder, tree)
-            return load_scene(folder, target=target.value)
-
-
-def _digest(tree: Mapping[str, str]) -> str:
-    import hashlib
-
-    return hashlib.sha256("\0".join(tree.values()).encode()).hexdigest()[:32]
 
 
 def _partial(error: MotionError) -> "Trajectory":
