@@ -32,6 +32,7 @@ from kousoku.model.errors import FreezeError
 from kousoku.symbolic.matrices import (
     Dot,
     Named,
+    NamedScalar,
     Orientation,
     Skew,
     coefficient_and_factors,
@@ -254,6 +255,9 @@ class _Lowering:
         if len(cells) == len(cells[0]) == 1 and not denominator.is_Number:
             over = graph.mul(self.scalar(numerator), cells[0][0])
             return ((graph.div(over, self.scalar(denominator)),),)
+        if numerator == 1 and not denominator.is_Number:
+            factor = self.scalar(denominator)
+            return tuple(tuple(graph.div(cell, factor) for cell in row) for row in cells)
         factor = self.scalar(scalar)
         return tuple(tuple(graph.mul(factor, cell) for cell in row) for row in cells)
 
@@ -308,6 +312,10 @@ class _Lowering:
                 return self._scalar_input(x)
             case MatrixElement():
                 return self.matrix(x.parent)[int(x.i)][int(x.j)]
+            case NamedScalar():
+                node = self.scalar(x.value)
+                self.names.append((node, x.name))
+                return node
             case Dot():
                 return self._dot(*x.args)
             case sympy.Add():

@@ -17,7 +17,7 @@ node                                  meaning
 
 Scalars, as factors of a product or as elements of an explicit matrix, are built from numbers,
 ``Symbol`` (an input of shape ``()``), elements ``v[i, j]`` of a ``MatrixSymbol``,
-``Dot(u, v)`` (the number uᵀv), ``+``, ``*``, integer powers and square roots, ``sin``, ``cos``
+``Dot(u, v)`` (the number uᵀv), ``NamedScalar(name, x)``, ``+``, ``*``, integer powers and square roots, ``sin``, ``cos``
 and ``atan2``.
 
 Expressions are built by :func:`add`, :func:`mul`, :func:`transpose` and :func:`skew`, which keep
@@ -107,6 +107,18 @@ class Dot(Expr):
 
     def __new__(cls, u: Matrix, v: Matrix) -> Any:
         return Basic.__new__(cls, u, v)
+
+
+class NamedScalar(Expr):
+    """A scalar formula that is printed by its name, such as the length l of a link."""
+
+    is_commutative = True
+
+    def __new__(cls, name: str | Str, value: Scalar) -> Any:
+        return Basic.__new__(cls, Str(str(name)), value)
+
+    name = property(lambda self: str(self.args[0]))
+    value = property(lambda self: self.args[1])
 
 
 def vector(name: str, size: int = 3) -> Matrix:
@@ -245,7 +257,7 @@ def description(x: Any) -> str:
         return f"0 {x.p}/{x.q}"
     if isinstance(x, MatrixElement):
         return f"1 {x.parent.name} {x.i},{x.j}"
-    if isinstance(x, Symbol | MatrixSymbol):
+    if isinstance(x, Symbol | MatrixSymbol | Named | NamedScalar):
         return f"1 {x.name}"
     parts = [description(arg) for arg in x.args]
     if isinstance(x, Add | Mul):

@@ -23,12 +23,15 @@ GREEK = {
     "omega": "ω",
     "zeta": "ζ",
 }
+GREEK_LETTERS = tuple(GREEK.values())
 LATEX_GREEK = {
     **{letter: f"\\{'lambda' if name == 'lam' else name} " for name, letter in GREEK.items()},
     "δ": "\\delta ",
     "Δ": "\\Delta ",
 }
 
+#: Indices that LaTeX writes above, as the lecture does.
+BODY_INDICES = ("i", "j")
 SIGNS = {
     "′": "'",
     "ᵀ": "^T",
@@ -59,7 +62,7 @@ class Name:
         index = "_".join(part for part in parts if part not in {"b", "dot", "ddot"})
         for word, letter in GREEK.items():
             base = base.replace(word, letter) if base.removeprefix("d") == word else base
-        if len(base) > 1 and base[0] == "d" and base[1] in GREEK.values():
+        if base in {"dr", "dA"} or (base[:1] == "d" and base[1:2] in GREEK_LETTERS):
             base = "δ" + base[1:]
         return cls(base, GREEK.get(index, index), "b" in parts, dots)
 
@@ -126,13 +129,16 @@ class Latex(Text):
         if n.dots:
             letters = f"\\{'d' * n.dots}ot{{{letters}}}"
         index = "".join(LATEX_GREEK.get(c, c) for c in n.index).strip()
-        if n.letters in {"A", "δA"} and index:
-            index = "O" + index
-        upper = "\\prime " * n.is_body + index
-        return head + letters + (f"^{{{upper}}}" if upper else "")
+        lower = f"_{{{index}}}" if index and n.index not in BODY_INDICES else ""
+        body = "" if lower else index
+        if body and n.letters in {"A", "δA"}:
+            body = "O" + body
+        upper = "\\prime " * n.is_body + body
+        return head + letters + lower + (f"^{{{upper}}}" if upper else "")
 
     def orientation(self, p: str) -> str:
-        return f"\\mathbf{{A}}^{{O{p.removeprefix('p').removeprefix('_')}}}"
+        body = p.removeprefix("p").removeprefix("_")
+        return f"\\mathbf{{A}}^{{O{body}}}" if body else "\\mathbf{A}"
 
     def transpose(self, x: str) -> str:
         return f"{{{x}}}^{{T}}"
@@ -150,6 +156,8 @@ class Latex(Text):
         return f"\\sqrt{{{x}}}"
 
     def call(self, name: str, args: Sequence[str]) -> str:
+        if name in {"sin", "cos"}:
+            return f"\\{name}\\left({args[0]}\\right)"
         return f"\\operatorname{{{name}}}\\left({', '.join(args)}\\right)"
 
     def ratio(self, n: Piece, d: Piece) -> str:

@@ -144,7 +144,7 @@ def _p1(axis: str) -> Constraint:
         steps=(
             Step(MatrixSymbol("c", 3, 1), crossed, "the cross product vanishes", "8.14"),
             _choice(axis),
-            Step(left, value, "(A a′)~ = A a′~ Aᵀ; rows in the frame of i", "4.20"),
+            Step(left, value, "a~ = A a′~ Aᵀ for a = A a′; two rows, in the frame of i", "4.20"),
         ),
         value=value,
         components=tuple(product[row] for row in ROWS[axis]),
@@ -166,7 +166,9 @@ def _p2(axis: str) -> Constraint:
         steps=(
             Step(MatrixSymbol("c", 3, 1), crossed, "the cross product vanishes", "8.16"),
             _choice(axis),
-            Step(left, in_frame_i, "(A a′)~ = A a′~ Aᵀ; rows in the frame of i", "4.20"),
+            Step(
+                left, in_frame_i, "a~ = A a′~ Aᵀ for a = A a′; two rows, in the frame of i", "4.20"
+            ),
             *steps,
         ),
         value=value,

@@ -12,6 +12,7 @@ import sympy
 from sympy.matrices.expressions import (
     BlockMatrix,
     Identity,
+    Inverse,
     MatAdd,
     MatMul,
     MatrixSymbol,
@@ -25,6 +26,7 @@ from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
     Dot,
     Named,
+    NamedScalar,
     Orientation,
     Skew,
     coefficient_and_factors,
@@ -61,11 +63,13 @@ class _Printer:
                 scalar, factors = coefficient_and_factors(x)
                 return self._product(scalar, [self.piece(factor) for factor in factors])
             case Identity():
-                return "1" if x.shape[0] == 1 else "I", 2
+                return ("1" if x.shape[0] == 1 else "I"), 2
             case ZeroMatrix():
                 return "0", 2
             case ImmutableDenseMatrix():
                 return style.rows([[self.piece(c)[0] for c in row] for row in x.tolist()]), 2
+            case Inverse():
+                return style.power(at_least(self.piece(x.arg), 2), f"{style.minus}1"), 2
             case BlockMatrix():
                 rows, columns = x.blockshape
                 return style.rows(
@@ -76,13 +80,16 @@ class _Printer:
     def _scalar(self, x: Any) -> Piece:
         style = self._style
         match x:
-            case sympy.Symbol():
+            case sympy.Symbol() | NamedScalar():
                 return style.name(str(x.name), bold=False), 2
             case MatrixElement():
                 is_vector = x.parent.shape[1] == 1
                 name = style.name(str(x.parent.name), bold=False)
                 if x.parent.shape == (1, 1):
                     return name, 2
+                if x.parent.shape == (4, 1):  # Euler parameters are e0, e1, e2, e3
+                    euler = str(x.parent.name).replace("p", f"e{x.i}", 1)
+                    return style.name(euler, bold=False), 2
                 return style.element(name, int(x.i), int(x.j), is_vector), 2
             case Dot():
                 return style.dot(*(self.piece(arg)[0] for arg in x.args)), 2

@@ -30,6 +30,7 @@ from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
     Dot,
     Named,
+    NamedScalar,
     Orientation,
     Skew,
     coefficient_and_factors,
@@ -120,6 +121,8 @@ class Ring:
                 return Fraction(self._ring(QQ(int(x.p), int(x.q))), self._one)
             case MatrixElement():
                 return self.matrix(x.parent)[int(x.i)][int(x.j)]
+            case NamedScalar():
+                return self.scalar(x.value)
             case Dot():
                 ((value,),) = _product(_transposed(self.matrix(x.args[0])), self.matrix(x.args[1]))
                 return value
