@@ -13,11 +13,12 @@ import pytest
 
 from kousoku.model.manifest import KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
-from kousoku.runtime import notice, plan, toolchain
+from kousoku.runtime import load, notice, plan, toolchain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kousoku.runtime import Library
     from kousoku.runtime.toolchain import Toolchain
 
 TINY = Path(__file__).parent / "tiny"
@@ -156,3 +157,24 @@ def forgotten() -> None:
     for function in (toolchain._chosen, toolchain._first, toolchain.probe, plan.plan_type):
         function.cache_clear()
     notice._said.clear()
+
+
+@pytest.fixture(params=["extension", "ctypes", "numpy"])
+def library(request: pytest.FixtureRequest, warm_cache: Path, warm_package: Path) -> Library:
+    """Return the small package, called in each of the three ways there are."""
+    if request.param == "numpy":
+        return load(warm_package, target="numpy")
+    request.getfixturevalue("compiler")
+    with pytest.MonkeyPatch.context() as patch:
+        if request.param == "ctypes":
+            patch.setattr(plan, "plan_type", lambda _: None)
+        loaded = load(warm_package, target="c")
+    if request.param == "extension" and loaded.sphere._fast is None:
+        pytest.skip(f"no headers of Python and NumPy for the extension in {warm_cache}")
+    return loaded
+
+
+@pytest.fixture(scope="session")
+def warm_package(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of the small package, for tests that do not change it."""
+    return write_tiny(tmp_path_factory.mktemp("package") / "tiny")
