@@ -49,6 +49,10 @@ class NoCompilerError(CompilerError):
     """There is no C compiler that works, or ``KOUSOKU_CC=none``; the NumPy kernels need none."""
 
 
+class TargetError(LoadError):
+    """The folder was generated without the target that is asked for."""
+
+
 class CacheError(LoadError):
     """The cache of compiled libraries cannot be written: it is full, read-only or not ours."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from kousoku.model.errors import CacheError, LoadError, NoCompilerError
+from kousoku.model.errors import CacheError, LoadError, NoCompilerError, TargetError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.kernel import Kernel
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
 
 MANIFEST = "manifest.json"
+NUMPY_SOURCE, C_SOURCE = "kernels.py", "kernels.c"
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +112,8 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     LoadError
         The folder is not a generated package, a file of it was edited, or the shared library is
         not the package's.
+    TargetError
+        The folder was generated without this target.
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
@@ -121,12 +124,12 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     folder = Path(folder).absolute()
     manifest = read_manifest(folder)
     files = read_files(folder, manifest)
-    if target == "numpy":
+    if target == "numpy" or (target == "auto" and C_SOURCE not in files):
         return _load_numpy(folder, manifest, files)
     try:
         return _load_c(folder, manifest, files)
     except (NoCompilerError, CacheError) as error:
-        if target == "c":
+        if target == "c" or NUMPY_SOURCE not in files:
             raise
         say_once(f"kousoku uses the NumPy kernels: {error}")
         return _load_numpy(folder, manifest, files)
@@ -184,7 +187,9 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
 
 
 def _load_numpy(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
-    module = _import_source(folder / "kernels.py", files["kernels.py"])
+    if NUMPY_SOURCE not in files:
+        raise TargetError(f"{folder} was generated without NumPy: {NUMPY_SOURCE} is not listed")
+    module = _import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
@@ -224,6 +229,8 @@ def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Librar
     from kousoku.runtime.toolchain import find_toolchain
 
     toolchain = find_toolchain()
+    if C_SOURCE not in files:
+        raise TargetError(f"{folder} was generated without C: {C_SOURCE} is not listed")
     sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
     built = build(Source(manifest.package, sources), toolchain)
     if built.damage:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from kousoku.model.errors import LoadError, NoCompilerError, VerifyError
+from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.library import Library, load, read_files, read_manifest
 from kousoku.runtime.reference import read_references
@@ -57,6 +57,8 @@ def verify(
     problems: list[str] = []
     notes: list[str] = []
     libraries = list(_libraries(package, folder, target, problems, notes))
+    if not libraries and not problems:
+        problems.append("nothing was checked, because nothing could be run")
     rows: list[Row] = []
     for kernel in manifest.kernels:
         reference = references[kernel.name]
@@ -91,8 +93,9 @@ def _libraries(
                 library = package
             else:
                 library = load(folder, target=wanted)
-        except NoCompilerError as error:
-            (notes if target == "auto" else problems).append(f"C is not checked: {error}")
+        except (NoCompilerError, TargetError) as error:
+            name = {"c": "C", "numpy": "NumPy"}[wanted]
+            (notes if target == "auto" else problems).append(f"{name} is not checked: {error}")
         except LoadError as error:
             problems.append(str(error))
         else:

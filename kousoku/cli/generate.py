@@ -1,7 +1,8 @@
 """``kousoku generate``: from kinds and scenes to folders of NumPy and C."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from enum import StrEnum
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -16,8 +17,17 @@ from kousoku.cli.console import (
     print_json,
     progress,
 )
+from kousoku.model.errors import EmitError
 
 SourceTree = dict[str, str]
+
+
+class Emitted(StrEnum):
+    """Which sources a package gets."""
+
+    ALL = "all"
+    C = "c"
+    NUMPY = "numpy"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,6 +57,9 @@ def generate(
     out: Annotated[
         Path | None, typer.Option(help="Write each package into a folder of its name in here.")
     ] = None,
+    target: Annotated[
+        Emitted, typer.Option(help="With --out: leave out the sources of the other target.")
+    ] = Emitted.ALL,
     as_json: AsJson = False,
 ) -> None:
     """Derive, freeze, optimise and emit packages of NumPy and C.
@@ -54,9 +67,11 @@ def generate(
     Without --out, a kind or scene that kousoku ships goes where it stands in a checkout, and any
     other into the user's cache.
     """
+    if out is None and target is not Emitted.ALL:
+        raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
     orders = [order for name in names or [""] for order in _orders(name, out)]
     with progress() as bar:
-        trees = [order.make() for order in bar.track(orders, description="generate")]
+        trees = [_only(order.make(), target) for order in bar.track(orders, description="generate")]
     if check:
         _report_check(orders, trees, _leftovers() if not names and out is None else [], as_json)
         return
@@ -71,6 +86,18 @@ def generate(
         return
     for folder, changed in rows:
         typer.echo(f"{folder}: {', '.join(changed) if changed else 'unchanged'}")
+
+
+def _only(tree: SourceTree, target: Emitted) -> SourceTree:
+    """Return a package without the sources of the other target, and its manifest without them."""
+    from kousoku.codegen.generate import MANIFEST_FILE
+    from kousoku.model.manifest import Manifest
+
+    left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
+    kept = {name: text for name, text in tree.items() if not name.endswith(left_out)}
+    manifest = Manifest.from_json(tree[MANIFEST_FILE])
+    files = tuple(file for file in manifest.files if file[0] in kept)
+    return kept | {MANIFEST_FILE: replace(manifest, files=files).to_json()}
 
 
 def _orders(name: str, out: Path | None) -> list[Order]:
