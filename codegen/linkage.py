@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen import linkage_link
 from kousoku.codegen.kernel import Package
 from kousoku.codegen.linkage_blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage_emit import emit_scene
@@ -13,10 +12,10 @@ from kousoku.codegen.linkage_kernels import block_kernels
 from kousoku.codegen.linkage_layout import Layout
 from kousoku.codegen.linkage_outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage_view import SolverView, solver_view
+from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel
     from kousoku.model.assemble import System
     from kousoku.model.scene import Scene
 
@@ -40,15 +39,15 @@ class Program:
     solver: SolverView
 
 
-def specialise(system: System, link: Kernel, link_rates: Kernel) -> Program:
+def specialise(system: System, link: Package) -> Program:
     """Return the program of a system: constants bound, only what is wanted, block by block.
 
     Parameters
     ----------
     system : System
         An assembled scene.
-    link, link_rates : Kernel
-        The frozen link element: ε and D, and Ḋ.
+    link : Package
+        The frozen link element, with the kernels ``deformation`` and ``rate``.
 
     Raises
     ------
@@ -58,7 +57,8 @@ def specialise(system: System, link: Kernel, link_rates: Kernel) -> Program:
     scene = system.scene
     wanted = [term.coordinate for _, x, y in system.nodes for term in (x, y)]
     blocks = live_blocks(system, triangular_blocks(system), wanted)
-    layout = Layout(system, blocks, link, link_rates)
+    frozen = {kernel.name: kernel for kernel in link.kernels}
+    layout = Layout(system, blocks, frozen["deformation"], frozen["rate"])
     kernels = [kernel for number in range(len(blocks)) for kernel in block_kernels(layout, number)]
     kernels.append(node_kernel(layout))
     if "angles" in scene.outputs:
@@ -90,6 +90,5 @@ def generate_scene(scene: Scene) -> dict[str, str]:
     SceneError
         The scene is not a linkage that its inputs determine.
     """
-    link, link_rates = linkage_link.constraint(), linkage_link.rates()
-    program = specialise(assemble(scene), link, link_rates)
+    program = specialise(assemble(scene), load_frozen("link"))
     return emit_scene(program.package, program.solver, {})

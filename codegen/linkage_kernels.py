@@ -101,12 +101,9 @@ class _Composer:
         rows = []
         for number, row in self.block.rows:
             element = self.layout.system.elements[number]
-            link = self._inline(self.layout.link_rates, element, row)
-            total = self._carried(number, row, 2)
-            for term, derivative in _places(element, row, link["D_dot"]):
-                motion = self._derivative(term, 1)
-                total = self.graph.sub(total, self.graph.mul(derivative, motion))
-            rows.append(total)
+            link = self._inline(self.layout.link_rate, element, row)
+            carried = self._carried(number, row, 2)
+            rows.append(self.graph.sub(carried, link["D_dot_x_dot"][row]))
         return self._kernel(
             "acceleration",
             f"right-hand side of the accelerations of {self.title}",
@@ -142,10 +139,11 @@ class _Composer:
     def _inline(self, kernel: Kernel, element: Element, row: int) -> dict[str, list[int]]:
         """Rebuild a kernel of the link element here, with the ends and the length of a link."""
         used = DEPENDS[row]
-        inputs = {"length": [self.graph.const(element.length)]}
+        zero = self.graph.const(0)
+        inputs = {"length": [self.graph.const(element.length)], "offset": [zero, zero]}
         for name, order in (("x", 0), ("x_dot", 1)):
             inputs[name] = [
-                self._derivative(term, order) if place in used else self.graph.const(0)
+                self._derivative(term, order) if place in used else zero
                 for place, term in enumerate(element.ends)
             ]
         ids: dict[int, int] = {}

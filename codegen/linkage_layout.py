@@ -30,14 +30,14 @@ class Layout:
         In the order of solving; their unknowns, one after the other, are ``x``.
     link : Kernel
         ε and D of the link element, outputs ``epsilon`` and ``D``.
-    link_rates : Kernel
-        Its Ḋ, output ``D_dot``.
+    link_rate : Kernel
+        Its Ḋ ẋ, output ``D_dot_x_dot``.
     """
 
     system: System
     blocks: tuple[Block, ...]
     link: Kernel
-    link_rates: Kernel
+    link_rate: Kernel
 
     @property
     def unknowns(self) -> tuple[int, ...]:

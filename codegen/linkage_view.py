@@ -10,6 +10,8 @@ from kousoku.codegen.graph import literal
 from kousoku.model.directions import HALF_TURN
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kousoku.codegen.linkage_layout import Layout
     from kousoku.model.planar import Input
 
@@ -18,11 +20,12 @@ if TYPE_CHECKING:
 MESSAGES = (
     "good",
     "the linkage cannot be assembled from the positions of the scene",
+    "the positions of the scene lie on a dead centre, where the side is not clear",
     "the linkage assembles only on the other side of a dead centre than the scene shows",
     "a dead centre, or a change point, on the way",
     "the residual limit is smaller than rounding allows",
     "a number is not finite",
-    "divisions, rows, max_iterations and limit must be positive, and 0 <= start <= first",
+    "an option is not finite, not positive, or start is beyond first",
 )
 
 
@@ -82,6 +85,11 @@ class BlockView:
     unknowns: tuple[str, ...]
     links: tuple[str, ...]
 
+    @property
+    def quoted_links(self) -> tuple[str, ...]:
+        """The links as strings of Python."""
+        return _quoted(self.links)
+
 
 @dataclass(frozen=True, slots=True)
 class SolverView:
@@ -126,9 +134,40 @@ class SolverView:
     outputs: tuple[str, ...]
 
     @property
-    def messages(self) -> tuple[str, ...]:
-        """What a solution ends with."""
-        return MESSAGES
+    def quoted_outputs(self) -> tuple[str, ...]:
+        """The outputs as strings of Python."""
+        return _quoted(self.outputs)
+
+    @property
+    def quoted_nodes(self) -> tuple[str, ...]:
+        """The nodes as strings of Python."""
+        return _quoted(self.nodes)
+
+    @property
+    def quoted_messages(self) -> tuple[str, ...]:
+        """The messages as strings of Python and of C."""
+        return _quoted(MESSAGES)
+
+    @property
+    def link_rows(self) -> tuple[str, ...]:
+        """Name, nodes and length of each link as a tuple of Python."""
+        return tuple(
+            f'("{link.name}", "{link.first}", "{link.second}", {link.length})'
+            for link in self.links
+        )
+
+    @property
+    def input_rows(self) -> tuple[str, ...]:
+        """Name, unit and scale of each input as a tuple of Python."""
+        return tuple(f'("{given.name}", "{given.unit}", {given.scale})' for given in self.inputs)
+
+    @property
+    def unknown_rows(self) -> tuple[str, ...]:
+        """Name, start and scale of each unknown, and whether an angle, as a tuple of Python."""
+        return tuple(
+            f'("{unknown.name}", {unknown.start}, {unknown.scale}, {bool(unknown.is_angle)})'
+            for unknown in self.unknowns
+        )
 
     @property
     def has_angles(self) -> bool:
@@ -172,6 +211,10 @@ def solver_view(layout: Layout) -> SolverView:
         method=("newton", "paper").index(scene.method.scheme),
         outputs=scene.outputs,
     )
+
+
+def _quoted(names: Sequence[str]) -> tuple[str, ...]:
+    return tuple(f'"{name}"' for name in names)
 
 
 def _starts(sizes: list[int]) -> tuple[int, ...]:

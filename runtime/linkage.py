@@ -117,7 +117,7 @@ class LinkageSolver:
         """Return the good rows."""
         module, n, wanted = self.module, rows.done, self.module.OUTPUTS
         links = [link[0] for link in module.LINKS] if "angles" in wanted else []
-        inputs = [name for name, _ in module.INPUTS]
+        inputs = [given[0] for given in module.INPUTS]
         moving = module.NODES if "velocities" in wanted else ()
         hurrying = module.NODES if "accelerations" in wanted else ()
         return Trajectory(
@@ -141,17 +141,23 @@ class LinkageSolver:
     def _error(self, run: Any, rows: Any, good: Trajectory) -> SolveError:
         """Say what went wrong, where, and what to do."""
         module, name = self.module, self.library.manifest.package
-        unknowns, links = module.BLOCKS[rows.block]
-        nodes = ", ".join(dict.fromkeys(unknown.partition(".")[0] for unknown in unknowns))
+        part, links = module.BLOCKS[rows.block]
+        names = (unknown[0].partition(".")[0] for unknown in module.UNKNOWNS[part])
+        nodes = ", ".join(dict.fromkeys(names))
         held = f"{nodes}, held by {', '.join(links)}"
         where = ", ".join(
             f"{key} = {value:.9g} {unit}"
-            for (key, unit), value in zip(module.INPUTS, rows.reached, strict=True)
+            for (key, unit, _), value in zip(module.INPUTS, rows.reached, strict=True)
         )
         why = module.MESSAGES[rows.status]
-        if rows.done == 0 and rows.status in (module.NOT_ASSEMBLED, module.OTHER_SIDE):
+        if rows.status == module.NOT_ASSEMBLED:
             misfit = self._misfit(rows.position[0], links)
-            return AssemblyError(f"{name}: {why}: {held}, at {where}{misfit}")
+            return AssemblyError(f"{name}: {why}: {held}, at {where}: {misfit}")
+        if rows.status in (module.ON_DEAD_CENTRE, module.OTHER_SIDE):
+            return AssemblyError(
+                f"{name}: {why}: {held}, at {where}; move the positions of these nodes to the side"
+                " that is wanted"
+            )
         advice = {
             module.DEAD_CENTRE: "shorten the way of the input, or drive another link",
             module.LIMIT_TOO_SMALL: "give a larger residual limit",
@@ -174,11 +180,8 @@ class LinkageSolver:
                     f"{name} would be {abs(gap):.6g} {self.module.UNIT}"
                     f" too {'long' if gap > 0 else 'short'} between {first} and {second}"
                 )
-        return (
-            f": {', '.join(parts)}; change lengths or positions"
-            if parts
-            else ("; move the approximate positions of these nodes")
-        )
+        fits = "no link is violated much, but they cannot all be met"
+        return f"{', '.join(parts) or fits}; change lengths or positions"
 
 
 def load_scene(
