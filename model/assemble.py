@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.directions import HALF_TURN, square_root, unit_vector
 from kousoku.model.errors import SceneError
 from kousoku.model.rotations import direction, merge_rotations
+from kousoku.model.validate import require_planar
 
 if TYPE_CHECKING:
     from kousoku.model.rotations import Rotation
@@ -123,9 +124,10 @@ def assemble(scene: Scene) -> System:
     Raises
     ------
     SceneError
-        A link of the frame does not fit between its fixed nodes, or rotations are prescribed or
-        connected twice.
+        The scene is spatial, a link of the frame does not fit between its fixed nodes, or rotations
+        are prescribed or connected twice.
     """
+    require_planar(scene)
     return _Assembly(scene).system()
 
 

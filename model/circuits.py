@@ -89,7 +89,7 @@ def _ways(
         for link, end, length in graph[node]:
             if link != without:
                 heapq.heappush(queue, (way + length, end))
-        if node in frame:
-            for end in frame:
-                length = dist(scene.nodes[node].at, scene.nodes[end].at)
+        for end in frame if scene.nodes[node].fixed else ():
+            length = dist(scene.nodes[node].at, scene.nodes[end].at)
+            if way + length < limit and end not in reached:
                 heapq.heappush(queue, (way + length, end))

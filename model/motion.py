@@ -53,8 +53,8 @@ def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -
     fraction = Fraction(turns) / divisions
     if abs(fraction.numerator) * int(k.max(initial=1)) < 2**62 and fraction.denominator < 2**53:
         part = (k * fraction.numerator) % fraction.denominator / fraction.denominator
-    else:
-        part = np.array([float(fraction * int(one) % 1) for one in k])
+    else:  # no division of a later turn meets one of the first
+        part = k * turns / divisions % 1
     return given.start + tau * part
 
 

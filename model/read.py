@@ -10,7 +10,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.scene import Scene
 from kousoku.model.validate import check
 
-LARGEST_FILE = 16 * 2**20
+LARGEST_FILE = 4 * 2**20
 """Bytes of the largest scene file that is read."""
 
 

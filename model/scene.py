@@ -107,7 +107,22 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return max((self.length(link) for link in self.links), default=0.0)
 
     @property
+    def largest_coordinate(self) -> float:
+        """The largest coordinate of the frame: of fixed nodes and of the points of sliders."""
+        points = [node.at for node in self.nodes.values() if node.fixed]
+        points += [slider.through for slider in self.sliders.values()]
+        return max((abs(component) for point in points for component in point), default=0.0)
+
+    @property
+    def default_residual(self) -> float:
+        """The limit of the residual when none is given: 8·2⁻⁵² times the largest length.
+
+        Far from the origin it is the last digit of the largest coordinate, where that is coarser.
+        """
+        return 2.0**-52 * max(8 * self.largest_length, self.largest_coordinate)
+
+    @property
     def residual_limit(self) -> float:
         """The limit of the residual that the scene asks for, in the unit of the scene."""
         given = self.method.residual
-        return 8 * 2.0**-52 * self.largest_length if given is None else given
+        return self.default_residual if given is None else given

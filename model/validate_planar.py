@@ -12,9 +12,8 @@ if TYPE_CHECKING:
     from kousoku.model.planar import Rigid
     from kousoku.model.scene import Scene
 
-FRAME_TOLERANCE = 1e-6
-"""Relative difference that a length between two fixed nodes may have to their distance, for
-decimals that were rounded by hand; the positions of the nodes are what is used."""
+FRAME_TOLERANCE = 8 * 2.0**-52
+"""Relative difference that a length between two fixed nodes may have to their distance."""
 
 MOST_LINKS = 2000
 """Links of the largest planar scene."""
@@ -94,27 +93,27 @@ def _check_lengths(scene: Scene) -> None:
         if scene.is_ground(name) and abs(length - distance) > FRAME_TOLERANCE * distance:
             raise SceneError(
                 f"the length {length!r} contradicts the fixed nodes {link.nodes[0]} and "
-                f"{link.nodes[1]}, which are {distance!r} apart",
+                f"{link.nodes[1]}, which are {distance!r} apart; leave it out",
                 key=f"{key}.length",
             )
     _check_scale(scene)
 
 
 def _check_scale(scene: Scene) -> None:
-    """Refuse what rounding would swallow: links and residuals below the last digit of L."""
-    largest = scene.largest_length
+    """Refuse what rounding would swallow: links and residuals below the last digit."""
+    limit = scene.residual_limit
     for name in scene.links:
-        if not scene.length(name) > scene.residual_limit:
+        if not scene.length(name) > limit:
             raise SceneError(
                 f"the length {scene.length(name)!r} is within the limit of the residual, "
-                f"{scene.residual_limit!r}; wanted a longer link or a smaller residual",
+                f"{limit!r}; wanted a longer link, a smaller residual, or a frame near the origin",
                 key=f"links.{name}",
             )
-    rounding = 2.0**-53 * largest
-    if scene.residual_limit < rounding:
+    rounding = 2.0**-53 * max(scene.largest_length, scene.largest_coordinate)
+    if limit < rounding:
         raise SceneError(
-            f"{scene.residual_limit!r} is below the rounding of the largest length {largest!r}; "
-            f"wanted at least {rounding!r}, or leave it out for {16 * rounding!r}",
+            f"{limit!r} is below the rounding of the largest length or coordinate; wanted at least "
+            f"{rounding!r}, or leave it out for {scene.default_residual!r}",
             key="method.residual",
         )
 

@@ -69,10 +69,28 @@ def test_a_title_may_be_in_any_language(lever: Tree) -> None:
     assert scene_from_dict(put(lever, "title", "てこクランク機構")).title == "てこクランク機構"
 
 
-def test_frame_links_are_taken_with_hand_rounded_lengths(lever: Tree) -> None:
-    lever["nodes"]["O4"]["at"] = [70.7106781, 70.7106781]
+def test_a_frame_link_may_differ_by_rounding_only(lever: Tree) -> None:
+    lever["nodes"]["O4"]["at"] = [70.71067811865476, 70.71067811865476]
     lever["links"]["l4"] = {"nodes": ["O4", "O1"], "length": 100}
     assert scene_from_dict(lever).is_ground("l4")
+    lever["nodes"]["O4"]["at"] = [70.7107, 70.7107]
+    refused(lever, "links.l4.length", "contradicts the fixed nodes O4 and O1, which are 100.0000")
+
+
+def test_a_frame_far_from_the_origin_has_a_coarser_residual(lever: Tree) -> None:
+    near = scene_from_dict(lever)
+    assert near.residual_limit == 8 * 2**-52 * 80
+    for name in lever["nodes"]:
+        lever["nodes"][name]["at"][1] += 2**20
+    far = scene_from_dict(lever)
+    assert far.residual_limit == 2**-32
+    refused(put(lever, "method", {"residual": 1e-13}), "method.residual", "wanted at least 1.16")
+
+
+def test_a_frame_too_far_from_the_origin_is_refused(lever: Tree) -> None:
+    for name in lever["nodes"]:
+        lever["nodes"][name]["at"][1] += 2**60
+    refused(lever, "links.l1", "or a frame near the origin")
 
 
 @pytest.mark.parametrize(
