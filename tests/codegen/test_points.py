@@ -57,6 +57,7 @@ def test_each_sort_of_point_is_there(function: Function, tape: Tape) -> None:
         "nearly coincident",
         "near half a turn, near an axis",
         "small integers",
+        "r_i is zero",
         "p not normalised",
         "subnormal r_i, s_i_b, r_j, s_j_b",
     ]

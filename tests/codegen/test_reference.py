@@ -57,7 +57,11 @@ def test_bad_inputs_reach_the_outputs_that_depend_on_them_and_no_others(
     package: Package, data: Any
 ) -> None:
     kernel, referred = package.kernels[0], data["kernels"][0]
-    bad_points = [point for point in referred["points"] if " is " in point["label"]]
+    bad_points = [
+        point
+        for point in referred["points"]
+        if any(isinstance(x, str) for xs in point["inputs"].values() for x in xs)
+    ]
     assert len(bad_points) == 3
     for point in bad_points:
         highs = point["outputs"]["C_q"]["high"]
