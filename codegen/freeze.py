@@ -38,6 +38,7 @@ from kousoku.symbolic.matrices import (
     coefficient_and_factors,
     description,
     mul,
+    symbol,
 )
 
 if TYPE_CHECKING:
@@ -121,6 +122,10 @@ class _Lowering:
         for quantity in function.inputs:
             for k in range(quantity.size):
                 self.graph.input(quantity.name, k)
+        turned = {a for output in function.outputs for a in output.expression.atoms(Orientation)}
+        for quantity in function.inputs:  # orientations first, in the order of the inputs
+            if quantity.shape == (4,) and Orientation(symbol(quantity)) in turned:
+                self.matrix(Orientation(symbol(quantity)))
         products: dict[tuple[Any, ...], None] = {}
         for output in function.outputs:
             self._find_products(output.expression, products)

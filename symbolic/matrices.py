@@ -17,7 +17,8 @@ node                                  meaning
 
 Scalars, as factors of a product or as elements of an explicit matrix, are built from numbers,
 ``Symbol`` (an input of shape ``()``), elements ``v[i, j]`` of a ``MatrixSymbol``,
-``Dot(u, v)`` (the number uᵀv), ``NamedScalar(name, x)``, ``+``, ``*``, integer powers and square roots, ``sin``, ``cos``
+``Dot(u, v)`` (the number uᵀv), ``NamedScalar(name, x)``, ``+``, ``*``, integer powers, square
+roots, ``sin``, ``cos``
 and ``atan2``.
 
 Expressions are built by :func:`add`, :func:`mul`, :func:`transpose` and :func:`skew`, which keep

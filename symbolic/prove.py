@@ -27,6 +27,8 @@ from sympy.polys.domains import QQ
 from sympy.polys.rings import ring
 
 from kousoku.model.errors import DerivationError
+from kousoku.model.quantity import Quantity
+from kousoku.symbolic.components import Flow, half_turn
 from kousoku.symbolic.matrices import (
     Dot,
     Named,
@@ -41,8 +43,7 @@ from kousoku.symbolic.matrices import (
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.model.quantity import Quantity
-    from kousoku.symbolic.derivation import Function
+    from kousoku.symbolic.derivation import Derivation, Function
 
 Polynomial = Any
 Rows = list[list["Fraction"]]
@@ -86,11 +87,18 @@ class Ring:
         The arrays whose elements are the generators.
     matrices : Mapping, optional
         Component-level elements of further matrix symbols, row-major, e.g. of δA.
+    is_unit : bool
+        Whether Euler parameters have norm one: A(p) is divided by p·p, and p·p counts as one.
     """
 
     def __init__(
-        self, quantities: Sequence[Quantity], matrices: Mapping[str, Any] | None = None
+        self,
+        quantities: Sequence[Quantity],
+        matrices: Mapping[str, Any] | None = None,
+        *,
+        is_unit: bool = False,
     ) -> None:
+        self._is_unit = is_unit
         self._symbols = [symbol for q in quantities for symbol in elements(q)]
         names = [*(str(s) for s in self._symbols), *(f"extra {k}" for k in range(SPARE))]
         self._ring, *generators = ring(names, QQ)
@@ -123,6 +131,8 @@ class Ring:
                 return self.matrix(x.parent)[int(x.i)][int(x.j)]
             case NamedScalar():
                 return self.scalar(x.value)
+            case Dot() if self._is_unit and x.args[0] == x.args[1] and x.args[0].shape == (4, 1):
+                return self.scalar(sympy.S.One)
             case Dot():
                 ((value,),) = _product(_transposed(self.matrix(x.args[0])), self.matrix(x.args[1]))
                 return value
@@ -202,7 +212,7 @@ class Ring:
             case Named():
                 return self.matrix(x.value)
             case Orientation():
-                return quadratic_form([e for (e,) in self.matrix(x.p)])
+                return self._orientation([e for (e,) in self.matrix(x.p)])
             case Skew():
                 (a,), (b,), (c,) = self.matrix(x.v)
                 zero = self.scalar(sympy.S.Zero)
@@ -237,6 +247,13 @@ class Ring:
                     for k in range(len(row[0]))
                 ]
         raise DerivationError(f"proof: no rule for {type(x).__name__} in {x}")
+
+    def _orientation(self, p: list[Fraction]) -> Rows:
+        form = quadratic_form(p)
+        if not self._is_unit:
+            return form
+        square = _sum([e * e for e in p])
+        return [[Fraction(cell.over, square.over) for cell in row] for row in form]
 
     def _array(self, x: Any) -> Rows:
         rows, columns = (int(n) for n in x.shape)
@@ -304,6 +321,12 @@ def _product(left: Rows, right: Rows) -> Rows:
     ]
 
 
+def _cells(carrier: Ring, x: Any) -> list[Fraction]:
+    if not getattr(x, "is_Matrix", False):
+        return [carrier.scalar(x)]
+    return [cell for row in carrier.matrix(x) for cell in row]
+
+
 def prove(function: Function) -> int:
     """Prove that both levels of every output agree, for all values of the inputs.
 
@@ -325,12 +348,7 @@ def prove(function: Function) -> int:
     carrier = Ring(function.inputs)
     count = 0
     for output in function.outputs:
-        expression = output.expression
-        cells = (
-            [cell for row in carrier.matrix(expression) for cell in row]
-            if getattr(expression, "is_Matrix", False)
-            else [carrier.scalar(expression)]
-        )
+        cells = _cells(carrier, output.expression)
         for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
             if not carrier.is_equal(cell, carrier.scalar(component)):
                 raise DerivationError(
@@ -339,3 +357,85 @@ def prove(function: Function) -> int:
                 )
             count += 1
     return count
+
+
+def prove_steps(derivation: Derivation) -> int:
+    """Prove that the lines of a derivation follow from each other.
+
+    Two lines with the same left-hand side must have equal right-hand sides; where the left-hand
+    side is itself a formula, it must equal the right. δA is what the component level gives. An
+    identity that fails for Euler parameters of any norm must hold for those of norm one.
+
+    Parameters
+    ----------
+    derivation : Derivation
+        Its steps. Those on assembled systems, whose sizes are letters, are left out.
+
+    Returns
+    -------
+    int
+        How many equalities were proved.
+
+    Raises
+    ------
+    DerivationError
+        Names the first step that does not follow.
+    """
+    before: dict[Any, Any] = {}
+    count = 0
+    for number, step in enumerate(derivation.steps, 1):
+        left = step.left
+        if any(not size.is_Integer for s in step.right.atoms(MatrixSymbol) for size in s.shape):
+            continue
+        if isinstance(left, MatrixSymbol | sympy.Symbol | NamedScalar):
+            left, before[step.left] = before.get(step.left), step.right
+        if left is None:
+            continue
+        if not any(_agree(left, step.right, is_unit=is_unit) for is_unit in (False, True)):
+            raise DerivationError(
+                f"{derivation.name}: step {number} does not follow: {step.rule}; correct it"
+            )
+        count += 1
+    return count
+
+
+def _agree(left: Any, right: Any, *, is_unit: bool) -> bool:
+    """Return whether two formulas are equal for all values of their symbols."""
+    symbols = sorted(
+        left.atoms(MatrixSymbol, sympy.Symbol) | right.atoms(MatrixSymbol, sympy.Symbol), key=str
+    )
+    quantities = []
+    variations: dict[str, Any] = {}
+    for s in symbols:
+        shape = tuple(int(n) for n in s.shape) if isinstance(s, MatrixSymbol) else ()
+        if s.name.startswith("δA"):
+            variations[s.name] = s.name.removeprefix("δA")
+        else:
+            quantities.append(Quantity(s.name, shape, "", ""))
+    known = {q.name for q in quantities}
+    for body in variations.values():
+        for name, shape in ((f"p{body}", (4, 1)), (_virtual_rotation(body, known), (3, 1))):
+            if name not in known:
+                quantities.append(Quantity(name, shape, "", ""))
+                known.add(name)
+    given = {
+        name: _varied_orientation(f"p{body}", _virtual_rotation(body, known), is_unit=is_unit)
+        for name, body in variations.items()
+    }
+    carrier = Ring(quantities, given, is_unit=is_unit)
+    pairs = zip(_cells(carrier, left), _cells(carrier, right), strict=True)
+    return all(carrier.is_equal(a, b) for a, b in pairs)
+
+
+def _virtual_rotation(body: str, known: set[str]) -> str:
+    """Return the name of δθ′ of a body: an input of the rotation, or a column of a constraint."""
+    return "dtheta_b" if not body or "dtheta_b" in known else f"δθ{body}_b"
+
+
+def _varied_orientation(p_name: str, theta_name: str, *, is_unit: bool) -> list[Any]:
+    """Return δA by differentiating A(p) along ½ p∘(0, δθ′)."""
+    p = elements(Quantity(p_name, (4,), "", ""))
+    theta = elements(Quantity(theta_name, (3,), "", ""))
+    flow = Flow(dict(zip(p, half_turn(p, theta), strict=True)), (*p, *theta))
+    square = sum((e**2 for e in p), sympy.S.Zero) if is_unit else sympy.S.One
+    return [flow(cell) / square for row in quadratic_form(p) for cell in row]

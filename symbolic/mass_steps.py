@@ -1,0 +1,141 @@
+"""The steps of "three mass points": from Newton's law of each point to the 6×6 form."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, ZeroMatrix
+
+from kousoku.symbolic.derivation import Step
+from kousoku.symbolic.matrices import (
+    Matrix,
+    Orientation,
+    Scalar,
+    add,
+    mul,
+    neg,
+    skew,
+    symbol,
+    transpose,
+)
+from kousoku.symbolic.variation import Variation, coefficient, without
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.quantity import Quantity
+    from kousoku.symbolic.mass import Body
+
+R, V, ACCELERATION = (MatrixSymbol(name, 3, 1) for name in ("r", "v", "v_dot"))
+
+
+def balance_steps(
+    masses: Sequence[Scalar],
+    places: Sequence[Matrix],
+    body: Body,
+    orientation: Orientation,
+    omega_b: Quantity,
+) -> tuple[Step, ...]:
+    """Return the steps from one point to the sums over all points."""
+    omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
+    rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})
+    positions = [add(R, mul(orientation, s)) for s in places]
+    accelerations = [rate(rate(x)) for x in positions]
+    into = transpose(orientation)
+    pairs = list(zip(masses, accelerations, strict=True))
+    momentum = add(*(mul(m, a) for m, a in pairs))
+    moment = add(*(mul(m, skew(s), into, a) for (m, a), s in zip(pairs, places, strict=True)))
+    return (
+        *_one_point(positions[0], rate, (ACCELERATION, omega_dot)),
+        *_definitions(body),
+        *_collected_force(momentum, body, orientation, omega, omega_dot),
+        *_collected_torque(moment, body, orientation, omega, omega_dot),
+    )
+
+
+def _one_point(
+    position: Matrix, rate: Variation, unknowns: tuple[Matrix, Matrix]
+) -> tuple[Step, ...]:
+    acceleration = rate(rate(position))
+    linear, angular = (mul(coefficient(acceleration, x), x) for x in unknowns)
+    left = MatrixSymbol("a_1", 3, 1)
+    return (
+        Step(MatrixSymbol("r_1", 3, 1), position, "a point fixed in frame A", ""),
+        Step(MatrixSymbol("v_1", 3, 1), rate(position), "d/dt, dA/dt = A ω′~", "5.16"),
+        Step(left, acceleration, "d/dt once more", "5.16"),
+        Step(
+            left,
+            add(linear, angular, without(acceleration, *unknowns)),
+            "u~ v = −v~ u: collected",
+            "",
+        ),
+    )
+
+
+def _definitions(body: Body) -> tuple[Step, ...]:
+    return (
+        Step(body.mass, body.mass.value, "total mass", ""),
+        Step(MatrixSymbol("c", 3, 1), body.moment.value, "first moment, mass r_AG", ""),
+        Step(MatrixSymbol("I_A", 3, 3), body.inertia.value, "J_k = s′_k~ᵀ s′_k~: inertia", ""),
+        Step(MatrixSymbol("F", 3, 1), body.force.value, "internal forces cancel in pairs", ""),
+        Step(MatrixSymbol("N_b", 3, 1), body.torque.value, "and so do their torques", ""),
+    )
+
+
+def _collected_force(
+    momentum: Matrix, body: Body, orientation: Matrix, omega: Matrix, omega_dot: Matrix
+) -> tuple[Step, ...]:
+    arm, spin = skew(body.moment), skew(omega)
+    left = MatrixSymbol("P_dot", 3, 1)
+    collected = add(
+        mul(body.mass, ACCELERATION),
+        neg(mul(orientation, arm, omega_dot)),
+        mul(orientation, spin, spin, body.moment),
+    )
+    turned = add(
+        mul(body.mass, ACCELERATION),
+        neg(mul(orientation, arm, omega_dot)),
+        neg(mul(orientation, spin, arm, omega)),
+    )
+    return (
+        Step(left, momentum, "Newton for each point, summed: equals F", ""),
+        Step(left, collected, "with the total mass and the first moment", ""),
+        Step(left, turned, "ω′~ c = −c~ ω′", ""),
+    )
+
+
+def _collected_torque(
+    moment: Matrix, body: Body, orientation: Matrix, omega: Matrix, omega_dot: Matrix
+) -> tuple[Step, ...]:
+    arm, spin = skew(body.moment), skew(omega)
+    collected = add(
+        mul(arm, transpose(orientation), ACCELERATION),
+        mul(body.inertia, omega_dot),
+        mul(spin, body.inertia, omega),
+    )
+    left = MatrixSymbol("H_dot", 3, 1)
+    return (
+        Step(left, moment, "times s′_k~ Aᵀ and summed: equals N′", ""),
+        Step(left, collected, "AᵀA = I and s~ ω~ ω~ s = ω~ s~ᵀ s~ ω", ""),
+    )
+
+
+def reduction_steps(
+    mass: Scalar, inertia: Matrix, force: Matrix, torque: Matrix, omega_b: Quantity
+) -> tuple[Step, ...]:
+    """Return the form that is left where the origin is the centre of mass, r_AG = 0."""
+    omega, zero = symbol(omega_b), ZeroMatrix(3, 3)
+    return (
+        Step(
+            MatrixSymbol("M_G", 6, 6),
+            BlockMatrix([[mul(mass, Identity(3)), zero], [zero, inertia]]),
+            "r_AG = 0: force and torque part",
+            "",
+        ),
+        Step(
+            MatrixSymbol("h_G", 6, 1),
+            BlockMatrix([[force], [add(torque, neg(mul(skew(omega), inertia, omega)))]]),
+            "r_AG = 0: Newton-Euler",
+            "",
+        ),
+    )
