@@ -7,7 +7,7 @@ import difflib
 import json
 import re
 from collections.abc import Mapping
-from math import isfinite
+from math import inf
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
@@ -78,13 +78,14 @@ def _value(value: object, kind: Any, key: str) -> object:
         }
     if origin is tuple:
         return _tuple(value, kind, key)
+    if isinstance(value, int | float) and not abs(value) <= LARGEST:
+        problem = "is too large" if abs(value) < inf else "is not a finite number"
+        shown = _got(value).removeprefix("the number ")
+        raise SceneError(f"{shown} {problem}; wanted at most {LARGEST:g}", key=key)
     try:
-        leaf = msgspec.convert(value, kind)
+        leaf: object = msgspec.convert(value, kind)
     except msgspec.ValidationError:
         raise SceneError(_refusal(value, kind), key=key) from None
-    if isinstance(leaf, float) and not abs(leaf) <= LARGEST:
-        problem = "is too large" if isfinite(leaf) else "is not a finite number"
-        raise SceneError(f"{leaf!r} {problem}; wanted a number of at most {LARGEST:g}", key=key)
     return leaf
 
 

@@ -28,7 +28,6 @@ def test_whole_numbers_become_floats_with_all_their_digits() -> None:
         ({}, "a table"),
         (datetime.date(1981, 10, 22), "a date or time"),
         (None, "a value of type NoneType"),
-        (10**400, "a whole number of more than 20 digits"),
     ],
 )
 def test_what_is_no_number_is_refused_by_what_it_is(value: object, got: str) -> None:
@@ -55,6 +54,22 @@ def test_a_value_of_the_wrong_type_is_refused(
 ) -> None:
     with pytest.raises(SceneError, match=message):
         decode(tree, record)
+
+
+@pytest.mark.parametrize(
+    ("value", "says"),
+    [
+        (10**400, "a whole number of more than 20 digits is too large; wanted at most 1e+50"),
+        (-2e50, "-2e+50 is too large"),
+        (float("inf"), "inf is not a finite number"),
+        (float("nan"), "nan is not a finite number"),
+    ],
+)
+def test_numbers_that_would_overflow_are_refused(value: float, says: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        decode({"at": [0, value]}, Node)
+    assert caught.value.key == "at[1]"
+    assert says in caught.value.problem
 
 
 def test_a_table_of_elements_must_be_a_table() -> None:
