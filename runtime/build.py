@@ -1,9 +1,9 @@
 """Build shared libraries into the per-user cache, once for each source and machine.
 
-A library lies in a folder of its own, beside the SHA-256 of its bytes. The folder's name is a hash
-of the sources, the compiler's version, the resolved target and the flags. It is made elsewhere and
-renamed into place, so that it is there whole or not at all, whoever is killed and however many
-build it at once; and nothing is loaded that does not match its SHA-256.
+A library lies in a folder of its own, beside a file ``SHA256`` with its name and digest. The
+folder's name is a hash of the sources, the compiler's version, the resolved target and the flags.
+It is made elsewhere and renamed into place, so that it is there whole or not at all, whoever is
+killed and however many build it at once; and nothing is loaded that does not match its SHA-256.
 """
 
 from __future__ import annotations
@@ -103,69 +103,70 @@ def build(source: Source, toolchain: Toolchain) -> Built:
     except OSError as error:
         raise CacheError(f"there is no cache: {error}; set KOUSOKU_CACHE to a folder") from None
     entry = shelf / f"{source.name}-{source.key(toolchain)[:32]}"
-    library = entry / f"{source.name}{EXTENSION}"
-    damage = _damage(library)
-    if damage == "":
+    library, damage = _look(entry)
+    if library is not None:
         return Built(library)
     try:
         shelf.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with locked(shelf / f"{entry.name}.lock", until=lambda: _damage(library) == ""):
-            if _damage(library) != "":
-                _make(source, toolchain, library)
+        with locked(shelf / f"{entry.name}.lock", until=lambda: _look(entry)[0] is not None):
+            library, _ = _look(entry)
+            return Built(library or _make(source, toolchain, entry), damage)
     except OSError as error:
         raise CacheError(
             f"{damage + '; ' if damage else ''}"
             f"cannot write the cache {shelf}: {error.strerror or error}; "
             "free some space or set KOUSOKU_CACHE to a folder that can be written"
         ) from None
-    return Built(library, damage or "")
 
 
-def _damage(library: Path) -> str | None:
-    """Say what is wrong with a library, None where there is none, ``""`` where it is whole."""
+def _look(entry: Path) -> tuple[Path | None, str]:
+    """Return the library of an entry if it is whole, else None and what is wrong with it."""
     try:
-        content = library.read_bytes()
-        wanted = (library.parent / _DIGEST).read_text(encoding="ascii")
+        wanted, _, name = (entry / _DIGEST).read_text(encoding="ascii").strip().partition("  ")
+        content = (entry / name).read_bytes()
     except FileNotFoundError:
-        return f"{library.parent} lacks a file" if library.parent.exists() else None
-    except (OSError, UnicodeDecodeError) as error:
-        return f"{library} cannot be read: {error}"
+        return None, f"{entry} lacks a file" if entry.exists() else ""
+    except (OSError, ValueError) as error:
+        return None, f"{entry} cannot be read: {error}"
     if hashlib.sha256(content).hexdigest() == wanted:
-        return ""
-    return f"{library} does not match its SHA-256: it was truncated or replaced"
+        return entry / name, ""
+    return None, f"{entry / name} does not match its SHA-256: it was truncated or replaced"
 
 
-def _make(source: Source, toolchain: Toolchain, library: Path) -> None:
+def _make(source: Source, toolchain: Toolchain, entry: Path) -> Path:
     """Compile in a folder of our own, then move the finished folder to its place."""
-    shelf = library.parent.parent
-    _sweep(shelf)
-    work = Path(tempfile.mkdtemp(prefix=_WORK, dir=shelf))
+    _sweep(entry.parent)
+    work = Path(tempfile.mkdtemp(prefix=_WORK, dir=entry.parent))
     try:
         finished = work / "finished"
         finished.mkdir()
         for name, content in source.files:
             (work / name).write_bytes(content)
-        _compile(source, toolchain, work, finished / library.name)
-        digest = hashlib.sha256((finished / library.name).read_bytes()).hexdigest()
-        (finished / _DIGEST).write_text(digest, encoding="ascii")
-        _publish(finished, library)
+        # A name of its own, because a process that has opened a library gets the same one again
+        # under that name, also where the file behind it has been damaged and built again.
+        library = finished / f"{source.name}-{work.name.removeprefix(_WORK)}{EXTENSION}"
+        _compile(source, toolchain, work, library)
+        digest = hashlib.sha256(library.read_bytes()).hexdigest()
+        (finished / _DIGEST).write_text(f"{digest}  {library.name}\n", encoding="ascii")
+        return _publish(finished, entry)
     finally:
         shutil.rmtree(work, ignore_errors=True)
 
 
-def _publish(finished: Path, library: Path) -> None:
+def _publish(finished: Path, entry: Path) -> Path:
     """Rename a folder into place; one that is there already and whole is as good."""
     for attempt in range(3):
+        reason = ""
         try:
-            finished.rename(library.parent)
-            return
-        except OSError:
-            if _damage(library) == "":
-                return
-            if attempt == 2:
-                raise
+            finished.rename(entry)
+        except OSError as error:
+            reason = str(error)
+        library, _ = _look(entry)
+        if library is not None:
+            return library
         with suppress(OSError):
-            library.parent.rename(finished.parent / f"damaged{attempt}")
+            entry.rename(finished.parent / f"damaged{attempt}")
+    raise OSError(reason or f"{entry} is damaged by somebody else")
 
 
 def _sweep(shelf: Path) -> None:

@@ -170,7 +170,7 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     problems = []
     for name, digest in manifest.files:
-        if Path(name).name != name:
+        if not name or Path(name).name != name:
             raise LoadError(f"{folder / MANIFEST} lists {name!r}, which is not a plain file name")
         try:
             files[name] = (folder / name).read_bytes()

@@ -131,10 +131,12 @@ def warm_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture
-def warm_cache(warm_folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def warm_cache(
+    request: pytest.FixtureRequest, warm_folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Use the shared cache, for tests that are not about the cache."""
-    monkeypatch.setenv("KOUSOKU_CACHE", str(warm_folder))
-    return warm_folder
+    if "cache" not in request.fixturenames:
+        monkeypatch.setenv("KOUSOKU_CACHE", str(warm_folder))
 
 
 @pytest.fixture
@@ -160,8 +162,9 @@ def forgotten() -> None:
 
 
 @pytest.fixture(params=["extension", "ctypes", "numpy"])
-def library(request: pytest.FixtureRequest, warm_cache: Path, warm_package: Path) -> Library:
+def library(request: pytest.FixtureRequest, warm_package: Path) -> Library:
     """Return the small package, called in each of the three ways there are."""
+    request.getfixturevalue("warm_cache")
     if request.param == "numpy":
         return load(warm_package, target="numpy")
     request.getfixturevalue("compiler")
@@ -170,7 +173,7 @@ def library(request: pytest.FixtureRequest, warm_cache: Path, warm_package: Path
             patch.setattr(plan, "plan_type", lambda _: None)
         loaded = load(warm_package, target="c")
     if request.param == "extension" and loaded.sphere._fast is None:
-        pytest.skip(f"no headers of Python and NumPy for the extension in {warm_cache}")
+        pytest.skip("no headers of Python and NumPy for the extension")
     return loaded
 
 
