@@ -196,7 +196,7 @@ def test_a_foreign_or_stale_library_is_refused_with_a_sentence(
         with pytest.raises(LoadError) as raised:
             load(tiny, target=target)
         assert str(raised.value).startswith(str(place.parent))
-            assert " is not the library of the package 'tiny': " in str(raised.value)
+        assert " is not the library of the package 'tiny': " in str(raised.value)
         assert difference in str(raised.value)
 
 
