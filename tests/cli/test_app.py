@@ -1,0 +1,84 @@
+"""The command line: what it prints, its exit codes, and what it imports."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import pytest
+
+from kousoku import __version__
+from kousoku.symbolic import KINDS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Run = Callable[..., tuple[int, str, str]]
+
+
+def test_version_is_printed(run: Run) -> None:
+    assert run("--version") == (0, f"kousoku {__version__}\n", "")
+
+
+@pytest.mark.parametrize("command", ["derive", "generate", "verify", "solve", "list"])
+def test_every_command_explains_itself(run: Run, command: str) -> None:
+    code, out, _ = run(command, "--help")
+    assert code == 0
+    assert "Usage" in out and len(out.splitlines()) > 5
+
+
+def test_an_unknown_command_is_bad_input(run: Run) -> None:
+    code, out, err = run("simulat")
+    assert (code, out) == (2, "")
+    assert "simulat" in err
+
+
+def test_the_list_names_every_package_of_every_kind(run: Run) -> None:
+    code, out, _ = run("list", "--json")
+    listed = {row["name"]: row for row in json.loads(out)}
+    assert code == 0
+    for name, kind in KINDS.items():
+        for package in kind.packages:
+            assert listed[package]["kind"] == name
+            assert listed[package]["kernels"]
+
+
+def test_the_list_is_a_table_for_people(run: Run) -> None:
+    code, out, _ = run("list")
+    assert code == 0
+    assert any("p2_z" in line and "inline" in line for line in out.splitlines())
+
+
+@pytest.mark.parametrize("name", ["n2", "INPLANE", "dot-2"])
+def test_derive_prints_each_step_with_its_equation(run: Run, name: str) -> None:
+    code, out, err = run("derive", name)
+    assert (code, err) == (0, "")
+    assert "7.16" in out and "8.12" in out
+
+
+def test_derive_as_json_holds_the_steps_and_the_functions(run: Run) -> None:
+    answer = json.loads(run("derive", "n1", "--json")[1])
+    assert answer["kind"] == "n1"
+    assert {"left", "right", "latex", "rule", "equation"} <= set(answer["steps"][0])
+    assert [function["name"] for function in answer["functions"]][:1] == ["constraint"]
+
+
+def test_derive_as_latex_is_an_environment(run: Run) -> None:
+    out = run("derive", "n1", "--latex")[1]
+    assert out.startswith("\\begin{align*}") and out.rstrip().endswith("\\end{align*}")
+
+
+def test_an_unknown_kind_is_one_message_that_lists_the_known_ones(
+    run: Run,
+) -> None:
+    code, out, err = run("derive", "n9")
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and "n9" in err and "n2" in err
+
+
+@pytest.mark.parametrize("arguments", [("--version",), ("--help",), ("list",)])
+def test_commands_start_without_the_heavy_libraries(
+    loaded_by: Callable[..., set[str]], arguments: tuple[str, ...]
+) -> None:
+    heavy = {"sympy", "mpmath", "matplotlib", "jinja2", "numpy"}
+    assert not loaded_by(*arguments) & heavy

@@ -1,0 +1,122 @@
+"""``kousoku generate`` and ``kousoku verify``: folders written, checked, and found wrong."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Run = Callable[..., tuple[int, str, str]]
+
+LEVER = Path(__file__).parents[2] / "scenes" / "lever_crank.toml"
+FILES = {"__init__.py", "kernels.py", "kernels.c", "kernels_batch.c", "kernels.h", "manifest.json"}
+
+
+def names_in(folder: Path) -> set[str]:
+    return {path.name for path in folder.iterdir()}
+
+
+def test_kinds_and_scenes_go_into_folders_of_their_names(run: Run, tmp_path: Path) -> None:
+    code, out, err = run("generate", "INPLANE", LEVER, "--out", tmp_path)
+    assert (code, err) == (0, "")
+    assert names_in(tmp_path) == {"n2", "lever_crank"}
+    assert names_in(tmp_path / "n2") > FILES
+    assert names_in(tmp_path / "lever_crank") > FILES
+    assert "kernels.c" in out
+    assert "unchanged" in run("generate", "n2", "--out", tmp_path)[1]
+
+
+def test_a_kind_with_variants_gives_all_of_them(run: Run, tmp_path: Path) -> None:
+    answer = json.loads(run("generate", "p2", "--out", tmp_path, "--json")[1])
+    assert [Path(row["folder"]).name for row in answer] == ["p2_x", "p2_y", "p2_z"]
+
+
+def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: Path) -> None:
+    check = ("generate", "n1", "--out", tmp_path, "--check")
+    run("generate", "n1", "--out", tmp_path)
+    assert run(*check)[0] == 0
+    kernels = tmp_path / "n1" / "kernels.c"
+    kernels.write_text(kernels.read_text(encoding="utf-8").replace("+", "-", 1), encoding="utf-8")
+    (tmp_path / "n1" / "kernels.h").unlink()
+    (tmp_path / "n1" / "old.c").write_text("", encoding="utf-8")
+    code, _, err = run(*check)
+    assert code == 1
+    for name in ("kernels.c", "kernels.h", "old.c"):
+        assert name in err
+    assert not json.loads(run(*check, "--json")[1])["ok"]
+    assert not (tmp_path / "n1" / "kernels.h").exists()
+
+
+@pytest.mark.parametrize(
+    ("target", "suffixes"), [("c", {".c", ".h", ".json"}), ("numpy", {".py", ".json"})]
+)
+def test_the_other_target_can_be_left_out(
+    run: Run, tmp_path: Path, target: str, suffixes: set[str]
+) -> None:
+    assert run("generate", "n1", "--out", tmp_path, "--target", target)[0] == 0
+    assert {Path(name).suffix for name in names_in(tmp_path / "n1")} == suffixes
+
+
+def test_a_numpy_package_is_verified_without_c(run: Run, tmp_path: Path) -> None:
+    run("generate", "n1", "--out", tmp_path, "--target", "numpy")
+    code, out, _ = run("verify", tmp_path / "n1")
+    assert code == 0
+    assert "C is not checked" in out
+
+
+@pytest.mark.parametrize("name", ["n9", "missing.toml"])
+def test_one_bad_name_and_nothing_is_written(run: Run, tmp_path: Path, name: str) -> None:
+    code, out, err = run("generate", "n1", name, "--out", tmp_path)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and name in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_what_kousoku_ships_keeps_both_targets(run: Run) -> None:
+    code, _, err = run("generate", "n1", "--target", "c")
+    assert code == 2 and "--out" in err
+
+
+def test_verify_tells_the_worst_error_of_each_output(run: Run) -> None:
+    code, out, err = run("verify", "n1", "--target", "numpy")
+    assert (code, err) == (0, "")
+    assert "C_q" in out and "units" in out
+
+
+def test_verify_as_json_is_for_programs(run: Run) -> None:
+    answer = json.loads(run("verify", "n1", "dot-2", "--target", "numpy", "--json")[1])
+    assert answer["ok"] and answer["limit"] == 4.0
+    assert [package["package"] for package in answer["packages"]] == ["n1", "n2"]
+    assert all(row["worst"] <= 4.0 for row in answer["packages"][0]["rows"])
+
+
+def test_verify_fails_on_an_edited_reference(run: Run, tmp_path: Path) -> None:
+    run("generate", "n1", "--out", tmp_path)
+    reference = tmp_path / "n1" / "reference.json"
+    text = reference.read_text(encoding="utf-8")
+    reference.write_text(text.replace("1", "2", 1), encoding="utf-8")
+    code, out, err = run("verify", tmp_path)
+    assert code == 1
+    assert "reference.json" in out + err
+
+
+@pytest.mark.parametrize("name", ["n9", "no/such/folder", "docs"])
+def test_verify_refuses_what_is_no_package(
+    run: Run, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    monkeypatch.chdir(LEVER.parents[1])
+    code, out, err = run("verify", name)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and name in err
+
+
+@pytest.mark.slow
+def test_all_that_is_committed_is_verified(run: Run) -> None:
+    code, out, err = run("verify")
+    assert (code, err) == (0, "")
+    assert "WRONG" not in out

@@ -1,0 +1,151 @@
+"""``kousoku solve``: files, summaries, plots, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Run = Callable[..., tuple[int, str, str]]
+
+ROOT = Path(__file__).parents[2]
+PISTON = ROOT / "scenes" / "piston_crank.toml"
+LEVER = ROOT / "scenes" / "lever_crank.toml"
+MOTION = [f"{letter}{axis}" for letter in ("", "v", "a") for axis in "xy"]
+
+
+def test_csv_has_a_row_for_each_position_and_the_papers_names(run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "lever.csv"
+    code, _, err = run("solve", LEVER, "--out", out)
+    assert (code, err) == (0, "")
+    lines = out.read_text(encoding="utf-8").splitlines()
+    names = [f"{node}.{name}" for node in ("O1", "O2", "O3", "O4") for name in MOTION]
+    assert lines[0].split(",") == ["alpha", *names]
+    table = np.loadtxt(out, delimiter=",", skiprows=1)
+    assert table.shape == (61, 25)
+    np.testing.assert_allclose(table[:, 0], 2 * np.pi * np.arange(61) / 60, rtol=1e-15)
+    np.testing.assert_allclose(np.hypot(table[:, 7], table[:, 8]), 30.0, rtol=1e-15)
+
+
+def test_npz_holds_the_same_numbers_as_csv(run: Run, tmp_path: Path) -> None:
+    for suffix in ("csv", "npz"):
+        assert run("solve", PISTON, "--out", tmp_path / f"piston.{suffix}")[0] == 0
+    table = np.genfromtxt(tmp_path / "piston.csv", delimiter=",", names=True, deletechars="")
+    with np.load(tmp_path / "piston.npz") as columns:
+        assert list(columns) == list(table.dtype.names or ())
+        for name in columns:
+            np.testing.assert_array_equal(columns[name], table[name])
+
+
+def test_several_inputs_have_a_column_each(run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "five.csv"
+    assert run("solve", ROOT / "scenes" / "five_bar.toml", "--out", out)[0] == 0
+    first = out.read_text(encoding="utf-8").splitlines()[0].split(",")
+    assert first[:3] == ["alpha", "beta", "O1.x"]
+
+
+@pytest.mark.parametrize(("scene", "length"), [(PISTON, 2.0), (LEVER, 100.0)])
+def test_json_summary_compares_with_the_closed_form(run: Run, scene: Path, length: float) -> None:
+    code, out, _ = run("solve", scene, "--json")
+    summary = json.loads(out)
+    assert code == 0
+    assert (summary["method"], summary["divisions"], summary["rows"]) == ("newton", 60, 61)
+    assert 0 < summary["iterations"]["max"] <= summary["iterations"]["total"]
+    assert summary["residual_max"] <= 1e-13
+    assert summary["errors"]["position"] <= 4e-15 * length
+    assert summary["errors"]["velocity"] <= 1e-14 * length
+    assert summary["errors"]["acceleration"] <= 2e-14 * length
+
+
+def test_the_papers_method_needs_more_iterations(run: Run) -> None:
+    counts = [
+        json.loads(run("solve", LEVER, "--method", method, "--json")[1])["iterations"]
+        for method in ("newton", "paper")
+    ]
+    assert counts[0]["max"] < counts[1]["min"]
+
+
+def test_a_linkage_without_closed_form_has_no_errors_to_tell(run: Run) -> None:
+    summary = json.loads(run("solve", ROOT / "scenes" / "watt_six_bar.toml", "--json")[1])
+    assert summary["errors"] is None
+
+
+def test_the_table_for_people_shows_the_last_node_that_moves(run: Run) -> None:
+    code, out, _ = run("solve", PISTON)
+    assert code == 0
+    assert "O3.ax" in out and "O2.x" not in out and "closed form" in out
+    assert "O2.ax" in run("solve", PISTON, "--node", "O2")[1]
+
+
+def test_plots_are_those_of_the_paper(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "plots"
+    code, _, _ = run("solve", LEVER, "--plot", folder)
+    assert code == 0
+    names = {path.name for path in folder.iterdir()}
+    assert names == {f"lever_crank_O3_{p}.svg" for p in ("motion", "velocity", "acceleration")}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "word"),
+    [
+        (("--out", "x.txt"), "x.txt"),
+        (("--out", "no/such/folder/x.csv"), "no such folder"),
+        (("--node", "O9"), "O9"),
+        (("--method", "magic"), "magic"),
+        (("--divisions", "0"), "divisions"),
+    ],
+)
+def test_bad_options_are_refused_before_anything_is_solved(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], word: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("solve", LEVER, *arguments)
+    assert (code, out) == (2, "")
+    assert word in err and "Traceback" not in err
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("scene", ["missing.toml", "spatial_four_bar.toml"])
+def test_what_is_not_a_planar_scene_is_one_message(run: Run, scene: str) -> None:
+    code, out, err = run("solve", ROOT / "scenes" / scene)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and scene in err
+
+
+def test_a_dead_centre_keeps_the_last_good_position(run: Run, tmp_path: Path) -> None:
+    out = tmp_path / "out.csv"
+    code, printed, err = run("solve", ROOT / "tests/scenes/second_loop_stops.toml", "--out", out)
+    assert (code, printed) == (2, "")
+    assert err.count("\n") == 1
+    rows = len(out.read_text(encoding="utf-8").splitlines()) - 1
+    assert 0 < rows < 61
+
+
+def test_a_users_scene_starts_no_sympy(loaded_by: Callable[..., set[str]], tmp_path: Path) -> None:
+    scene = tmp_path / "mine.toml"
+    text = LEVER.read_text(encoding="utf-8").replace("lever_crank", "mine")
+    scene.write_text(text.replace("length = 60", "length = 61"), encoding="utf-8")
+    modules = loaded_by("solve", scene, "--out", tmp_path / "mine.csv")
+    assert "numpy" in modules and "sympy" not in modules
+
+
+def test_without_a_compiler_one_line_says_so(tmp_path: Path) -> None:
+    import os
+    import subprocess
+    import sys
+
+    done = subprocess.run(
+        [sys.executable, "-m", "kousoku", "solve", LEVER],
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, "KOUSOKU_CC": "none"},
+    )
+    assert "by numpy" in done.stdout
+    assert done.stderr.count("\n") == 1 and "NumPy" in done.stderr
