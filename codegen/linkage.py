@@ -11,6 +11,7 @@ from kousoku.codegen.linkage_emit import emit_scene
 from kousoku.codegen.linkage_kernels import block_kernels
 from kousoku.codegen.linkage_layout import Layout
 from kousoku.codegen.linkage_outputs import angle_kernel, node_kernel
+from kousoku.codegen.linkage_reference import references
 from kousoku.codegen.linkage_view import SolverView, solver_view
 from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
@@ -18,6 +19,8 @@ from kousoku.model.assemble import assemble
 if TYPE_CHECKING:
     from kousoku.model.assemble import System
     from kousoku.model.scene import Scene
+
+REFERENCE_FILE = "reference.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,4 +94,5 @@ def generate_scene(scene: Scene) -> dict[str, str]:
         The scene is not a linkage that its inputs determine.
     """
     program = specialise(assemble(scene), load_frozen("link"))
-    return emit_scene(program.package, program.solver, {})
+    data = {REFERENCE_FILE: references(program.package, program.layout)}
+    return emit_scene(program.package, program.solver, data)

@@ -1,0 +1,91 @@
+"""Numbers of 50 digits that carry their derivatives, for references of composed kernels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, Arithmetic
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from fractions import Fraction
+
+High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
+
+#: u, the rounding of a double.
+ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
+
+
+class Dual:
+    """A number and its derivatives by the numbers that it was computed from.
+
+    Parameters
+    ----------
+    value : High
+        The number.
+    gradient : mapping of object to High
+        Derivatives by whatever names a number.
+    """
+
+    __slots__ = ("gradient", "value")
+
+    def __init__(self, value: High, gradient: Mapping[object, High]) -> None:
+        self.value = value
+        self.gradient = gradient
+
+    def __add__(self, other: Dual) -> Dual:
+        return chain(self.value + other.value, (self, 1), (other, 1))
+
+    def __sub__(self, other: Dual) -> Dual:
+        return chain(self.value - other.value, (self, 1), (other, -1))
+
+    def __neg__(self) -> Dual:
+        return chain(-self.value, (self, -1))
+
+    def __mul__(self, other: Dual) -> Dual:
+        return chain(self.value * other.value, (self, other.value), (other, self.value))
+
+    def __truediv__(self, other: Dual) -> Dual:
+        quotient = self.value / other.value
+        return chain(quotient, (self, 1 / other.value), (other, -quotient / other.value))
+
+
+def chain(value: High, *parts: tuple[Dual, High]) -> Dual:
+    """Return ``value`` with the gradient Σ slope · ∇argument."""
+    gradient: dict[object, High] = {}
+    for argument, slope in parts:
+        for name, derivative in argument.gradient.items():
+            gradient[name] = gradient.get(name, 0) + slope * derivative
+    return Dual(value, gradient)
+
+
+def variable(value: High, name: object) -> Dual:
+    """Return a number that derivatives are taken by."""
+    return Dual(value, {name: HIGH_CONTEXT.one})
+
+
+def _constant(value: Fraction) -> Dual:
+    return Dual(HIGH.number(value), {})
+
+
+def _sqrt(x: Dual) -> Dual:
+    root = HIGH.sqrt(x.value)
+    return chain(root, (x, 1 / (2 * root)))
+
+
+def _sin(x: Dual) -> Dual:
+    return chain(HIGH.sin(x.value), (x, HIGH.cos(x.value)))
+
+
+def _cos(x: Dual) -> Dual:
+    return chain(HIGH.cos(x.value), (x, -HIGH.sin(x.value)))
+
+
+def _atan2(y: Dual, x: Dual) -> Dual:
+    square = x.value * x.value + y.value * y.value
+    angle = HIGH.atan2(y.value, x.value)
+    return chain(angle, (y, x.value / square), (x, -y.value / square))
+
+
+#: Arithmetic of :class:`Dual`.
+DUAL: Arithmetic[Dual] = Arithmetic(_constant, _sqrt, _sin, _cos, _atan2)

@@ -1,0 +1,148 @@
+"""The motion of a linkage in 50 digits: where references are taken."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
+from kousoku.codegen.linkage_exact import Exact
+from kousoku.model.directions import HALF_TURN
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.model.planar import Input
+
+High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
+
+#: Steps over the way of the inputs.
+STEPS = 10
+#: A correction this small, relative to the largest length, is the last.
+DONE = HIGH_CONTEXT.mpf(10) ** -40
+MOST_CORRECTIONS = 60
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A position of the linkage with its motion.
+
+    Parameters
+    ----------
+    part : Fraction
+        How much of the way of the inputs is done.
+    motion : dict of str to list
+        The inputs of the kernels, in 50 digits.
+    """
+
+    part: Fraction
+    motion: dict[str, list[High]]
+
+
+def places(layout: Layout) -> list[Place]:
+    """Return the linkage at every step of its way, up to a dead centre; empty if it never fits."""
+    found: list[Place] = []
+    x = [HIGH.number(layout.system.coordinates[u].start) for u in layout.unknowns]
+    for step in range(STEPS + 1):
+        part = Fraction(step, STEPS)
+        alpha, alpha_dot, alpha_ddot = _inputs(layout, part)
+        motion = {"alpha": alpha, "x": x, "alpha_dot": alpha_dot, "alpha_ddot": alpha_ddot}
+        try:
+            motion["x"] = _positions(layout, motion)
+        except (ArithmeticError, ValueError):
+            break
+        for order, name in ((1, "x_dot"), (2, "x_ddot")):
+            motion[name] = _derivatives(layout, motion, order)
+        found.append(Place(part, motion))
+        x = _predicted(layout, motion)
+    return found
+
+
+def span_of(given: Input) -> Fraction:
+    """Return how far an input goes until the last division."""
+    if given.to is not None:
+        return Fraction(given.to) - Fraction(given.start)
+    turns = Fraction(given.turns if given.turns is not None else int(given.slider is None))
+    return 2 * HALF_TURN * turns
+
+
+def _inputs(layout: Layout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
+    given = tuple(layout.system.scene.inputs.values())
+    return (
+        [HIGH.number(Fraction(item.start) + part * span_of(item)) for item in given],
+        [HIGH.number(Fraction(item.rate)) for item in given],
+        [HIGH.number(Fraction(item.acceleration)) for item in given],
+    )
+
+
+def _exact(layout: Layout, motion: dict[str, list[High]]) -> Exact:
+    return Exact(layout, HIGH, motion, lambda _, value: HIGH.number(value))
+
+
+def _solve(block: dict[str, list[High]], right: Sequence[High]) -> list[High]:
+    n = len(right)
+    matrix = HIGH_CONTEXT.matrix([block["D"][n * row : n * row + n] for row in range(n)])
+    return list(HIGH_CONTEXT.lu_solve(matrix, HIGH_CONTEXT.matrix(list(right))))
+
+
+def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
+    """Return x by damped Newton, block by block.
+
+    Raises
+    ------
+    ArithmeticError
+        It does not converge, or a matrix is singular.
+    """
+    motion = {**motion, "x": list(motion["x"])}
+    length = HIGH.number(Fraction(layout.system.scene.largest_length))
+    first = 0
+    for number, block in enumerate(layout.blocks):
+        part = slice(first, first + len(block.unknowns))
+        for _ in range(MOST_CORRECTIONS):
+            here = _exact(layout, motion).block(number, 0)
+            correction = _solve(here, here["epsilon"])
+            before, size = motion["x"][part], max(map(abs, here["epsilon"]))
+            factor = HIGH_CONTEXT.one
+            while True:
+                motion["x"][part] = [
+                    a - factor * c for a, c in zip(before, correction, strict=True)
+                ]
+                if max(map(abs, correction)) < DONE * length:
+                    break
+                there = _exact(layout, motion).block(number, 0)
+                if max(map(abs, there["epsilon"])) <= (1 - factor / 4) * size:
+                    break
+                factor /= 2
+                if factor < DONE:
+                    raise ArithmeticError("no smaller residual")
+            if max(map(abs, correction)) < DONE * length:
+                break
+        else:
+            raise ArithmeticError("no convergence")
+        first = part.stop
+    return motion["x"]
+
+
+def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> list[High]:
+    name = ("x", "x_dot", "x_ddot")[order]
+    motion = {**motion, name: [HIGH_CONTEXT.zero] * len(motion["x"])}
+    first = 0
+    for number, block in enumerate(layout.blocks):
+        exact = _exact(layout, motion)
+        (right,) = exact.block(number, order).values()
+        part = slice(first, first + len(block.unknowns))
+        motion[name][part] = _solve(exact.block(number, 0), right)
+        first = part.stop
+    return motion[name]
+
+
+def _predicted(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
+    """Return where x will be about one step on, (26)."""
+    spans = [span_of(item) / STEPS for item in layout.system.scene.inputs.values()]
+    along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
+    along["alpha_ddot"] = [HIGH_CONTEXT.zero] * len(spans)
+    along["x_dot"] = _derivatives(layout, along, 1)
+    bend = _derivatives(layout, along, 2)
+    return [x + v + a / 2 for x, v, a in zip(motion["x"], along["x_dot"], bend, strict=True)]
