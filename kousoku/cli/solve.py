@@ -67,10 +67,9 @@ def solve(
     solver = solver_of(scene, target)
     try:
         motion = solver.solve(**{key: value for key, value in options.items() if value is not None})
-    except MotionError as error:
-        if out is not None:
-            _partial(error).save(out)
-        raise
+    except SolveError as error:
+        kept = "" if out is None else _save_partial(error, out)
+        raise SolveError(f"{scene_file}: {error}{kept}") from None
     if out is not None:
         motion.save(out)
     pictures = [] if plot is None else draw(motion, shown, plot)
@@ -84,12 +83,14 @@ def solve(
         typer.echo(f"wrote {path}")
 
 
-def _partial(error: MotionError) -> "Trajectory":
+def _save_partial(error: SolveError, out: Path) -> str:
+    """Write the positions before a dead centre, if there are any, and say so."""
     from kousoku.runtime.linkage import Trajectory
 
-    if not isinstance(error.trajectory, Trajectory):
-        raise SolveError(str(error)) from error
-    return error.trajectory
+    if not isinstance(error, MotionError) or not isinstance(error.trajectory, Trajectory):
+        return ""
+    error.trajectory.save(out)
+    return f"; the good positions are in {out}"
 
 
 def _print_rows(motion: "Trajectory", node: str) -> None:
