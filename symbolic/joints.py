@@ -4,25 +4,38 @@ from __future__ import annotations
 
 from typing import Any
 
-import sympy
-from sympy import Rational, S
-from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
-from sympy.matrices.immutable import ImmutableDenseMatrix
+from sympy import Integer, Rational, S
+from sympy.matrices.expressions import Identity, MatrixSymbol
 
-from kousoku.model.quantity import Quantity
-from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS
+from kousoku.symbolic.bodies import BODIES, COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import dot, plus, rotate, subtract
-from kousoku.symbolic.constraint import Constraint, derive_constraint
-from kousoku.symbolic.derivation import Derivation, Function, Output, Step
-from kousoku.symbolic.matrices import add, elements, mul, neg, symbol, transpose
-from kousoku.symbolic.pairs import D
-from kousoku.symbolic.variation import Variation, coefficient, without
+from kousoku.symbolic.constraint import derive_constraint
+from kousoku.symbolic.derivation import Derivation, Step
+from kousoku.symbolic.forms import Constraint
+from kousoku.symbolic.matrices import (
+    Matrix,
+    Named,
+    add,
+    coefficient_and_factors,
+    mul,
+    neg,
+    skew,
+    transpose,
+)
+from kousoku.symbolic.norm import derive_norm
+from kousoku.symbolic.pairs import FROM_CENTRE, TO_POINT, D
+
+#: d without the point on the body itself: from the origin of i, and to the origin of j.
+FROM_OWN_ORIGIN = {
+    "i": Named("d_i", TO_POINT),
+    "j": Named("d_j", add(SYMBOLS["r_j"], neg(SYMBOLS["r_i"]), FROM_CENTRE)),
+}
 
 
 def derive(package: str) -> Derivation:
     """Return the derivation of ``point``, ``distance`` or ``norm``."""
     if package == "norm":
-        return _norm()
+        return derive_norm()
     return derive_constraint(_point() if package == "point" else _distance())
 
 
@@ -50,6 +63,45 @@ def _point() -> Constraint:
     )
 
 
+def _own_point_drops(x: Matrix) -> Matrix | None:
+    """Apply dᵀA s̃′ = (d ∓ A s′)ᵀA s̃′: the own point drops out, as (A s′)ᵀA s̃′ = (p·p)² s′ᵀs̃′ = 0.
+
+    Without it the product would hold a part that cancels, and with it digits, where the point is
+    far from its origin.
+    """
+    scalar, factors = coefficient_and_factors(x)
+    for k in range(len(factors) - 2):
+        for body, own in FROM_OWN_ORIGIN.items():
+            if factors[k : k + 3] == (transpose(D), A[body], skew(SYMBOLS[f"s_{body}_b"])):
+                return mul(scalar, *factors[:k], transpose(own), *factors[k + 1 :])
+    return None
+
+
+def _distance_gamma() -> Matrix:
+    """Return −γ length = v·(v + 2 (w_j − w_i)) − 2 w_i·w_j + d_j·u_j − d_i·u_i, divided.
+
+    v is the relative velocity of the origins, w = A ω̃′s′ and u = A ω̃′ω̃′s′ for each body.
+    """
+    spin = {body: skew(SYMBOLS[f"omega_{body}_b"]) for body in BODIES}
+    w, u = (
+        {
+            body: Named(
+                f"{name}_{body}", mul(A[body], *[spin[body]] * times, SYMBOLS[f"s_{body}_b"])
+            )
+            for body in BODIES
+        }
+        for times, name in ((1, "w"), (2, "u"))
+    )
+    v = Named("v", add(SYMBOLS["v_j"], neg(SYMBOLS["v_i"])))
+    total = add(
+        mul(transpose(v), add(v, mul(Integer(2), w["j"]), mul(Integer(-2), w["i"]))),
+        mul(Integer(-2), transpose(w["i"]), w["j"]),
+        mul(transpose(FROM_OWN_ORIGIN["j"]), u["j"]),
+        neg(mul(transpose(FROM_OWN_ORIGIN["i"]), u["i"])),
+    )
+    return mul(S.NegativeOne / SYMBOLS["length"], total)
+
+
 def _distance() -> Constraint:
     length = SYMBOLS["length"]
     square = mul(length**2, Identity(1))
@@ -70,92 +122,6 @@ def _distance() -> Constraint:
         value=value,
         components=((dot(d, d) - length**2) / (2 * length),),
         names=(D,),
+        rule=_own_point_drops,
+        gamma=_distance_gamma(),
     )
-
-
-def _norm() -> Derivation:
-    """Derive p·p − 1 = 0, whose coordinates are the Euler parameters themselves."""
-    p, p_dot = (
-        Quantity("p", (4,), "-", "Euler parameters, scalar first"),
-        Quantity("p_dot", (4,), "1/s", "their time derivatives"),
-    )
-    lam = Quantity("lam", (1,), "N m", "multiplier")
-    x, v, a, dp = (
-        symbol(p),
-        symbol(p_dot),
-        MatrixSymbol("p_ddot", 4, 1),
-        MatrixSymbol("δp", 4, 1),
-    )
-    value = add(mul(transpose(x), x), neg(Identity(1)))
-    delta, rate = Variation({x: dp}, {}), Variation({x: v, v: a}, {})
-    jacobian = coefficient(delta(value), dp)
-    nu = neg(without(rate(value), v))
-    gamma = neg(without(rate(rate(value)), a))
-    reaction = mul(symbol(lam)[0, 0], transpose(jacobian))
-    reaction_q = coefficient(delta(reaction), dp)
-    e, e_dot = elements(p), elements(p_dot)
-    scalar = sum((c**2 for c in e), S.NegativeOne)
-    rows = [sympy.diff(scalar, c) for c in e]
-    velocity = dot(rows, e_dot)
-    forces = [elements(lam)[0] * row for row in rows]
-    steps = (
-        Step(MatrixSymbol("C", 1, 1), value, "Euler parameters have norm one", "4.3"),
-        Step(MatrixSymbol("δC", 1, 1), delta(value), "product rule", ""),
-        Step(MatrixSymbol("δC", 1, 1), mul(jacobian, dp), "collected", ""),
-        Step(MatrixSymbol("C_p", 1, 4), jacobian, "coefficient of δp", ""),
-        Step(MatrixSymbol("nu", 1, 1), nu, "dC/dt = C_q dp/dt − ν", ""),
-        Step(MatrixSymbol("C_ddot", 1, 1), rate(rate(value)), "d/dt twice", ""),
-        Step(MatrixSymbol("gamma", 1, 1), gamma, "minus what is left without d²p/dt²", ""),
-        Step(MatrixSymbol("f", 4, 1), reaction, "C_qᵀλ", ""),
-        Step(MatrixSymbol("δf", 4, 1), delta(reaction), "δ at fixed λ", ""),
-    )
-
-    def output(quantity: Quantity, expression: Any, scalars: list[Any]) -> Output:
-        return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, scalars))
-
-    title, source = "norm, Euler parameters of norm one", "lecture 7.1, (4.3)"
-    functions = (
-        Function(
-            "constraint",
-            f"{title}: constraint and Jacobian",
-            "C = p·p − 1",
-            source,
-            (p,),
-            (
-                output(Quantity("C", (1,), "-", "constraint"), value, [scalar]),
-                output(Quantity("C_q", (1, 4), "-", "Jacobian; columns δp"), jacobian, rows),
-            ),
-        ),
-        Function(
-            "rates",
-            f"{title}: right-hand sides",
-            "dC/dt = C_q p_dot − nu, d²C/dt² = C_q dp_dot/dt − gamma",
-            source,
-            (p_dot,),
-            (
-                output(Quantity("nu", (1,), "1/s", "velocity right-hand side"), nu, [S.Zero]),
-                output(
-                    Quantity("gamma", (1,), "1/s^2", "acceleration right-hand side"),
-                    gamma,
-                    [-dot([velocity.diff(c) for c in e], e_dot)],
-                ),
-            ),
-        ),
-        Function(
-            "reaction",
-            f"{title}: reaction and its derivative",
-            "C_qᵀλ and (C_qᵀλ)_q",
-            source,
-            (p, lam),
-            (
-                output(Quantity("reaction", (4,), "N m", "C_qᵀλ, dual to δp"), reaction, forces),
-                output(
-                    Quantity("reaction_q", (4, 4), "N m", "its derivative by p at fixed λ"),
-                    reaction_q,
-                    [f.diff(c) for f in forces for c in e],
-                ),
-            ),
-        ),
-    )
-    assert nu == ZeroMatrix(1, 1)
-    return Derivation("norm", "norm", title, source, steps, functions)

@@ -210,6 +210,22 @@ def _element_steps() -> tuple[Step, ...]:
         )
         for k, form in enumerate(forms, 1)
     )
+    cos, sin = NamedScalar("cos β", ALONG[0, 0]), NamedScalar("sin β", ALONG[1, 0])
+    turn = L0 / L
+    printed = (
+        [-cos, -sin, 0, cos, sin, 0],
+        [-turn * sin, turn * cos, L0, turn * sin, -turn * cos, 0],
+        [turn * sin, -turn * cos, 0, -turn * sin, turn * cos, -L0],
+    )
+    spelled = (
+        Step(
+            MatrixSymbol(f"D_{k}", 1, 6),
+            ImmutableDenseMatrix([row]),
+            f"row {k} spelled out: at the reference l = l0",
+            "15",
+        )
+        for k, row in enumerate(printed, 1)
+    )
     return (
         Step(Symbol(names[0]), L - L0, "elongation", "5"),
         Step(Symbol(names[1]), (first - beta) * L0, "turn of end 1 against the link", "6"),
@@ -226,6 +242,7 @@ def _element_steps() -> tuple[Step, ...]:
         Step(beta, sympy.atan2(dy, dx), "angle of the link", "12, 13"),
         *variations,
         *rows,
+        *spelled,
         *_rate_steps(),
     )
 

@@ -18,7 +18,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
-from kousoku.symbolic.mass_steps import balance_steps, reduction_steps
+from kousoku.symbolic.mass_steps import balance_steps, motion_steps, reduction_steps
 from kousoku.symbolic.matrices import (
     Matrix,
     Named,
@@ -163,6 +163,7 @@ def derive_rigid_body() -> Derivation:
     )
     steps = (
         Step(MatrixSymbol("c", 3, 1), body.moment.value, "first moment", ""),
+        *motion_steps(body, A, OMEGA_B),
         *_form_steps(matrix, right),
         *reduction_steps(symbol(MASS), symbol(I_A_B), symbol(FORCE), symbol(TORQUE_B), OMEGA_B),
     )

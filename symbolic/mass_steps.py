@@ -46,22 +46,43 @@ def balance_steps(
     momentum = add(*(mul(m, a) for m, a in pairs))
     moment = add(*(mul(m, skew(s), into, a) for (m, a), s in zip(pairs, places, strict=True)))
     return (
-        *_one_point(positions[0], rate, (ACCELERATION, omega_dot)),
+        *_one_point("1", positions[0], rate, (ACCELERATION, omega_dot)),
         *_definitions(body),
         *_collected_force(momentum, body, orientation, omega, omega_dot),
         *_collected_torque(moment, body, orientation, omega, omega_dot),
     )
 
 
+def motion_steps(body: Body, orientation: Orientation, omega_b: Quantity) -> tuple[Step, ...]:
+    """Return the steps of a body given by mass, centre and inertia."""
+    omega, omega_dot = symbol(omega_b), MatrixSymbol("omega_b_dot", 3, 1)
+    rate = Variation({R: V, V: ACCELERATION, omega: omega_dot}, {orientation.p: omega})
+    centre = add(R, mul(orientation, MatrixSymbol("r_AG_b", 3, 1)))
+    momentum = mul(body.mass, rate(rate(centre)))
+    force = _collected_force(momentum, body, orientation, omega, omega_dot)
+    arm, spin = skew(body.moment), skew(omega)
+    torque = add(
+        mul(arm, transpose(orientation), ACCELERATION),
+        mul(body.inertia, omega_dot),
+        mul(spin, body.inertia, omega),
+    )
+    left = MatrixSymbol("H_dot", 3, 1)
+    return (
+        *_one_point("G", centre, rate, (ACCELERATION, omega_dot)),
+        *force,
+        Step(left, torque, "as for mass points, whose sums these are: equals N′", ""),
+    )
+
+
 def _one_point(
-    position: Matrix, rate: Variation, unknowns: tuple[Matrix, Matrix]
+    name: str, position: Matrix, rate: Variation, unknowns: tuple[Matrix, Matrix]
 ) -> tuple[Step, ...]:
     acceleration = rate(rate(position))
     linear, angular = (mul(coefficient(acceleration, x), x) for x in unknowns)
-    left = MatrixSymbol("a_1", 3, 1)
+    left = MatrixSymbol(f"a_{name}", 3, 1)
     return (
-        Step(MatrixSymbol("r_1", 3, 1), position, "a point fixed in frame A", ""),
-        Step(MatrixSymbol("v_1", 3, 1), rate(position), "d/dt, dA/dt = A ω′~", "5.16"),
+        Step(MatrixSymbol(f"r_{name}", 3, 1), position, "a point fixed in frame A", ""),
+        Step(MatrixSymbol(f"v_{name}", 3, 1), rate(position), "d/dt, dA/dt = A ω′~", "5.16"),
         Step(left, acceleration, "d/dt once more", "5.16"),
         Step(
             left,
@@ -98,7 +119,7 @@ def _collected_force(
         neg(mul(orientation, spin, arm, omega)),
     )
     return (
-        Step(left, momentum, "Newton for each point, summed: equals F", ""),
+        Step(left, momentum, "Newton, summed over all that moves: equals F", ""),
         Step(left, collected, "with the total mass and the first moment", ""),
         Step(left, turned, "ω′~ c = −c~ ω′", ""),
     )

@@ -178,7 +178,9 @@ def at_least(piece: Piece, level: int) -> str:
 
 def _coordinate(name: str) -> str:
     """Return δr^i's r^i or δθ′^i's θ′^i, as the index of a block."""
-    kind, body = name.split("_")
+    kind, _, body = name.partition("_")
+    if not body:
+        return f"\\mathbf{{{kind}}}"
     if kind == "θ":
         return f"\\boldsymbol{{\\theta}}^{{\\prime {body}}}"
     return f"\\mathbf{{{kind}}}^{{{body}}}"

@@ -10,8 +10,9 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import cross, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.components import dot as dot_product
-from kousoku.symbolic.constraint import Constraint, derive_constraint
+from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
+from kousoku.symbolic.forms import Constraint
 from kousoku.symbolic.matrices import Matrix, Named, add, mul, neg, skew, transpose
 from kousoku.symbolic.variation import orthogonality
 

@@ -1,0 +1,325 @@
+"""One ring of polynomials for both levels of a derivation, where equal means equal.
+
+A number is a fraction of two polynomials with rational coefficients. Square roots, sines, cosines
+and angles are generators of their own, with the one relation that holds between them:
+(√x)² = x and cos² = 1 − sin². Fractions are compared by clearing denominators. Nothing is
+evaluated at points, and nothing is rounded.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from sympy.matrices.expressions import (
+    BlockMatrix,
+    Identity,
+    MatAdd,
+    MatMul,
+    MatrixSymbol,
+    Transpose,
+    ZeroMatrix,
+)
+from sympy.matrices.expressions.matexpr import MatrixElement
+from sympy.matrices.immutable import ImmutableDenseMatrix
+from sympy.polys.domains import QQ
+from sympy.polys.rings import ring
+
+from kousoku.model.errors import DerivationError
+from kousoku.symbolic.matrices import (
+    Dot,
+    Named,
+    NamedScalar,
+    Orientation,
+    Skew,
+    coefficient_and_factors,
+    elements,
+    quadratic_form,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.model.quantity import Quantity
+
+Polynomial = Any
+Rows = list[list["Fraction"]]
+
+#: Generators kept ready for square roots, sines, cosines and angles.
+SPARE = 16
+
+
+@dataclass(frozen=True, slots=True)
+class Fraction:
+    """A fraction of two polynomials; common factors stay."""
+
+    over: Polynomial
+    under: Polynomial
+
+    def __add__(self, other: Fraction) -> Fraction:
+        if self.under == other.under:
+            return Fraction(self.over + other.over, self.under)
+        if not self.over:
+            return other
+        if not other.over:
+            return self
+        return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
+
+    def __sub__(self, other: Fraction) -> Fraction:
+        return self + Fraction(-other.over, other.under)
+
+    def __mul__(self, other: Fraction) -> Fraction:
+        return Fraction(self.over * other.over, self.under * other.under)
+
+    def __rmul__(self, number: int) -> Fraction:
+        return Fraction(number * self.over, self.under)
+
+
+class Ring:
+    """Carries expressions of both levels into one ring of polynomials.
+
+    Parameters
+    ----------
+    quantities : Sequence of Quantity
+        The arrays whose elements are the generators.
+    matrices : Mapping, optional
+        Component-level elements of further matrix symbols, row-major, e.g. of δA.
+    is_unit : bool
+        Whether Euler parameters have norm one: A(p) is divided by p·p, and p·p counts as one.
+    """
+
+    def __init__(
+        self,
+        quantities: Sequence[Quantity],
+        matrices: Mapping[str, Any] | None = None,
+        *,
+        is_unit: bool = False,
+    ) -> None:
+        self._is_unit = is_unit
+        self._symbols = [symbol for q in quantities for symbol in elements(q)]
+        names = [*(str(s) for s in self._symbols), *(f"extra {k}" for k in range(SPARE))]
+        self._ring, *generators = ring(names, QQ)
+        self._one = self._ring.one
+        n = len(self._symbols)
+        self._scalars: dict[Any, Fraction] = {
+            s: Fraction(g, self._one) for s, g in zip(self._symbols, generators[:n], strict=True)
+        }
+        self._spare = generators[n:]
+        self._functions: list[tuple[str, tuple[Fraction, ...], Fraction]] = []
+        self._squares: list[tuple[Polynomial, Polynomial, Polynomial]] = []
+        self._quantities = {q.name: q for q in quantities}
+        self._given = dict(matrices or {})
+        self._memo: dict[Any, Rows] = {}
+
+    # -- numbers -------------------------------------------------------------------------------
+
+    def scalar(self, x: Any) -> Fraction:
+        """Return a scalar expression of either level."""
+        known = self._scalars.get(x)
+        if known is None:
+            known = self._scalars[x] = self._scalar(x)
+        return known
+
+    def _scalar(self, x: Any) -> Fraction:
+        match x:
+            case sympy.Rational():
+                return Fraction(self._ring(QQ(int(x.p), int(x.q))), self._one)
+            case MatrixElement():
+                return self.matrix(x.parent)[int(x.i)][int(x.j)]
+            case NamedScalar():
+                return self.scalar(x.value)
+            case Dot() if self._is_unit and x.args[0] == x.args[1] and x.args[0].shape == (4, 1):
+                return self.scalar(sympy.S.One)
+            case Dot():
+                ((value,),) = _product(_transposed(self.matrix(x.args[0])), self.matrix(x.args[1]))
+                return value
+            case sympy.Add():
+                return _sum([self.scalar(arg) for arg in x.args])
+            case sympy.Mul():
+                result = self.scalar(x.args[0])
+                for arg in x.args[1:]:
+                    result = result * self.scalar(arg)
+                return self._reduced(result)
+            case sympy.Pow():
+                return self._power(x)
+            case sympy.sin() | sympy.cos() | sympy.atan2():
+                return self._function(type(x).__name__, [self.scalar(arg) for arg in x.args])
+        raise DerivationError(f"proof: no rule for {type(x).__name__} in {x}")
+
+    def _power(self, x: Any) -> Fraction:
+        base, exponent = x.args
+        if exponent.is_Rational and exponent.q == 2:
+            root = self._function("sqrt", [self.scalar(base)])
+            return self._integer_power(root, int(exponent.p))
+        if not exponent.is_Integer:
+            raise DerivationError(f"proof: no rule for the power {x}")
+        return self._integer_power(self.scalar(base), int(exponent))
+
+    def _integer_power(self, x: Fraction, n: int) -> Fraction:
+        over, under = (x.over, x.under) if n > 0 else (x.under, x.over)
+        return self._reduced(Fraction(over ** abs(n), under ** abs(n)))
+
+    def _function(self, name: str, args: Sequence[Fraction]) -> Fraction:
+        for known, known_args, value in self._functions:
+            if known == name and all(
+                self.is_equal(a, b) for a, b in zip(args, known_args, strict=True)
+            ):
+                return value
+        if len(self._functions) == SPARE:
+            raise DerivationError(f"proof: more than {SPARE} different functions")
+        value = Fraction(self._spare[len(self._functions)], self._one)
+        self._functions.append((name, tuple(args), value))
+        if name == "sqrt":
+            self._squares.append((value.over, args[0].over, args[0].under))
+        if name == "cos":
+            sine = self._function("sin", args).over
+            self._squares.append((value.over, self._one - sine**2, self._one))
+        return value
+
+    def _reduced(self, x: Fraction) -> Fraction:
+        """Replace the squares of roots and cosines."""
+        over, under = x.over, x.under
+        for generator, square_over, square_under in reversed(self._squares):
+            over, factor = _without_squares(over, generator, square_over, square_under)
+            under = under * factor
+            under, factor = _without_squares(under, generator, square_over, square_under)
+            over = over * factor
+        return Fraction(over, under)
+
+    def is_equal(self, x: Fraction, y: Fraction) -> bool:
+        """Return whether two numbers are the same for all values of the inputs."""
+        if x.under == y.under and x.over == y.over:
+            return True
+        difference = Fraction(x.over * y.under - y.over * x.under, self._one)
+        return not self._reduced(self._reduced(difference)).over
+
+    # -- matrices ------------------------------------------------------------------------------
+
+    def matrix(self, x: Any) -> Rows:
+        """Return the elements of a matrix-level expression."""
+        known = self._memo.get(x)
+        if known is None:
+            known = self._memo[x] = self._matrix(x)
+        return known
+
+    def _matrix(self, x: Any) -> Rows:
+        match x:
+            case MatrixSymbol():
+                return self._array(x)
+            case Named():
+                return self.matrix(x.value)
+            case Orientation():
+                return self._orientation([e for (e,) in self.matrix(x.p)])
+            case Skew():
+                (a,), (b,), (c,) = self.matrix(x.v)
+                zero = self.scalar(sympy.S.Zero)
+                return [[zero, zero - c, b], [c, zero, zero - a], [zero - b, a, zero]]
+            case Transpose():
+                return _transposed(self.matrix(x.arg))
+            case MatAdd():
+                terms = [self.matrix(arg) for arg in x.args]
+                return [
+                    [_sum(list(cells)) for cells in zip(*rows, strict=True)]
+                    for rows in zip(*terms, strict=True)
+                ]
+            case MatMul():
+                return self._scaled_product(x)
+            case Identity() | ZeroMatrix():
+                is_one = isinstance(x, Identity)
+                rows, columns = (int(n) for n in x.shape)
+                return [
+                    [self.scalar(sympy.Integer(is_one and i == j)) for j in range(columns)]
+                    for i in range(rows)
+                ]
+            case ImmutableDenseMatrix():
+                return [[self.scalar(cell) for cell in row] for row in x.tolist()]
+            case BlockMatrix():
+                rows, columns = x.blockshape
+                blocks = [
+                    [self.matrix(x.blocks[i, j]) for j in range(columns)] for i in range(rows)
+                ]
+                return [
+                    [cell for block in row for cell in block[k]]
+                    for row in blocks
+                    for k in range(len(row[0]))
+                ]
+        raise DerivationError(f"proof: no rule for {type(x).__name__} in {x}")
+
+    def _orientation(self, p: list[Fraction]) -> Rows:
+        form = quadratic_form(p)
+        if not self._is_unit:
+            return form
+        square = _sum([e * e for e in p])
+        return [[Fraction(cell.over, square.over) for cell in row] for row in form]
+
+    def cells(self, x: Any) -> list[Fraction]:
+        """Return the elements of a scalar or matrix expression, row-major."""
+        if not getattr(x, "is_Matrix", False):
+            return [self.scalar(x)]
+        return [cell for row in self.matrix(x) for cell in row]
+
+    def _array(self, x: Any) -> Rows:
+        rows, columns = (int(n) for n in x.shape)
+        if x.name in self._given:
+            flat = [self.scalar(value) for value in self._given[x.name]]
+        elif x.name in self._quantities:
+            flat = [self.scalar(value) for value in elements(self._quantities[x.name])]
+        else:
+            raise DerivationError(f"proof: {x.name} is not among the inputs")
+        return [flat[i * columns : (i + 1) * columns] for i in range(rows)]
+
+    def _scaled_product(self, x: Any) -> Rows:
+        scalar, factors = coefficient_and_factors(x)
+        matrices = [self.matrix(factor) for factor in factors]
+        while len(matrices) > 1:  # start at the narrow end
+            if len(matrices[-1][0]) <= len(matrices[0]):
+                matrices[-2:] = [_product(matrices[-2], matrices[-1])]
+            else:
+                matrices[:2] = [_product(matrices[0], matrices[1])]
+        value = self.scalar(scalar)
+        return [[self._reduced(value * cell) for cell in row] for row in matrices[0]]
+
+
+def _without_squares(
+    x: Polynomial, generator: Polynomial, over: Polynomial, under: Polynomial
+) -> tuple[Polynomial, Polynomial]:
+    """Return x·f and f, f a power of ``under``, where generator² = over / under."""
+    place = x.ring.gens.index(generator)
+    highest = max((powers[place] for powers in x), default=0) // 2
+    if highest == 0:
+        return x, x.ring.one
+    result = x.ring.zero
+    for half in range(highest + 1):
+        part = x.ring.zero
+        for powers, value in x.terms():
+            if powers[place] // 2 == half:
+                rest = (*powers[:place], powers[place] % 2, *powers[place + 1 :])
+                part[rest] = part.get(rest, QQ.zero) + value
+        result += part * over**half * under ** (highest - half)
+    return result, under**highest
+
+
+def _sum(terms: list[Fraction]) -> Fraction:
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total
+
+
+def _transposed(rows: Rows) -> Rows:
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def _product(left: Rows, right: Rows) -> Rows:
+    columns = _transposed(right)
+    return [
+        [
+            _sum(
+                [a * b for a, b in zip(row, column, strict=True) if a.over and b.over]
+                or [row[0] - row[0]]
+            )
+            for column in columns
+        ]
+        for row in left
+    ]
