@@ -179,12 +179,16 @@ class Graph:
         """Return sin a, a in radians."""
         if self.value(a) == 0:
             return a
+        if (minus := self._negated(a)) is not None:
+            return self.neg(self.sin(minus))
         return self._intern(Node(Op.SIN, (a,)))
 
     def cos(self, a: int) -> int:
         """Return cos a, a in radians."""
         if self.value(a) == 0:
             return self.const(1)
+        if (minus := self._negated(a)) is not None:
+            return self.cos(minus)
         return self._intern(Node(Op.COS, (a,)))
 
     def atan2(self, y: int, x: int) -> int:

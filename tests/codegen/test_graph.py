@@ -43,6 +43,8 @@ def test_signs_move_outwards(graph: Graph) -> None:
     assert graph.add(x, graph.neg(y)) == graph.sub(x, y) == graph.neg(graph.sub(y, x))
     assert graph.sub(graph.neg(x), y) == graph.neg(graph.add(x, y))
     assert graph.div(graph.neg(x), graph.neg(y)) == graph.div(x, y)
+    assert graph.sin(graph.neg(x)) == graph.neg(graph.sin(x))
+    assert graph.cos(graph.neg(x)) == graph.cos(x)
 
 
 def test_operands_stand_before_their_node(graph: Graph) -> None:
