@@ -46,19 +46,22 @@ class Layout:
 
     def arguments(self, order: int) -> tuple[Quantity, Quantity]:
         """Return ``alpha`` and ``x``, or their derivatives of the given order."""
-        suffix = ("", "_dot", "_ddot")[order]
-        per = ("", "/s", "/s^2")[order]
-        what = ("", "velocities of ", "accelerations of ")[order]
+        suffix, per, what = (
+            ("", "", ""),
+            ("_dot", "/s", "velocities of "),
+            ("_ddot", "/s^2", "accelerations of "),
+        )[order]
         return (
             self._quantity(f"alpha{suffix}", self.system.inputs, per, f"{what}the inputs"),
-            self._quantity(f"x{suffix}", self.unknowns, per, f"{what}the unknown coordinates"),
+            self._quantity(f"x{suffix}", self.unknowns, per, f"{what}the unknowns"),
         )
 
     def _quantity(self, name: str, members: Sequence[int], per: str, what: str) -> Quantity:
         coordinates = [self.system.coordinates[member] for member in members]
         units = dict.fromkeys(f"{coordinate.unit}{per}" for coordinate in coordinates)
-        names = ", ".join(coordinate.name for coordinate in coordinates)
-        return Quantity(name, (len(members),), " or ".join(units), f"{what}: {names}")
+        names = [coordinate.name for coordinate in coordinates]
+        listed = ", ".join(names) if len(names) < 5 else f"{names[0]} ... {names[-1]}"
+        return Quantity(name, (len(members),), ", ".join(units), f"{what} {listed}")
 
     def node(self, graph: Graph, term: Term, order: int) -> int:
         """Return the graph node of offset + factor · coordinate, or of a time derivative of it."""

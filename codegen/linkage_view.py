@@ -4,17 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.graph import literal
 from kousoku.model.directions import HALF_TURN
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.linkage_layout import Layout
     from kousoku.model.planar import Input
 
+
+_TAB, _STAR = "    ", " *     "
 
 #: What a solution ends with, in the order of the statuses.
 MESSAGES = (
@@ -132,6 +135,14 @@ class SolverView:
     max_iterations: int
     method: int
     outputs: tuple[str, ...]
+
+    def wrapped(self, items: Iterable[object]) -> str:
+        """Return the elements of an array of C, in lines that fit."""
+        return fill(", ".join(map(str, items)), 92, initial_indent=_TAB, subsequent_indent=_TAB)
+
+    def listed(self, names: Iterable[str]) -> str:
+        """Return names inside a comment of C, in lines that fit."""
+        return fill(", ".join(names), 92, initial_indent=_STAR, subsequent_indent=_STAR)
 
     @property
     def quoted_outputs(self) -> tuple[str, ...]:
