@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -11,7 +11,6 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
-from rich.table import Table
 
 from kousoku.model.errors import DerivationError, LoadError
 from kousoku.symbolic import packages_of
@@ -98,21 +97,22 @@ def _finite(data: Any) -> Any:
 
 def print_table(
     columns: Sequence[str],
-    rows: Iterable[Sequence[str]],
+    rows: Sequence[Sequence[str]],
     *,
     title: str = "",
     numbers: bool = False,
 ) -> None:
-    """Print a table; columns of numbers stand to the right."""
-    table = Table(title=title or None, title_justify="left", box=None, pad_edge=False)
-    for name in columns:
-        table.add_column(name, overflow="fold", justify="right" if numbers else "left")
-    for row in rows:
-        table.add_row(*row)
-    console = Console(highlight=False, markup=False)
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=120)
-    console.print(table)
+    """Print a table, the same on a terminal and in a pipe; numbers stand to the right."""
+    if title:
+        typer.echo(title)
+    lines = [columns, *rows]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
+    for line in lines:
+        cells = [
+            cell.rjust(width) if numbers else cell.ljust(width)
+            for cell, width in zip(line, widths, strict=True)
+        ]
+        typer.echo("  ".join(cells).rstrip())
 
 
 def progress() -> Progress:

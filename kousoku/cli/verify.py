@@ -21,6 +21,9 @@ from kousoku.cli.console import (
 if TYPE_CHECKING:
     from kousoku.runtime.report import Report
 
+#: Problems of one package in the summary; verifying it alone prints all of them.
+SHOWN = 4
+
 
 def verify(
     names: Annotated[
@@ -67,14 +70,19 @@ def print_summary(reports: Sequence["Report"]) -> None:
     for report in reports:
         worst = report.worst
         where = f"{worst.kernel} {worst.output}, {worst.label}" if worst else ""
-        ways = ", ".join(dict.fromkeys(row.way for row in report.rows))
+        targets = ", ".join(dict.fromkeys(row.way.split()[0] for row in report.rows))
         number = f"{worst.worst:.2f}" if worst else "-"
-        rows.append((report.package, ways, number, where, "ok" if report.ok else "WRONG"))
-    print_table(("package", "ways of calling", f"worst, of {LIMIT:g} units", "where", ""), rows)
+        rows.append((report.package, targets, number, where, "ok" if report.ok else "WRONG"))
+    print_table(("package", "targets", "worst [units]", "where", ""), rows)
     for note in dict.fromkeys(note for report in reports for note in report.notes):
         typer.echo(note)
     for report in reports:
-        for problem in report.problems:
+        for problem in report.problems[:SHOWN]:
             typer.echo(f"{report.package}: {problem}", err=True)
+        if len(report.problems) > SHOWN:
+            more = f"and {len(report.problems) - SHOWN} more; kousoku verify {report.package}"
+            typer.echo(f"{report.package}: {more}", err=True)
     count = sum(report.ok for report in reports)
-    typer.echo(f"{count} of {len(reports)} packages compute what was derived")
+    typer.echo(
+        f"{count} of {len(reports)} packages compute what was derived, within {LIMIT:g} units"
+    )
