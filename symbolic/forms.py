@@ -193,8 +193,8 @@ def _rate_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
 def _shorter_gamma(c: Constraint) -> tuple[Step, ...]:
     if c.gamma is None:
         return ()
-    rule = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0: a point keeps its distance from its own origin"
-    return (Step(MatrixSymbol("gamma", *c.value.shape), c.gamma, rule, "4.3"),)
+    rule = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
+    return (Step(MatrixSymbol("gamma", *c.value.shape), c.gamma, rule, "7.15"),)
 
 
 def _force_steps(forms: Forms) -> tuple[Step, ...]:

@@ -13,6 +13,7 @@ from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Derivation, Step
 from kousoku.symbolic.forms import Constraint
 from kousoku.symbolic.matrices import (
+    Dot,
     Matrix,
     Named,
     add,
@@ -78,28 +79,43 @@ def _own_point_drops(x: Matrix) -> Matrix | None:
 
 
 def _distance_gamma() -> Matrix:
-    """Return −γ length = v·(v + 2 (w_j − w_i)) − 2 w_i·w_j + d_j·u_j − d_i·u_i, divided.
+    """Return −(v·(v + 2 w) + r·u + Ω·(b_i × w_j − b_j × w_i)) / length.
 
-    v is the relative velocity of the origins, w = A ω̃′s′ and u = A ω̃′ω̃′s′ for each body.
+    v and r belong to the origins, b = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
+    orientations; those without an index are of body j less those of body i. Each term is small
+    where the bodies move together, and none holds what a point far from its own origin adds to
+    ḋ·ḋ and takes from d·d̈, so that no digits cancel.
     """
-    spin = {body: skew(SYMBOLS[f"omega_{body}_b"]) for body in BODIES}
-    w, u = (
-        {
-            body: Named(
-                f"{name}_{body}", mul(A[body], *[spin[body]] * times, SYMBOLS[f"s_{body}_b"])
-            )
-            for body in BODIES
-        }
-        for times, name in ((1, "w"), (2, "u"))
-    )
-    v = Named("v", add(SYMBOLS["v_j"], neg(SYMBOLS["v_i"])))
+    of_body = {body: _parts_of_gamma(body) for body in BODIES}
+    b, w, u, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
     total = add(
-        mul(transpose(v), add(v, mul(Integer(2), w["j"]), mul(Integer(-2), w["i"]))),
-        mul(Integer(-2), transpose(w["i"]), w["j"]),
-        mul(transpose(FROM_OWN_ORIGIN["j"]), u["j"]),
-        neg(mul(transpose(FROM_OWN_ORIGIN["i"]), u["i"])),
+        mul(transpose(_less(v)), add(_less(v), mul(Integer(2), _less(w)))),
+        mul(transpose(_less(r)), _less(u)),
+        mul(
+            transpose(_less(omega)),
+            add(mul(skew(b["i"]), w["j"]), neg(mul(skew(b["j"]), w["i"]))),
+        ),
     )
     return mul(S.NegativeOne / SYMBOLS["length"], total)
+
+
+def _parts_of_gamma(body: str) -> tuple[Matrix, ...]:
+    """Return b, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
+    p, s, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"s_{body}_b"], SYMBOLS[f"omega_{body}_b"]
+    turned = mul(skew(spin), s)
+    return (
+        Named(f"b_{body}", mul(A[body], s)),
+        Named(f"w_{body}", mul(A[body], turned)),
+        Named(f"u_{body}", mul(A[body], skew(spin), turned)),
+        Named(f"omega_{body}", mul(1 / Dot(p, p), A[body], spin)),
+        SYMBOLS[f"r_{body}"],
+        SYMBOLS[f"v_{body}"],
+    )
+
+
+def _less(of_body: dict[str, Matrix]) -> Matrix:
+    """Return what belongs to body j less what belongs to body i."""
+    return Named(of_body["j"].name.removesuffix("_j"), add(of_body["j"], neg(of_body["i"])))
 
 
 def _distance() -> Constraint:

@@ -87,6 +87,8 @@ class Ring:
         Component-level elements of further matrix symbols, row-major, e.g. of δA.
     is_unit : bool
         Whether Euler parameters have norm one: A(p) is divided by p·p, and p·p counts as one.
+    scalars : Sequence of sympy.Symbol
+        Further generators.
     """
 
     def __init__(
@@ -95,9 +97,10 @@ class Ring:
         matrices: Mapping[str, Any] | None = None,
         *,
         is_unit: bool = False,
+        scalars: Sequence[Any] = (),
     ) -> None:
         self._is_unit = is_unit
-        self._symbols = [symbol for q in quantities for symbol in elements(q)]
+        self._symbols = [*(s for q in quantities for s in elements(q)), *scalars]
         names = [*(str(s) for s in self._symbols), *(f"extra {k}" for k in range(SPARE))]
         self._ring, *generators = ring(names, QQ)
         self._one = self._ring.one
