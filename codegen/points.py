@@ -27,6 +27,8 @@ LARGEST_EXPONENT = 200
 #: Products of scaled arrays stay within 2^±900, so that no intermediate result leaves the doubles.
 EXPONENT_BUDGET = 900
 SMALLEST_SUBNORMAL = 5e-324
+#: A subnormal number that stays a multiple of the smallest one when divided by 4 a few times.
+SUBNORMAL = SMALLEST_SUBNORMAL * 2**20
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,8 +144,8 @@ def finite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream, turn: 
     if any(map(is_euler_parameters, inputs)):
         points.append(Point("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream)))
     if group := _subnormal_group(tape, inputs, turn):
-        numbers = _integers(inputs, stream)
-        tiny = {name: tuple(x * SMALLEST_SUBNORMAL for x in numbers[name]) for name in group}
+        numbers = _integers(inputs, stream) | _powers_of_two(tape, inputs, stream)
+        tiny = {name: tuple(x * SUBNORMAL for x in numbers[name]) for name in group}
         points.append(Point(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
     return points
 
@@ -248,6 +250,18 @@ def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[flo
     }
 
 
+def _powers_of_two(
+    tape: Tape, inputs: Sequence[Quantity], stream: Stream
+) -> dict[str, tuple[float, ...]]:
+    """Return 1, 2 or 4 for the numbers under a quotient, so that it stays exact."""
+    curved = curved_inputs(tape)
+    return {
+        q.name: tuple(float(1 << stream.between(0, 2)) for _ in range(q.size))
+        for q in inputs
+        if q.name in curved and not is_euler_parameters(q)
+    }
+
+
 def _unnormalised(
     inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
 ) -> dict[str, tuple[float, ...]]:
@@ -264,12 +278,12 @@ def _unnormalised(
 def _subnormal_group(tape: Tape, inputs: Sequence[Quantity], turn: int) -> tuple[str, ...]:
     """Return arrays that are made subnormal together: those of one unit, or a single pure one.
 
-    The other inputs are small integers at these points, so that every product is a multiple of the
-    smallest subnormal and the result exact; a processor that flushes subnormals to zero is caught.
-    With other numbers each product would be rounded to that multiple, and the count of products,
-    not the care of the code, would decide whether it stays within the limit. Arrays under a root,
-    in a quotient or in an angle are left out: their squares vanish, in the derivation's formula
-    as in any code.
+    The other inputs are small integers at these points and divisors powers of two, so that products
+    are multiples of the smallest subnormal and the result is exact; a processor that flushes
+    subnormals to zero is caught. With other numbers each product would be rounded to that multiple,
+    and the count of products, not the care of the code, would decide whether it stays within the
+    limit. Arrays under a root, in a quotient or in an angle are left out: their squares vanish, in
+    the derivation's formula as in any code.
     """
     curved = curved_inputs(tape)
     free = [q for q in inputs if q.name not in curved and not is_euler_parameters(q)]

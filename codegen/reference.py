@@ -1,5 +1,8 @@
 """Reference values: what emitted code must give, in 50 digits, with the unit its error is told in.
 
+They are computed with so many digits that 50 are left where terms cancel that are larger by any
+power that the points hold.
+
 They come from the scalar formulas of the derivation, which are found without the matrix level that
 is frozen and emitted.
 """
@@ -38,6 +41,8 @@ CONSTRAINT = "C"
 #: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
 NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
 ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
+#: Enough for 50 digits after a cancellation of 2^±900 against its inverse.
+WORKING_DIGITS = 600
 #: Numbers of reference that one kernel brings at most, unless one turn of points is more.
 MOST_NUMBERS = 600
 MOST_TURNS = 2
@@ -67,15 +72,21 @@ def references(package: Package, functions: Sequence[Function]) -> str:
     DerivationError
         The frozen kernel has a zero where the component level has none.
     """
+    with HIGH_CONTEXT.workdps(WORKING_DIGITS):
+        kernels = _kernels(package, functions)
+    return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
+
+
+def _kernels(package: Package, functions: Sequence[Function]) -> list[dict[str, object]]:
     tapes = [record(function) for function in functions]
-    kernels = []
+    kernels: list[dict[str, object]] = []
     for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
         points = _points(function, tape, list(zip(functions, tapes, strict=True)))
         values = [_values(kernel, tape, point) for point in points]
         kernels.append(
             {"name": kernel.name, "points": [value for value in values if value is not None]}
         )
-    return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
+    return kernels
 
 
 def _points(
