@@ -108,10 +108,13 @@ def _orders(name: str, out: Path | None) -> list[Order]:
 
     if name.endswith(".toml"):
         return [_scene_order(Path(name), out)]
+    scenes = {path.stem: path for path in committed_scenes()}
+    if name in scenes:
+        return [_scene_order(scenes[name], out)]
     packages = packages_of(name) if name else package_names()
     kinds = _kinds_folder() if out is None else out
     orders = [Order(kinds / package, partial(generate_kind, package)) for package in packages]
-    return orders if name else orders + [_scene_order(path, out) for path in committed_scenes()]
+    return orders if name else orders + [_scene_order(path, out) for path in scenes.values()]
 
 
 def _scene_order(path: Path, out: Path | None) -> Order:
