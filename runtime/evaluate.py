@@ -70,13 +70,15 @@ def _run(
         ]
         return tuple(np.array(column).reshape((n, -1)) for column in zip(*results, strict=True))
     width = kernel.lane_width
-    if way == "C lanes":
-        blocks = kernel.lanes(*(to_lanes(a, width) for a in reference.inputs), outputs=names)
-        return tuple(from_lanes(block, n).reshape((n, -1)) for block in blocks)
-    # Some full blocks and a rest, whatever the count of points is.
+    # Full blocks and a rest, whatever the count of points is.
     rows = np.arange(n + width + (n % width == 0)) % n
-    results_ = kernel(*(array[rows] for array in reference.inputs), outputs=names)
-    return tuple(array.reshape((len(rows), -1)) for array in results_)
+    batch = tuple(array[rows] for array in reference.inputs)
+    if way == "C lanes":
+        blocks = kernel.lanes(*(to_lanes(array, width) for array in batch), outputs=names)
+        outputs = tuple(from_lanes(block, len(rows)) for block in blocks)
+    else:
+        outputs = kernel(*batch, outputs=names)
+    return tuple(array.reshape((len(rows), -1)) for array in outputs)
 
 
 def different_bits(

@@ -99,7 +99,8 @@ def _libraries(
         except LoadError as error:
             problems.append(str(error))
         else:
-            problems += filter(None, [library.damage])
+            if library.damage:
+                problems.append(f"{library.damage}; it was built again")
             yield library
 
 

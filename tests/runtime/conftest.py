@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kousoku.runtime import Library
     from kousoku.runtime.toolchain import Toolchain
 
+_PLAN_TYPE = plan.plan_type
 TINY = Path(__file__).parent / "tiny"
 DIGEST = "3f9a" * 16
 SPHERE = KernelManifest(
@@ -92,19 +93,24 @@ def _json(x: float) -> float | str:
     return x if math.isfinite(x) else str(x)
 
 
-def write_tiny(folder: Path, *, edit: Callable[[str, str], str] = lambda name, text: text) -> Path:
+def write_tiny(
+    folder: Path,
+    *,
+    edit: Callable[[str, str], str] = lambda name, text: text,
+    digest: str = DIGEST,
+) -> Path:
     """Write the package as the generator would; ``edit`` changes a file before it is listed."""
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     texts = {p.name: p.read_text(encoding="utf-8") for p in sorted(TINY.glob("kernels*"))}
     for name, text in texts.items():
-        data = edit(name, text.replace("DIGEST", DIGEST)).encode()
+        data = edit(name, text.replace("DIGEST", digest)).encode()
         (folder / name).write_bytes(data)
         files.append((name, sha256(data)))
     (folder / "reference.json").write_text(json.dumps(reference()), encoding="utf-8")
     files.append(("reference.json", sha256((folder / "reference.json").read_bytes())))
     manifest = Manifest(
-        "tiny", "Tiny", "kousoku generate tiny", "0", DIGEST, tuple(files), (SPHERE,)
+        "tiny", "Tiny", "kousoku generate tiny", "0", digest, tuple(files), (SPHERE,)
     )
     (folder / "manifest.json").write_text(manifest.to_json(), encoding="utf-8")
     return folder
@@ -112,8 +118,9 @@ def write_tiny(folder: Path, *, edit: Callable[[str, str], str] = lambda name, t
 
 @pytest.fixture
 def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Return an empty cache folder."""
+    """Return an empty cache folder; only the library of the package is built into it."""
     folder = tmp_path / "cache"
+    monkeypatch.setattr(plan, "plan_type", lambda _: None)
     monkeypatch.setenv("KOUSOKU_CACHE", str(folder))
     return folder
 
@@ -156,7 +163,7 @@ def wrapper(tmp_path: Path, compiler: Toolchain) -> Callable[[str], str]:
 @pytest.fixture(autouse=True)
 def forgotten() -> None:
     """Let every test find the compiler anew, and say again what was said once."""
-    for function in (toolchain._chosen, toolchain._first, toolchain.probe, plan.plan_type):
+    for function in (toolchain._chosen, toolchain._first, toolchain.probe, _PLAN_TYPE):
         function.cache_clear()
     notice._said.clear()
 
