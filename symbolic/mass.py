@@ -64,6 +64,9 @@ class Body:
         About the origin, body frame.
     force, torque : Matrix
         Resultants, frame O and body frame.
+    second : Matrix, optional
+        Second moment K = Σ m s′s′ᵀ, where it is known: I = tr(K) − K, and ω̃′Iω′ = −ω̃′Kω′ without
+        the trace, which cancels.
     """
 
     mass: Scalar
@@ -71,6 +74,7 @@ class Body:
     inertia: Matrix
     force: Matrix
     torque: Matrix
+    second: Matrix | None = None
 
 
 def derive(package: str) -> Derivation:
@@ -86,10 +90,11 @@ def newton_euler(body: Body) -> tuple[Matrix, Matrix]:
         [[mul(body.mass, Identity(3)), neg(coupling)], [mul(arm, transpose(A)), body.inertia]]
     )
     omega = symbol(OMEGA_B)
+    turning = neg(body.inertia) if body.second is None else body.second
     right = BlockMatrix(
         [
             [add(body.force, mul(A, spin, arm, omega))],
-            [add(body.torque, neg(mul(spin, body.inertia, omega)))],
+            [add(body.torque, mul(spin, turning, omega))],
         ]
     )
     return matrix, right
@@ -292,6 +297,7 @@ class _Points:
             ),
             Named("F", add(*self.forces)),
             Named("N_b", add(*torques)),
+            Named("K", add(*(mul(m, s, transpose(s)) for m, s in pairs))),
         )
 
     def _rows(self, quantity: Quantity) -> list[tuple[Any, ...]]:

@@ -100,7 +100,15 @@ def _definitions(body: Body) -> tuple[Step, ...]:
         Step(MatrixSymbol("I_A", 3, 3), body.inertia.value, "J_k = s′_k~ᵀ s′_k~: inertia", ""),
         Step(MatrixSymbol("F", 3, 1), body.force.value, "internal forces cancel in pairs", ""),
         Step(MatrixSymbol("N_b", 3, 1), body.torque.value, "and so do their torques", ""),
+        *_second_moment(body),
     )
+
+
+def _second_moment(body: Body) -> tuple[Step, ...]:
+    if body.second is None:
+        return ()
+    rule = "second moment: I_A = tr(K) I − K, so that ω′~ I_A ω′ = −ω′~ K ω′"
+    return (Step(MatrixSymbol("K", 3, 3), body.second.value, rule, ""),)
 
 
 def _collected_force(
