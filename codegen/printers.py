@@ -37,10 +37,13 @@ class Text:
         The expression.
     precedence : Precedence
         Of its outermost operation.
+    is_number : bool
+        Whether it is a constant.
     """
 
     text: str
     precedence: Precedence = Precedence.ATOM
+    is_number: bool = False
 
     def within(self, least: Precedence) -> str:
         """Return the text, in parentheses if it binds less tightly than ``least``."""
@@ -67,7 +70,8 @@ class Printer:
         text = literal(value)
         if "inf" in text or "nan" in text:
             raise EmitError(f"the constant {text} is not a double; scale the formula")
-        return Text(text, Precedence.SIGN if text.startswith("-") else Precedence.ATOM)
+        level = Precedence.SIGN if text.startswith("-") else Precedence.ATOM
+        return Text(text, level, is_number=True)
 
     def apply(self, op: Op, args: Sequence[Text]) -> Text:
         """Print ``op`` of printed operands."""
@@ -80,7 +84,9 @@ class Printer:
         if len(args) == 1:
             return Text(f"{sign}{args[0].within(tighter)}", level)
         left, right = args
-        if op in _COMMUTATIVE and right.precedence == level != left.precedence:
+        is_chain = right.precedence == level != left.precedence
+        is_factor = op is Op.MUL and right.is_number
+        if op in _COMMUTATIVE and (is_chain or is_factor):
             left, right = right, left
         return Text(f"{left.within(level)} {sign} {right.within(tighter)}", level)
 

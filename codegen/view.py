@@ -15,6 +15,7 @@ from kousoku.codegen.view_body import (
     layout,
     output_text,
     straight_line,
+    with_outputs,
 )
 from kousoku.codegen.view_names import Namer, checked
 
@@ -47,7 +48,7 @@ class ArgumentView:
         Shape with leading axes, and unit.
     meaning : str
         Of what, in which frame.
-    row : str
+    rows : tuple of str
         Of the argument table: symbol, shape, unit, meaning.
     is_used : bool
         Whether any output depends on it.
@@ -60,7 +61,7 @@ class ArgumentView:
     shape: str
     batched: str
     meaning: str
-    row: str
+    rows: tuple[str, ...]
     is_used: bool
 
 
@@ -72,12 +73,16 @@ class BodyView:
     ----------
     name : str
         ``all``, or the output.
+    function : str
+        Name of the function in NumPy.
     inputs, outputs : tuple of ArgumentView
         What it reads and writes.
     arguments : str
         The symbols of both, as a call of C passes them.
     components : tuple of str
         For each input the names of its elements, where the target unpacks them.
+    first : tuple of (str, str)
+        Elements of outputs that need no shared term, and their expressions.
     statements : tuple of Statement
         The shared terms.
     results : tuple of OutputText
@@ -85,10 +90,12 @@ class BodyView:
     """
 
     name: str
+    function: str
     inputs: tuple[ArgumentView, ...]
     outputs: tuple[ArgumentView, ...]
     arguments: str
     components: tuple[str, ...]
+    first: tuple[tuple[str, str], ...]
     statements: tuple[Statement, ...]
     results: tuple[OutputText, ...]
 
@@ -128,8 +135,10 @@ class KernelView:
 
     Parameters
     ----------
-    name, title : str
+    name : str
         As in the kernel.
+    heading : tuple of str
+        Package, kernel and title, in lines that fit.
     summary : str
         First line of a docstring.
     about : tuple of str
@@ -147,7 +156,7 @@ class KernelView:
     """
 
     name: str
-    title: str
+    heading: tuple[str, ...]
     summary: str
     about: tuple[str, ...]
     cost: str
@@ -225,7 +234,7 @@ def kernel_view(kernel: Kernel) -> KernelView:
     about = (*_wrapped(kernel.formula), *_wrapped(f"({kernel.source})" if kernel.source else ""))
     return KernelView(
         name=checked(kernel.name, "kernel name"),
-        title=_plain(kernel.title),
+        heading=_wrapped(f"{kernel.name}: {kernel.title}"),
         summary=shorten(f"Evaluate {kernel.name}: {_plain(kernel.title)}", 90).rstrip(".") + ".",
         about=about,
         cost=_cost(kernel),
@@ -254,16 +263,20 @@ def _arguments(
             shape=str(quantity.shape),
             batched=f"{_batched(quantity.shape)} [{quantity.unit}]",
             meaning=_plain(quantity.meaning),
-            row="  ".join(
-                [cell.ljust(width) for cell, width in zip(cells, widths, strict=True)]
-                + [_plain(quantity.meaning)]
-            ).rstrip(),
+            rows=_table_rows(cells, widths, _plain(quantity.meaning)),
             is_used=quantity.name in used,
         )
         for index, (quantity, symbol, cells) in enumerate(
             zip(quantities, symbols, columns, strict=True)
         )
     )
+
+
+def _table_rows(cells: Sequence[str], widths: Sequence[int], meaning: str) -> tuple[str, ...]:
+    left = "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=True))
+    lines = wrap(meaning, width=max(30, 88 - len(left))) or [""]
+    margin = " " * len(left)
+    return tuple(f"{margin if k else left}{line}".rstrip() for k, line in enumerate(lines))
 
 
 def _batched(shape: tuple[int, ...]) -> str:
@@ -342,20 +355,34 @@ class _Choice:
         statements, texts = straight_line(plan, printer, leaves, namer)
         symbols = [kernel.nodes[node].symbol for node in texts]
         reads = {symbol[0] for symbol in symbols if symbol is not None}
-        read = tuple(a for a in inputs if a.name in reads)
         written = tuple(outputs[k] for k in self.outputs)
+        is_all = len(written) == len(outputs)
+        is_public = is_all and printer is printers.NUMPY
+        read = tuple(a for a in inputs if is_public or a.name in reads)
+        results = tuple(output_text(kernel, a.index, a.symbol, texts) for a in written)
+        first, statements = with_outputs(plan, statements, results)
         return BodyView(
-            name=written[0].name if len(written) < len(outputs) else "all",
+            name="all" if is_all else written[0].name,
+            function=f"{kernel.name}_elements"
+            if is_public
+            else f"_{kernel.name}_{written[0].name}",
             inputs=read,
             outputs=written,
             arguments=_joined([a.symbol for a in (*read, *written)]),
             components=tuple(
-                ", ".join(leaves[a.name, k] for k in range(a.size)) + ("," if a.size == 1 else "")
+                f"({leaves[a.name, 0]},)"
+                if a.size == 1
+                else ", ".join(leaves[a.name, k] for k in range(a.size))
                 for a in read
             ),
+            first=first,
             statements=statements,
-            results=tuple(output_text(kernel, a.index, a.symbol, texts) for a in written),
+            results=results,
         )
+
+
+def _components(names: Sequence[str]) -> str:
+    return f"({names[0]},)" if len(names) == 1 else ", ".join(names)
 
 
 def _cost(kernel: Kernel) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.graph import Op
@@ -32,12 +32,15 @@ class Statement:
         What is called; empty for arithmetic.
     arguments : tuple of str
         Of the call: names, never expressions.
+    ready : tuple of (str, str)
+        The elements of outputs that can be written now, and their expressions.
     """
 
     name: str
     text: str
     function: str
     arguments: tuple[str, ...]
+    ready: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,10 +55,8 @@ class OutputText:
         Count of its elements.
     elements : tuple of str
         The expressions of all elements.
-    written : tuple of (int, str)
-        Flat index and expression of each element that is not a number.
     numbers : tuple of (int, str)
-        Likewise of each that is a number, zero left out.
+        Flat index and text of those that are numbers, zero left out.
     has_zeros : bool
         Whether some are identically zero.
     """
@@ -63,7 +64,6 @@ class OutputText:
     name: str
     size: int
     elements: tuple[str, ...]
-    written: tuple[tuple[int, str], ...]
     numbers: tuple[tuple[int, str], ...]
     has_zeros: bool
 
@@ -180,7 +180,32 @@ def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, str]
         name=name,
         size=len(nodes),
         elements=tuple(texts[node] for node in nodes),
-        written=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k] is None),
         numbers=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k]),
         has_zeros=any(value == 0 for value in values),
+    )
+
+
+def with_outputs(
+    plan: Layout,
+    statements: Sequence[Statement],
+    outputs: Sequence[OutputText],
+) -> tuple[tuple[tuple[str, str], ...], tuple[Statement, ...]]:
+    """Return what can be written at once, and the statements with what each makes ready.
+
+    To write early keeps few values alive, and spreads the traffic to memory.
+    """
+    kernel = plan.kernel
+    line = {node: k for k, node in enumerate(plan.lines)}
+    known: dict[int, int] = {}
+    for node in plan.live:
+        args = kernel.nodes[node].args
+        known[node] = line.get(node, max((known[arg] for arg in args), default=-1))
+    ready: list[list[tuple[str, str]]] = [[] for _ in range(len(statements) + 1)]
+    for output, text in zip(plan.outputs, outputs, strict=True):
+        for k, node in enumerate(kernel.results[output]):
+            if kernel.nodes[node].value is None:
+                ready[known[node]].append((f"{text.name}[{k}]", text.elements[k]))
+    return tuple(ready[-1]), tuple(
+        replace(statement, ready=tuple(items))
+        for statement, items in zip(statements, ready, strict=False)
     )

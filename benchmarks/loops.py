@@ -1,0 +1,184 @@
+"""Single calls in a loop: each program in its own compilation units, all with the same flags."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from p2 import SIZES
+from peers import MissingPeerError, casadi_source, symforce_header
+
+from kousoku.runtime.toolchain import find_toolchain
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    import numpy as np
+
+_STEPS = [f"in[{k}] + {size} * i" for k, size in enumerate(SIZES.values())]
+_OUT = ["out[0] + 2 * i", "out[1] + 24 * i"]
+_LOOP = """
+void loop(size_t n, const double *const *in, double *const *out)
+{
+    for (size_t i = 0; i < n; ++i) {
+        BODY
+    }
+}
+"""
+_INCLUDES = ("/usr/include", "/usr/local/include", "/opt/homebrew/include", "/opt/local/include")
+
+
+class Loop:
+    """n single calls of one program.
+
+    Parameters
+    ----------
+    library : Path
+        Exports ``loop``.
+    """
+
+    def __init__(self, library: Path) -> None:
+        self._loop = ctypes.CDLL(str(library)).loop
+        self._loop.restype = None
+
+    def bind(
+        self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
+    ) -> Callable[[], None]:
+        """Return a function without arguments that evaluates all rows."""
+        ins, outs = _pointers(inputs), _pointers(outputs)
+        n = ctypes.c_size_t(len(inputs[0]))
+        return lambda: self._loop(n, ins, outs)
+
+
+def kousoku_loop(folder: Path, package: Path) -> Loop:
+    """Build the loop over the emitted C."""
+    text = '#include "kernels.h"\n' + _LOOP.replace(
+        "BODY", f"kousoku_p2_z_constraint({', '.join([*_STEPS, *_OUT])});"
+    )
+    return _build(folder / "kousoku_loop.c", text, [package / "kernels.c"], [f"-I{package}"])
+
+
+def casadi_loop(folder: Path, *, cse: bool) -> Loop:
+    """Build the loop over CasADi's C; its matrices are column-major."""
+    source = casadi_source(folder, cse=cse)
+    call = (
+        f"const double *arguments[] = {{{', '.join(_STEPS)}}};\n"
+        f"        double *results[] = {{{', '.join(_OUT)}}};\n"
+        f"        {source.stem}(arguments, results, 0, 0, 0);"
+    )
+    text = f'#include <stddef.h>\n#include "{source.stem}.h"\n' + _LOOP.replace("BODY", call)
+    return _build(folder / f"{source.stem}_loop.c", text, [source], [])
+
+
+def symforce_loop(folder: Path) -> Loop:
+    """Build the loop over SymForce's C++; its matrices are column-major.
+
+    Raises
+    ------
+    MissingPeerError
+        SymForce, Eigen or a C++ compiler is not there.
+    """
+    header = symforce_header(folder)
+    eigen = [path for base in _INCLUDES if (path := Path(base) / "eigen3").is_dir()]
+    if not eigen:
+        raise MissingPeerError(
+            "SymForce's C++ needs the headers of Eigen (apt-get install libeigen3-dev)"
+        )
+    types = [f"Eigen::Matrix<double, {size}, 1>" for size in SIZES.values()]
+    parameters = [f"const {kind} &{name}" for kind, name in zip(types, SIZES, strict=True)]
+    declaration = (
+        f"void symforce_once({', '.join(parameters)}, "
+        "Eigen::Matrix<double, 2, 1> *C, Eigen::Matrix<double, 2, 12> *C_q)"
+    )
+    unit = folder / "symforce_once.cpp"
+    unit.write_text(
+        f'#include "{header.name}"\n{declaration}\n'
+        f"{{\n    sym::SymforceP2<double>({', '.join(SIZES)}, C, C_q);\n}}\n"
+    )
+    steps = [
+        f"*reinterpret_cast<const {kind} *>({step})"
+        for kind, step in zip(types, _STEPS, strict=True)
+    ]
+    call = (
+        f"symforce_once({', '.join(steps)}, "
+        f"reinterpret_cast<Eigen::Matrix<double, 2, 1> *>({_OUT[0]}), "
+        f"reinterpret_cast<Eigen::Matrix<double, 2, 12> *>({_OUT[1]}));"
+    )
+    text = (
+        f"#include <Eigen/Core>\n#include <cstddef>\nusing std::size_t;\n{declaration};\n"
+        'extern "C"' + _LOOP.replace("BODY", call)
+    )
+    return _build(folder / "symforce_loop.cpp", text, [unit], [f"-I{eigen[0]}"])
+
+
+class Batch:
+    """The emitted batch entry points, built with the same flags.
+
+    Parameters
+    ----------
+    folder, package : Path
+        Where to build, and the generated folder.
+    """
+
+    def __init__(self, folder: Path, package: Path) -> None:
+        library = folder / "batch.so"
+        sources = [str(package / name) for name in ("kernels.c", "kernels_batch.c")]
+        subprocess.run(find_toolchain().compile_command(sources, str(library)), check=True)
+        exported = ctypes.CDLL(str(library))
+        exported.kousoku_p2_z_lanes.restype = ctypes.c_size_t
+        self.width = int(exported.kousoku_p2_z_lanes())
+        self._rows = exported.kousoku_p2_z_constraint_batch
+        self._lanes = exported.kousoku_p2_z_constraint_lanes
+
+    def rows(
+        self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
+    ) -> Callable[[], None]:
+        """Return a function that evaluates arrays with the batch axis first."""
+        ins, outs = _pointers(inputs), _pointers(outputs)
+        strides = (ctypes.c_size_t * len(inputs))(*SIZES.values())
+        n = ctypes.c_size_t(len(inputs[0]))
+        return lambda: self._rows(n, ins, strides, outs)
+
+    def lanes(
+        self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
+    ) -> Callable[[], None]:
+        """Return a function that evaluates arrays laid out [block][element][lane]."""
+        ins, outs = _pointers(inputs), _pointers(outputs)
+        n_blocks = ctypes.c_size_t(len(inputs[0]))
+        return lambda: self._lanes(n_blocks, ins, outs)
+
+
+def _pointers(arrays: Sequence[np.ndarray]) -> ctypes.Array[ctypes.c_void_p]:
+    return (ctypes.c_void_p * len(arrays))(*(array.ctypes.data for array in arrays))
+
+
+def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str]) -> Loop:
+    """Compile the loop and the program, each a unit of its own, into one library."""
+    loop.write_text(text)
+    library = loop.with_suffix(".so")
+    toolchain = find_toolchain()
+    files = [str(path) for path in (loop, *sources)]
+    command = list(toolchain.compile_command(files, str(library), [f"-I{loop.parent}", *extra]))
+    if loop.suffix == ".cpp":
+        command[: len(toolchain.command)] = _cpp_compiler(toolchain.command)
+        command[command.index("-std=c99")] = "-std=c++17"
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise MissingPeerError(f"{loop.name} does not compile:\n{done.stderr}")
+    return Loop(library)
+
+
+def _cpp_compiler(command: Sequence[str]) -> list[str]:
+    """Return the C++ compiler that goes with a C compiler."""
+    *before, last = command
+    name = Path(last).name
+    for c, cpp in (("clang", "clang++"), ("gcc", "g++"), ("cc", "c++")):
+        if c in name:
+            other = str(Path(last).with_name(name.replace(c, cpp)))
+            found = other if before else shutil.which(other)
+            if found:
+                return [*before, found]
+    raise MissingPeerError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")

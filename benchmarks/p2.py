@@ -1,0 +1,147 @@
+"""The contest: two-row p2 with all of C and C_q, 26 numbers from 23 run-time arguments.
+
+Every program gets the same formula (lecture 8.2, (8.16), on homogeneous Euler parameters), with
+what it has in common written once, so that no peer pays for a clumsy statement of the problem.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.codegen.tape import record, run
+from kousoku.symbolic.kinds import derive
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+PACKAGE = "p2_z"
+#: Inputs by name and size; the rows are those of the largest component of a, here z.
+SIZES = {"r_i": 3, "p_i": 4, "a_i_b": 3, "s_i_b": 3, "r_j": 3, "p_j": 4, "s_j_b": 3}
+N_IN, N_OUT = sum(SIZES.values()), 26
+#: Evaluations whose error is measured.
+SAMPLE = 48
+
+Vector = list[Any]
+
+
+def p2(
+    r_i: Vector, p_i: Vector, a: Vector, s_i: Vector, r_j: Vector, p_j: Vector, s_j: Vector
+) -> tuple[Vector, list[Vector]]:
+    """Return C and the rows of C_q over any numbers that can be added and multiplied.
+
+    C = S ã A_iᵀ (r_j + A_j s_j − r_i − A_i s_i), and with y = A_iᵀ (r_j + A_j s_j − r_i) the blocks
+    of C_q are −S ã A_iᵀ, S ã ỹ, S ã A_iᵀ, −S ã A_iᵀ A_j s̃_j; S keeps the rows x and y.
+    """
+    to_i, a_j = _transposed(_rotation(p_i)), _rotation(p_j)
+    far = [r + x - o for r, x, o in zip(r_j, _times(a_j, s_j), r_i, strict=True)]
+    y = [_dot(row, far) for row in to_i]
+    length = _dot(p_i, p_i)
+    d = [x - length * length * s for x, s in zip(y, s_i, strict=True)]
+    moved = _transposed([_cross(row, s_j) for row in a_j])
+    c, rows = [], []
+    for k in (0, 1):
+        c.append(_row(a, k, d))
+        block = [_row(a, k, column) for column in _transposed(to_i)]
+        turn_i = _turned(a, k, y)
+        turn_j = [-_dot(block, column) for column in moved]
+        rows.append([*(-x for x in block), *turn_i, *block, *turn_j])
+    return c, rows
+
+
+def _rotation(p: Vector) -> list[Vector]:
+    e0, e1, e2, e3 = p
+    return [
+        [e0 * e0 + e1 * e1 - e2 * e2 - e3 * e3, 2 * (e1 * e2 - e0 * e3), 2 * (e1 * e3 + e0 * e2)],
+        [2 * (e1 * e2 + e0 * e3), e0 * e0 - e1 * e1 + e2 * e2 - e3 * e3, 2 * (e2 * e3 - e0 * e1)],
+        [2 * (e1 * e3 - e0 * e2), 2 * (e2 * e3 + e0 * e1), e0 * e0 - e1 * e1 - e2 * e2 + e3 * e3],
+    ]
+
+
+def _transposed(rows: list[Vector]) -> list[Vector]:
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def _dot(a: Vector, b: Vector) -> Any:
+    total = a[0] * b[0]
+    for x, y in zip(a[1:], b[1:], strict=True):
+        total = total + x * y
+    return total
+
+
+def _times(matrix: list[Vector], x: Vector) -> Vector:
+    return [_dot(row, x) for row in matrix]
+
+
+def _row(a: Vector, k: int, x: Vector) -> Any:
+    """Return row k of ã x."""
+    return a[1] * x[2] - a[2] * x[1] if k == 0 else a[2] * x[0] - a[0] * x[2]
+
+
+def _cross(row: Vector, s: Vector) -> Vector:
+    """Return the row vector times s̃."""
+    return [
+        row[1] * s[2] - row[2] * s[1],
+        row[2] * s[0] - row[0] * s[2],
+        row[0] * s[1] - row[1] * s[0],
+    ]
+
+
+def _turned(a: Vector, k: int, y: Vector) -> Vector:
+    """Return row k of ã ỹ."""
+    if k == 0:
+        return [-(a[1] * y[1] + a[2] * y[2]), a[1] * y[0], a[2] * y[0]]
+    return [a[0] * y[1], -(a[0] * y[0] + a[2] * y[2]), a[2] * y[1]]
+
+
+def symbols(make: Callable[[str], Any]) -> list[Vector]:
+    """Return the 23 arguments, array by array, as symbols of some system."""
+    return [[make(f"{name}_{k}") for k in range(size)] for name, size in SIZES.items()]
+
+
+def inputs(n: int) -> list[np.ndarray]:
+    """Return n ordinary evaluations, row-major: unit quaternions, lengths of order one.
+
+    The first evaluations are the same for every n, and every array begins a cache line.
+    """
+    table = np.random.default_rng(1981).normal(size=(n, N_IN))
+    parts = np.split(table, np.cumsum([*SIZES.values()])[:-1], axis=1)
+    return [
+        aligned(part / np.linalg.norm(part, axis=1, keepdims=True) if name[0] == "p" else part)
+        for name, part in zip(SIZES, parts, strict=True)
+    ]
+
+
+def aligned(values: np.ndarray) -> np.ndarray:
+    """Return a copy, row-major, that begins at a multiple of 64 bytes."""
+    memory = np.empty(values.size + 8)
+    start = -memory.ctypes.data // 8 % 8
+    array = memory[start : start + values.size].reshape(values.shape)
+    array[...] = values
+    return array
+
+
+class Judge:
+    """Measures errors against 50 digits, in the unit u·(|f| + Σ|x_i ∂f/∂x_i|), u = 2⁻⁵³."""
+
+    def __init__(self) -> None:
+        function = next(f for f in derive(PACKAGE).functions if f.name == "constraint")
+        tape = record(function)
+        self.inputs = inputs(SAMPLE)
+        self._wanted = []
+        for k in range(SAMPLE):
+            point = {name: x[k].tolist() for name, x in zip(SIZES, self.inputs, strict=True)}
+            duals = run(tape, point)
+            numbers = [point[name][index] for name, index in tape.inputs]
+            for place, dual in enumerate([*duals["C"], *duals["C_q"]]):
+                moved = sum(abs(numbers[i] * x) for i, x in dual.gradient.items())
+                unit = 2.0**-53 * float(abs(dual.value) + moved)
+                self._wanted.append((k, place, dual.value, unit))
+
+    def worst(self, c: np.ndarray, c_q: np.ndarray) -> float:
+        """Return the largest error of the sample, C (n, 2) and C_q (n, 2, 12), in units."""
+        numbers = np.concatenate([c[:SAMPLE], c_q[:SAMPLE].reshape(-1, 24)], axis=1)
+        return max(
+            float(abs(value - numbers[k, place])) / unit for k, place, value, unit in self._wanted
+        )

@@ -1,0 +1,102 @@
+"""The peers, each set up as its documentation advises, from the same formula."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from p2 import SIZES, p2, symbols
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+
+class MissingPeerError(Exception):
+    """A program to compare with is not installed."""
+
+
+def required(name: str) -> Any:
+    """Import a peer.
+
+    Raises
+    ------
+    MissingPeerError
+        It is not installed.
+    """
+    try:
+        return import_module(name)
+    except ImportError as error:
+        raise MissingPeerError(
+            f"the benchmark needs {name} ({error}); pip install 'kousoku[bench]'"
+        ) from error
+
+
+def casadi_source(folder: Path, *, cse: bool) -> Path:
+    """Write CasADi's C of p2, with or without its elimination of common subexpressions."""
+    casadi = required("casadi")
+    name = "casadi_cse" if cse else "casadi_plain"
+    arguments = symbols(casadi.SX.sym)
+    c, rows = p2(*arguments)
+    outputs = [casadi.vertcat(*c), casadi.vertcat(*(casadi.horzcat(*row) for row in rows))]
+    columns = [casadi.vertcat(*argument) for argument in arguments]
+    function = casadi.Function(name, columns, outputs, {"cse": cse})
+    generator = casadi.CodeGenerator(f"{name}.c", {"with_header": True})
+    generator.add(function)
+    generator.generate(f"{folder}/")
+    return folder / f"{name}.c"
+
+
+def symforce_header(folder: Path) -> Path:
+    """Write SymForce's C++ of p2."""
+    required("symforce").set_epsilon_to_number()
+    sf = required("symforce.symbolic")
+    codegen = required("symforce.codegen")
+
+    def symforce_p2(
+        r_i: Any, p_i: Any, a_i_b: Any, s_i_b: Any, r_j: Any, p_j: Any, s_j_b: Any
+    ) -> tuple[Any, Any]:
+        arguments = (r_i, p_i, a_i_b, s_i_b, r_j, p_j, s_j_b)
+        c, rows = p2(*(list(argument.to_storage()) for argument in arguments))
+        return sf.V2(*c), sf.Matrix(2, 12, [x for row in rows for x in row])
+
+    made = codegen.Codegen.function(
+        symforce_p2,
+        config=codegen.CppConfig(),
+        input_types=[sf.V3 if size == 3 else sf.V4 for size in SIZES.values()],
+        output_names=["C", "C_q"],
+    )
+    files = made.generate_function(output_dir=folder, skip_directory_nesting=True)
+    return Path(files.generated_files[0])
+
+
+def heyoka_functions() -> dict[str, Callable[..., Any]]:
+    """Return heyoka's compiled functions, which take (23, n) and give (26, n), on one thread.
+
+    Both settings of ``force_avx512``, because the better one depends on the processor.
+    """
+    heyoka = required("heyoka")
+    heyoka.set_nthreads(1)
+    arguments = symbols(heyoka.make_vars)
+    c, rows = p2(*arguments)
+    outputs, variables = [*c, *rows[0], *rows[1]], [x for xs in arguments for x in xs]
+    return {
+        "heyoka cfunc": heyoka.cfunc(outputs, variables),
+        "heyoka cfunc, force_avx512": heyoka.cfunc(outputs, variables, force_avx512=True),
+    }
+
+
+def lambdified() -> Callable[..., Sequence[Any]]:
+    """Return SymPy's NumPy function of 23 arguments, a list of 26 numbers or arrays."""
+    sympy = required("sympy")
+    arguments = symbols(sympy.Symbol)
+    c, rows = p2(*arguments)
+    flat = [x for xs in arguments for x in xs]
+    return sympy.lambdify(flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True)
+
+
+def stacked(values: Sequence[Any], c: np.ndarray, c_q: np.ndarray) -> None:
+    """Write what :func:`lambdified` returns into C (n, 2) and C_q (n, 2, 12)."""
+    np.stack(values[:2], axis=-1, out=c)
+    np.stack(values[2:], axis=-1, out=c_q.reshape(*c_q.shape[:-2], 24))
