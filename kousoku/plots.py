@@ -5,6 +5,7 @@ Needs matplotlib (the extra ``plot``). The same numbers give the same bytes of S
 
 from __future__ import annotations
 
+import io
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
@@ -131,9 +132,19 @@ def draw_vectors(
 
 def save(figure: Figure, path: Path) -> None:
     """Write a figure; the suffix of the path chooses the format."""
-    metadata = {"Date": None} if path.suffix == ".svg" else None
+    if path.suffix == ".svg":
+        path.write_text(to_svg(figure), encoding="utf-8", newline="\n")
+        return
     with mpl.rc_context(_STYLE):
-        figure.savefig(path, metadata=metadata)
+        figure.savefig(path)
+
+
+def to_svg(figure: Figure) -> str:
+    """Return a figure as SVG, the same text in every run."""
+    text = io.StringIO()
+    with mpl.rc_context(_STYLE):
+        figure.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()
 
 
 def _scale(path: Array, vectors: Array, links: Sequence[Array]) -> float:

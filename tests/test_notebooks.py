@@ -30,7 +30,8 @@ def shown(notebook: Any) -> list[list[tuple[str, str]]]:
         seen = []
         for output in cell.outputs:
             if output.output_type == "stream":
-                seen.append((output.name, output.text))
+                if output.name == "stdout":  # stderr tells about the machine: no compiler here
+                    seen.append((output.name, output.text))
                 continue
             assert output.output_type != "error", output
             has_picture = any(media.startswith("image/") for media in output.data)
