@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.kernel import Kernel, Package
-    from kousoku.codegen.view import PackageView
+    from kousoku.codegen.view_records import PackageView
 
 #: File of the generated folder, and its template.
 FILES = {

@@ -1,4 +1,4 @@
-"""What a template may see of a kernel: strings, whole numbers, and tuples of them."""
+"""From a kernel to the view of it that templates fill in."""
 
 from __future__ import annotations
 
@@ -10,14 +10,19 @@ from kousoku.codegen import printers
 from kousoku.codegen.graph import Op
 from kousoku.codegen.view_body import (
     Layout,
-    OutputText,
-    Statement,
     layout,
     output_text,
     straight_line,
     with_outputs,
 )
 from kousoku.codegen.view_names import Namer, checked
+from kousoku.codegen.view_records import (
+    ArgumentView,
+    BodyView,
+    CallsView,
+    KernelView,
+    PackageView,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -28,171 +33,6 @@ if TYPE_CHECKING:
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
-
-
-@dataclass(frozen=True, slots=True)
-class ArgumentView:
-    """An input or an output.
-
-    Parameters
-    ----------
-    name : str
-        As the caller knows it.
-    symbol : str
-        As the text calls it.
-    index, size : int
-        Place among the inputs or outputs; count of numbers in one evaluation.
-    shape : str
-        The shape as Python writes it.
-    batched : str
-        Shape with leading axes, and unit.
-    meaning : str
-        Of what, in which frame.
-    rows : tuple of str
-        Of the argument table: symbol, shape, unit, meaning.
-    is_used : bool
-        Whether any output depends on it.
-    """
-
-    name: str
-    symbol: str
-    index: int
-    size: int
-    shape: str
-    batched: str
-    meaning: str
-    rows: tuple[str, ...]
-    is_used: bool
-
-
-@dataclass(frozen=True, slots=True)
-class BodyView:
-    """The straight-line code of one choice of outputs.
-
-    Parameters
-    ----------
-    name : str
-        ``all``, or the output.
-    function : str
-        Name of the function in NumPy.
-    inputs, outputs : tuple of ArgumentView
-        What it reads and writes.
-    arguments : str
-        The symbols of both, as a call of C passes them.
-    components : tuple of str
-        For each input the names of its elements, where the target unpacks them.
-    first : tuple of (str, str)
-        Elements of outputs that need no shared term, and their expressions.
-    statements : tuple of Statement
-        The shared terms.
-    results : tuple of OutputText
-        What is written, output by output.
-    """
-
-    name: str
-    function: str
-    inputs: tuple[ArgumentView, ...]
-    outputs: tuple[ArgumentView, ...]
-    arguments: str
-    components: tuple[str, ...]
-    first: tuple[tuple[str, str], ...]
-    statements: tuple[Statement, ...]
-    results: tuple[OutputText, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class CallsView:
-    """All inputs and outputs of a kernel, as calls of C pass them.
-
-    Parameters
-    ----------
-    symbols : str
-        By their own names.
-    pointers : str
-        Elements of the arrays of pointers ``in`` and ``out``.
-    single : str
-        Evaluation ``i`` of the arrays.
-    lanes : str
-        Block ``block`` of the lanes layout.
-    wanted : str
-        By their own names; NULL where the caller's pointer is.
-    names_in, names_out : str
-        The names as strings.
-    """
-
-    symbols: str
-    pointers: str
-    single: str
-    lanes: str
-    wanted: str
-    names_in: str
-    names_out: str
-
-
-@dataclass(frozen=True, slots=True)
-class KernelView:
-    """One kernel.
-
-    Parameters
-    ----------
-    name : str
-        As in the kernel.
-    heading : tuple of str
-        Package, kernel and title, in lines that fit.
-    summary : str
-        First line of a docstring.
-    about : tuple of str
-        Lines of the formula and its source.
-    cost : str
-        Count of operations, and what it would be without sharing.
-    inputs, outputs : tuple of ArgumentView
-        In the order of the arguments.
-    calls : CallsView
-        Arguments that differ only in where they come from.
-    c, numpy : tuple of BodyView
-        The code for all outputs first, then, if there are several, for each alone.
-    is_polynomial : bool
-        Whether Python's floats give what arrays give.
-    """
-
-    name: str
-    heading: tuple[str, ...]
-    summary: str
-    about: tuple[str, ...]
-    cost: str
-    inputs: tuple[ArgumentView, ...]
-    outputs: tuple[ArgumentView, ...]
-    calls: CallsView
-    c: tuple[BodyView, ...]
-    numpy: tuple[BodyView, ...]
-    is_polynomial: bool
-
-
-@dataclass(frozen=True, slots=True)
-class PackageView:
-    """What the templates of all files get.
-
-    Parameters
-    ----------
-    name, title, regenerate, version, digest : str
-        As in the manifest.
-    kernels : tuple of KernelView
-        In the order of the text.
-    input_sizes, output_sizes : tuple of int
-        The sizes of all inputs and of all outputs of all kernels, ascending.
-    functions : tuple of (str, int)
-        C name and count of operands of each function that the kernels call.
-    """
-
-    name: str
-    title: str
-    regenerate: str
-    version: str
-    digest: str
-    kernels: tuple[KernelView, ...]
-    input_sizes: tuple[int, ...]
-    output_sizes: tuple[int, ...]
-    functions: tuple[tuple[str, int], ...]
 
 
 def package_view(package: Package, version: str, digest: str) -> PackageView:
