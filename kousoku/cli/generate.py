@@ -85,7 +85,13 @@ def generate(
         print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
         return
     for folder, changed in rows:
-        typer.echo(f"{folder}: {', '.join(changed) if changed else 'unchanged'}")
+        typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
+
+
+def _shown(folder: Path) -> Path:
+    """Return a folder as the user would type it here."""
+    here = Path.cwd()
+    return folder.relative_to(here) if folder.is_relative_to(here) else folder
 
 
 def _only(tree: SourceTree, target: Emitted) -> SourceTree:
