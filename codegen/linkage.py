@@ -10,6 +10,7 @@ from kousoku.codegen.linkage_blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage_emit import emit_scene
 from kousoku.codegen.linkage_kernels import block_kernels
 from kousoku.codegen.linkage_layout import Layout
+from kousoku.codegen.linkage_link import rows_of
 from kousoku.codegen.linkage_outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage_reference import references
 from kousoku.codegen.linkage_view import SolverView, solver_view
@@ -60,8 +61,7 @@ def specialise(system: System, link: Package) -> Program:
     scene = system.scene
     wanted = [term.coordinate for _, x, y in system.nodes for term in (x, y)]
     blocks = live_blocks(system, triangular_blocks(system), wanted)
-    frozen = {kernel.name: kernel for kernel in link.kernels}
-    layout = Layout(system, blocks, frozen["deformation"], frozen["rate"])
+    layout = Layout(system, blocks, rows_of(link))
     kernels = [kernel for number in range(len(blocks)) for kernel in block_kernels(layout, number)]
     kernels.append(node_kernel(layout))
     if "angles" in scene.outputs:

@@ -111,8 +111,8 @@ class Exact:
             ]
         if order == 0:
             inputs["offset"] = [zero, zero]
-        kernel = self.layout.link_rate if order else self.layout.link
-        return evaluate(kernel, inputs, self.arithmetic)
+        link = self.layout.link[row]
+        return evaluate(link.rate if order else link.deformation, inputs, self.arithmetic)
 
     def _deformation(self, element: Element, row: int) -> tuple[Any, dict[int, Any]]:
         """Return ε of a row and its derivatives by coordinates."""
@@ -120,12 +120,12 @@ class Exact:
         slope: dict[int, Any] = {}
         for place in DEPENDS[row]:
             term = element.ends[place]
-            part = values["D"][6 * row + place]
+            part = values["D"][place]
             if term.factor != 1:
                 part = part * self.constant(("factor", term), term.factor)
             known = slope.get(term.coordinate)
             slope[term.coordinate] = part if known is None else known + part
-        return values["epsilon"][row], slope
+        return values["epsilon"][0], slope
 
     def _carried(self, element: Element, row: int, number: int, order: int) -> Any:
         """Return D times the derivatives of what is known before the block."""
@@ -135,11 +135,11 @@ class Exact:
         for place in DEPENDS[row]:
             term = element.ends[place]
             if term.coordinate not in unknowns:
-                total = total + values["D"][6 * row + place] * self.term(term, order)
+                total = total + values["D"][place] * self.term(term, order)
         return total
 
     def _bent(self, element: Element, row: int) -> Any:
-        return self._element(element, row, 1)["D_dot_x_dot"][row]
+        return self._element(element, row, 1)["D_dot_x_dot"][0]
 
     def _angle(self, link: str) -> tuple[Any, Any, Any]:
         """Return β, β̇ = t · ḋ / l and β̈ = (t · d̈ − 2 l̇ β̇) / l."""

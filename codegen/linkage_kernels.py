@@ -49,9 +49,9 @@ def block_kernels(layout: Layout, number: int) -> tuple[Kernel, Kernel, Kernel]:
     )
 
 
-def _places(element: Element, row: int, matrix: Sequence[int]) -> list[tuple[Term, int]]:
-    """Return the ends that one row of a (3, 6) matrix depends on, each with its element."""
-    return [(element.ends[place], matrix[6 * row + place]) for place in DEPENDS[row]]
+def _places(element: Element, row: int, slopes: Sequence[int]) -> list[tuple[Term, int]]:
+    """Return the ends that one row depends on, each with the derivative by it."""
+    return [(element.ends[place], slopes[place]) for place in DEPENDS[row]]
 
 
 class _Composer:
@@ -71,8 +71,8 @@ class _Composer:
         epsilon, matrix = [], []
         for number, row in self.block.rows:
             element = self.layout.system.elements[number]
-            link = self._inline(self.layout.link, element, row)
-            epsilon.append(link["epsilon"][row])
+            link = self._inline(self.layout.link[row].deformation, element, row)
+            epsilon.append(link["epsilon"][0])
             gradient = self._gradient(_places(element, row, link["D"]))
             matrix += [gradient.get(u, self.graph.const(0)) for u in self.block.unknowns]
         unit = self.layout.system.scene.unit
@@ -101,9 +101,9 @@ class _Composer:
         rows = []
         for number, row in self.block.rows:
             element = self.layout.system.elements[number]
-            link = self._inline(self.layout.link_rate, element, row)
+            link = self._inline(self.layout.link[row].rate, element, row)
             carried = self._carried(number, row, 2)
-            rows.append(self.graph.sub(carried, link["D_dot_x_dot"][row]))
+            rows.append(self.graph.sub(carried, link["D_dot_x_dot"][0]))
         return self._kernel(
             "acceleration",
             f"right-hand side of the accelerations of {self.title}",
@@ -119,7 +119,7 @@ class _Composer:
     def _carried(self, number: int, row: int, order: int) -> int:
         """Return −D times the derivatives of the coordinates that are known by now."""
         element = self.layout.system.elements[number]
-        link = self._inline(self.layout.link, element, row)
+        link = self._inline(self.layout.link[row].deformation, element, row)
         total = self.graph.const(0)
         for term, derivative in _places(element, row, link["D"]):
             if term.coordinate not in self.block.unknowns:

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.graph import Graph
-    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.linkage_blocks import Block
+    from kousoku.codegen.linkage_link import LinkRow
     from kousoku.model.assemble import System, Term
 
 
@@ -28,16 +28,13 @@ class Layout:
         What is solved.
     blocks : tuple of Block
         In the order of solving; their unknowns, one after the other, are ``x``.
-    link : Kernel
-        ε and D of the link element, outputs ``epsilon`` and ``D``.
-    link_rate : Kernel
-        Its Ḋ ẋ, output ``D_dot_x_dot``.
+    link : tuple of LinkRow
+        ε1, ε2, ε3 of the link element.
     """
 
     system: System
     blocks: tuple[Block, ...]
-    link: Kernel
-    link_rate: Kernel
+    link: tuple[LinkRow, LinkRow, LinkRow]
 
     @property
     def unknowns(self) -> tuple[int, ...]:
