@@ -115,17 +115,17 @@ def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
 
 
 def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, k: int) -> None:
-    index = k % BLOCK if dyad.distance.size > 1 else 0
+    still = [end for end in dyad.ends if scene.nodes[end].fixed]
+    index = k % BLOCK if len(still) < len(dyad.ends) else 0
     distance, unit = float(dyad.distance[index]), scene.unit
     held = " and ".join(dyad.parts)
-    if dyad.distance.size == 1:
+    if len(still) == len(dyad.ends):
         raise SceneError(
             f"cannot be assembled: {held} meet only where {_span(dyad)} is "
             f"{_range(dyad)} {unit}, but it is {distance:.12g} {unit}",
             key=f"nodes.{dyad.node}",
         )
     cranks = [crank for crank in (known[end].crank for end in dyad.ends) if crank]
-    still = [end for end in dyad.ends if known[end].at.shape[1] == 1]
     reason = ""
     if len(cranks) == 1 and len(dyad.ends) == 1:
         reason = _slider_crank(scene, dyad, cranks[0])
@@ -223,7 +223,8 @@ def _values(scene: Scene, k: int) -> str:
 
 
 def _note(scene: Scene, dyad: Dyad, k: int) -> str:
-    where = f"at division {k} ({_values(scene, k)}) " if dyad.distance.size > 1 else ""
+    moves = not all(scene.nodes[end].fixed for end in dyad.ends)
+    where = f"at division {k} ({_values(scene, k)}) " if moves else ""
     return (
         f"{where}{' and '.join(dyad.parts)} at {dyad.node} are stretched or folded: the motion is "
         "not determined there"

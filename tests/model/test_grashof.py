@@ -246,6 +246,16 @@ def test_a_million_divisions_are_checked_in_blocks() -> None:
         four_bar(3, 4.5, 7, 10, divisions=1_000_000, start=0, to=2.1).build()
 
 
+def test_a_block_of_a_single_division_is_no_fixed_place() -> None:
+    """The last division stands alone in its block, and is the only one that does not close."""
+    builder = four_bar(3, 4.5, 7, 10, divisions=65536, start=0, to=1.9687)
+    builder.build()
+    with pytest.raises(SceneError) as caught:
+        four_bar(3, 4.5, 7, 10, divisions=65536, start=0, to=1.968710 + 2e-5).build()
+    assert "Grashof's condition (34)" in caught.value.problem
+    assert "cannot close at division 65536 (alpha = 1.96873)" in caught.value.problem
+
+
 def test_many_turns_are_checked_once() -> None:
     four_bar(3, 6, 8, 10, divisions=600_000, turns=10_000).build()
 
