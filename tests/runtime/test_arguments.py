@@ -9,8 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.runtime.arguments import Signature
+from kousoku.runtime.library import read_manifest
+
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from kousoku.runtime import Library
 
@@ -123,6 +127,20 @@ def test_outputs_that_share_memory_are_refused(library: Library) -> None:
     memory = np.empty(4)
     with pytest.raises(ValueError, match="out C and out C_q share memory"):
         library.sphere(R, LENGTH, out=(memory[:1], memory.reshape(1, 4)))
+
+
+def test_what_a_target_gets_is_aligned_and_apart_from_what_it_writes(warm_package: Path) -> None:
+    kernel = read_manifest(warm_package).kernels[0]
+    signature = Signature("tiny.sphere", kernel.inputs, kernel.outputs)
+    unaligned = np.frombuffer(b"x" + R.tobytes(), np.float64, offset=1)
+    call, _ = signature.prepare((unaligned, LENGTH), None, (True, True))
+    assert call.inputs[0].flags.aligned
+    memory = np.array([1.0, 2.0, 3.0, 9.0])
+    out = (None, memory.reshape(1, 4))
+    call, results = signature.prepare((memory[1:], LENGTH), out, (True, True))
+    assert not np.shares_memory(call.inputs[0], memory)
+    assert call.inputs[1] is LENGTH  # what needs no copy is not copied
+    assert results[0] is out[1]
 
 
 #: Ways to spoil an array.

@@ -80,6 +80,7 @@ def test_without_a_compiler_numpy_is_verified_and_the_rest_noted(
     [
         ("kernels.c", "r[0] + r[1] * r[1]", "r[0] - r[1] * r[1]", {"C", "C batch", "C lanes"}),
         ("kernels.c", "C_q[2] = t0", "C_q[2] = -t0", {"C", "C batch", "C lanes"}),
+        ("kernels.c", "C_q[0] = t0", "C_q[0] = (C ? t0 : -t0)", {"C", "C batch", "C lanes"}),
         ("kernels.c", "C_q[3] = 0.0", "C_q[3] = 1e-300", {"C", "C batch", "C lanes"}),
         ("kernels.c", "length[0] + length[0]", "2.000000000000003 * length[0]", ...),
         ("kernels_batch.c", "k * stride[1]", "k * stride[0]", {"C batch"}),
