@@ -133,23 +133,22 @@ def _calls(inputs: tuple[ArgumentView, ...], outputs: tuple[ArgumentView, ...]) 
             + [f"out[{a.index}] ? out[{a.index}] + i * {a.size} : NULL" for a in outputs]
         ),
         lanes=_joined(
-            [f"(const vec *)in[{a.index}] + block * {a.size}" for a in inputs]
-            + [f"out[{a.index}] ? (vec *)out[{a.index}] + block * {a.size} : NULL" for a in outputs]
+            [f"in[{a.index}] + block * {a.size}" for a in inputs]
+            + [f"out[{a.index}] ? out[{a.index}] + block * {a.size} : NULL" for a in outputs]
         ),
-        wanted=_joined(ins + [f"out[{a.index}] ? {a.symbol} : NULL" for a in outputs]),
         names_in=_joined([f'"{a.name}"' for a in inputs]),
         names_out=_joined([f'"{a.name}"' for a in outputs]),
     )
 
 
-def _joined(items: Sequence[str]) -> str:
+def _joined(items: Sequence[str], separator: str = ",") -> str:
     """Return a list of arguments, broken between them into lines that fit."""
     lines = [""]
     for item in items:
         if len(lines[-1]) + len(item) > 84:
             lines.append("")
-        lines[-1] += f" {item}," if lines[-1] else f"{item},"
-    return "\n            ".join(lines).removesuffix(",")
+        lines[-1] += f" {item}{separator}" if lines[-1] else f"{item}{separator}"
+    return "\n            ".join(lines).removesuffix(separator)
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +207,7 @@ class _Choice:
             else f"_{kernel.name}_{written[0].name}",
             inputs=read,
             outputs=written,
+            is_wanted=_joined([f"out[{a.index}]" for a in written], " &&"),
             arguments=_joined([a.symbol for a in (*read, *written)]),
             components=tuple(
                 f"({leaves[a.name, 0]},)"

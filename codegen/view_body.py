@@ -32,6 +32,8 @@ class Statement:
         What is called; empty for arithmetic.
     arguments : tuple of str
         Of the call: names, never expressions.
+    is_number : bool
+        Whether the value is a constant.
     ready : tuple of (str, str)
         The elements of outputs that can be written now, and their expressions.
     """
@@ -40,6 +42,7 @@ class Statement:
     text: str
     function: str
     arguments: tuple[str, ...]
+    is_number: bool
     ready: tuple[tuple[str, str], ...] = ()
 
 
@@ -152,7 +155,9 @@ def straight_line(
         if node in symbols:
             call = printer.functions.get(op, "")
             operands = tuple(texts[arg].text for arg in args) if call else ()
-            lines[node] = Statement(symbols[node], texts[node].text, call, operands)
+            lines[node] = Statement(
+                symbols[node], texts[node].text, call, operands, texts[node].is_number
+            )
             texts[node] = Text(symbols[node])
     return tuple(lines[node] for node in plan.lines), {node: t.text for node, t in texts.items()}
 

@@ -56,6 +56,8 @@ class BodyView:
         Name of the function in NumPy.
     inputs, outputs : tuple of ArgumentView
         What it reads and writes.
+    is_wanted : str
+        The condition under which a batch runs it.
     arguments : str
         The symbols of both, as a call of C passes them.
     components : tuple of str
@@ -72,6 +74,7 @@ class BodyView:
     function: str
     inputs: tuple[ArgumentView, ...]
     outputs: tuple[ArgumentView, ...]
+    is_wanted: str
     arguments: str
     components: tuple[str, ...]
     first: tuple[tuple[str, str], ...]
@@ -93,8 +96,6 @@ class CallsView:
         Evaluation ``i`` of the arrays.
     lanes : str
         Block ``block`` of the lanes layout.
-    wanted : str
-        By their own names; NULL where the caller's pointer is.
     names_in, names_out : str
         The names as strings.
     """
@@ -103,7 +104,6 @@ class CallsView:
     pointers: str
     single: str
     lanes: str
-    wanted: str
     names_in: str
     names_out: str
 
