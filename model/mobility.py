@@ -30,9 +30,9 @@ Row = dict[Column, int]
 def check_mobility(scene: Scene) -> None:
     """Check that constraints are independent and that the inputs move all that is left.
 
-    The rank of the Jacobian is taken at random positions of the free nodes, sliders on their
-    lines, in arithmetic modulo a prime: exact, and never below the rank at any position that the
-    linkage can really take. What is refused here is therefore singular everywhere.
+    The rank of the Jacobian is taken at random positions of the free nodes, in arithmetic modulo a
+    prime: exact, and never below the rank at any position that the linkage can really take. What is
+    refused here is therefore singular everywhere.
 
     Raises
     ------
@@ -108,20 +108,12 @@ def _accumulate(total: dict[Key, int], terms: dict[Key, int], factor: int) -> No
 
 def _random_positions(scene: Scene) -> dict[str, Residues]:
     random = Random(1981)
-    positions = {
+    return {
         name: (_residue(node.at[0]), _residue(node.at[1]))
         if node.fixed
         else (random.randrange(PRIME), random.randrange(PRIME))
         for name, node in scene.nodes.items()
     }
-    for slider in scene.sliders.values():
-        t = random.randrange(PRIME)
-        (x, y), (dx, dy) = slider.through, slider.direction
-        positions[slider.node] = (
-            (_residue(x) + t * _residue(dx)) % PRIME,
-            (_residue(y) + t * _residue(dy)) % PRIME,
-        )
-    return positions
 
 
 def _residue(value: float) -> int:

@@ -45,6 +45,16 @@ def test_the_paper_lever_crank_closes(lever: Tree) -> None:
     assert check(scene_from_dict(lever)) == ()
 
 
+def test_a_rod_may_lie_on_the_line_of_its_slider(piston: Tree) -> None:
+    assert check(scene_from_dict(piston)) == ()
+
+
+def test_a_slider_that_just_reaches_is_taken_with_a_note(piston: Tree) -> None:
+    piston["sliders"]["piston"]["through"] = [0, 1]
+    (note,) = check(scene_from_dict(piston))
+    assert note.startswith("at division 45 (alpha = 4.71239) links.l2 and sliders.piston at O3 are")
+
+
 def test_the_message_names_crank_inequality_and_angles(lever: Tree) -> None:
     lever["links"]["l4"] = {"nodes": ["O4", "O1"], "length": 100}
     lever["links"]["l2"]["length"] = 45
@@ -175,7 +185,15 @@ def test_a_slider_crank_is_refused_exactly_when_its_rod_is_too_short(
         assert abs(abs(crank * sin(stop - line) - offset) - rod) < 1e-4 * (1 + crank)
 
 
-def test_a_rigid_arm_of_a_crank_is_a_crank(lever: Tree) -> None:
+@pytest.mark.parametrize(
+    "bell",
+    [
+        {"links": ["l1", "arm"], "angle": pi / 2},
+        {"links": ["arm", "l1"], "angle": -pi / 2},
+        {"links": ["arm", "l1"]},
+    ],
+)
+def test_a_rigid_arm_of_a_crank_is_a_crank(lever: Tree, bell: Tree) -> None:
     """A bell crank: the input turns l1, and an arm fixed to it at right angles drives the dyad."""
     lever["nodes"]["B"] = {"at": [0, 30]}
     lever["links"] |= {
@@ -183,7 +201,7 @@ def test_a_rigid_arm_of_a_crank_is_a_crank(lever: Tree) -> None:
         "l2": {"nodes": ["B", "O3"], "length": 45},
         "l3": {"nodes": ["O3", "O4"], "length": 70},
     }
-    lever["rigid"] = {"bell": {"at": "O1", "links": ["l1", "arm"], "angle": pi / 2}}
+    lever["rigid"] = {"bell": {"at": "O1"} | bell}
     stop = acos((30**2 + 100**2 - 115**2) / (2 * 30 * 100))
     with pytest.raises(SceneError) as caught:
         scene_from_dict(lever)

@@ -69,7 +69,6 @@ def test_inputs_that_prescribe_the_same_are_named(lever: Tree) -> None:
 
 
 def test_two_sliders_on_one_line_hold_the_direction_of_their_rod() -> None:
-    """At positions off the line the angle would look free; nodes are put on their lines."""
     builder = (
         SceneBuilder("rail", unit="m")
         .node("A", at=(0, 0))
