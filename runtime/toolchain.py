@@ -38,9 +38,14 @@ NATIVE_FLAGS = (("-march=native",), ("-mcpu=native",), ())
 LIBRARIES = () if sys.platform == "win32" else ("-lm",)
 #: File name extension of a shared library.
 EXTENSION = {"win32": ".dll", "darwin": ".dylib"}.get(sys.platform, ".so")
-_SHARED = {"win32": ("-shared",), "darwin": ("-dynamiclib", "-fPIC")}.get(
-    sys.platform, ("-shared", "-fPIC")
-)
+#: A library of pure functions needs no start-up code. GCC's would set the processor to flush
+#: subnormals in the whole process under some unsafe flags, and that of a library whose file was
+#: damaged while a process had it open would crash the process at its end.
+_SHARED = {
+    "win32": ("-shared",),
+    "darwin": ("-dynamiclib", "-fPIC"),
+    "linux": ("-shared", "-fPIC", "-nostartfiles"),
+}.get(sys.platform, ("-shared", "-fPIC"))
 #: What every kernel includes: a compiler that has no C library headers is no compiler for us.
 _NONE_FOUND = (
     "no C compiler found (tried cc, gcc and clang; pip install 'kousoku[compiler]' brings one)"

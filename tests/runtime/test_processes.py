@@ -20,6 +20,8 @@ from kousoku.runtime import load
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kousoku.runtime.toolchain import Toolchain
+
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes of POSIX")
 
 LOAD_AND_CALL = """
@@ -27,6 +29,12 @@ import sys
 from kousoku.runtime import load
 library = load(sys.argv[1])
 print(library.target, library.sphere([1, 2, 3], 2)[0])
+"""
+
+LOAD_AND_TRUNCATE = """
+import os, sys
+from kousoku.runtime import load
+os.truncate(load(sys.argv[1]).path, 100)
 """
 
 #: One parent that has imported everything forks at once; every child finds the compiler itself.
@@ -99,6 +107,16 @@ def test_where_files_cannot_be_locked_all_build_and_one_wins(
     out, err = run.communicate(timeout=100)
     assert json.loads(out.splitlines()[-1]) == [0] * 4, (err, compiler)
     assert len([path for path in (cache / "lib").iterdir() if path.is_dir()]) == 2
+
+
+def test_a_library_that_is_truncated_while_it_is_open_harms_nobody(
+    tiny: Path, cache: Path, compiler: Toolchain
+) -> None:
+    if "ziglang" in compiler.command:
+        pytest.skip("zig links start-up code into every library")
+    run = python(LOAD_AND_TRUNCATE + LOAD_AND_CALL, tiny)
+    out, err = run.communicate(timeout=60)
+    assert (out, run.returncode) == ("c [28.]\n", 0), (err, cache)
 
 
 @pytest.mark.parametrize("whole_group", [True, False])

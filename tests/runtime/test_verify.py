@@ -153,7 +153,9 @@ def test_an_edited_file_is_named(tiny: Path, name: str) -> None:
 def test_a_truncated_library_is_named_once_and_built_again(tiny: Path) -> None:
     path = load(tiny).path
     assert path is not None
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    half = path.read_bytes()[: path.stat().st_size // 2]
+    path.unlink()  # this process has the file open, and may keep it
+    path.write_bytes(half)
     report = verify(tiny)
     assert not report.ok
     assert report.problems == (
@@ -229,12 +231,7 @@ def test_committed_kernels_are_verified_in_every_way(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("template", "old", "new", "wrong"),
     [
-        (
-            "c/_macros.jinja",
-            "{{ line.name }} = {{ line.text }}",
-            "{{ line.name }} = -({{ line.text }})",
-            "C",
-        ),
+        ("c/_macros.jinja", "{{ line.text }};", "-({{ line.text }});", "C"),
         ("numpy/_body.jinja", "        {{ element }},", "        -({{ element }}),", "NumPy"),
     ],
 )
