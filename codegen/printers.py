@@ -67,9 +67,10 @@ class Printer:
 
     def constant(self, value: Fraction) -> Text:
         """Print a number: the same text in every target."""
-        text = literal(value)
-        if "inf" in text or "nan" in text:
-            raise EmitError(f"the constant {text} is not a double; scale the formula")
+        try:
+            text = literal(value)
+        except OverflowError as error:
+            raise EmitError(f"a constant is no double ({error}); scale the formula") from error
         level = Precedence.SIGN if text.startswith("-") else Precedence.ATOM
         return Text(text, level, is_number=True)
 

@@ -94,6 +94,12 @@ def test_generated_python_is_formatted_and_clean(folder, tmp_path):
         assert done.returncode == 0, done.stdout + done.stderr
 
 
+@pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h"])
+def test_text_of_n1(folder, golden, name):
+    digest = json.loads(folder["manifest.json"])["digest"]
+    golden(folder[name].replace(digest, "DIGEST").replace(digest[:16], "DIGEST"))
+
+
 def load_module(folder, tmp_path):
     """Return the emitted NumPy module."""
     import importlib.util
