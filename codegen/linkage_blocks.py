@@ -178,19 +178,38 @@ def _not_determined(
     """Say which nodes can still move and which links hold what is held already."""
     parts = []
     if free:
-        names = ", ".join(system.coordinates[number].name for number in free)
+        reached = _underdetermined(unknowns_of, row_of, free)
+        loose = [system.coordinates[number] for number in reached]
+        moving = [c.name for c in loose if c.unit != "rad"] or [c.name for c in loose]
+        nodes = ", ".join(dict.fromkeys(name.partition(".")[0] for name in moving))
         parts.append(
-            f"{names} can still move; add {len(free)} more input{'s' * (len(free) > 1)},"
+            f"{nodes} can still move; add {len(free)} more input{'s' * (len(free) > 1)},"
             " or links, that hold what is free"
         )
     if extra:
-        reached = _overdetermined(unknowns_of, row_of, extra)
-        names = ", ".join(system.elements[number].name for number in reached)
+        held = _overdetermined(unknowns_of, row_of, extra)
+        names = ", ".join(system.elements[number].name for number in held)
         parts.append(
             f"links {names} and the inputs hold their nodes more than once; remove"
             f" {len(extra)} of these links or inputs"
         )
     return "the linkage is not determined: " + "; and ".join(parts)
+
+
+def _underdetermined(
+    unknowns_of: Mapping[Row, tuple[int, ...]], row_of: Mapping[int, Row], free: Sequence[int]
+) -> list[int]:
+    """Return the unknowns of the under-determined part, reached from those left over."""
+    unknown_of = {row: unknown for unknown, row in row_of.items()}
+    seen = dict.fromkeys(free)
+    queue = list(free)
+    while queue:
+        unknown = queue.pop(0)
+        for row, unknowns in unknowns_of.items():
+            if unknown in unknowns and unknown_of.get(row, unknown) not in seen:
+                seen[unknown_of[row]] = None
+                queue.append(unknown_of[row])
+    return sorted(seen)
 
 
 def _overdetermined(

@@ -20,7 +20,7 @@ def square_root(value: Fraction) -> Fraction:
     root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
     if root * root == value:
         return root
-    exponent = (value.denominator.bit_length() - value.numerator.bit_length()) // 2 + BITS
+    exponent = (value.denominator.bit_length() - value.numerator.bit_length()) // 2 + BITS + 2
     scale = Fraction(2) ** exponent
     squared = value * scale * scale
     return Fraction(isqrt(squared.numerator // squared.denominator)) / scale

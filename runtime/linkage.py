@@ -177,8 +177,8 @@ class LinkageSolver:
             gap = float(np.hypot(*(place[second] - place[first]))) - length
             if name in links and abs(gap) > 1e-9 * self.module.LENGTH:
                 parts.append(
-                    f"{name} would be {abs(gap):.6g} {self.module.UNIT}"
-                    f" too {'long' if gap > 0 else 'short'} between {first} and {second}"
+                    f"{name} would have to be {abs(gap):.6g} {self.module.UNIT}"
+                    f" {'longer' if gap > 0 else 'shorter'} to reach from {first} to {second}"
                 )
         fits = "no link is violated much, but they cannot all be met"
         return f"{', '.join(parts) or fits}; change lengths or positions"
@@ -229,6 +229,8 @@ def _import(path: Path, source: bytes, digest: str) -> ModuleType:
 
 
 def _by_name(names: Iterable[str], rows: npt.NDArray[np.float64]) -> Mapping[str, Any]:
+    """Return the columns of ``rows`` by name, which nobody can write to."""
+    rows.flags.writeable = False
     return MappingProxyType({name: rows[:, k] for k, name in enumerate(names)})
 
 

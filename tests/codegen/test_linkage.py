@@ -1,0 +1,142 @@
+"""From a scene to its folder: what is composed, and that references find what is composed wrong."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.graph import Op
+from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.codegen.linkage import Program, generate_scene, specialise
+from kousoku.codegen.linkage_emit import emit_scene
+from kousoku.codegen.linkage_reference import references
+from kousoku.codegen.linkage_solution import places
+from kousoku.codegen.store import load_frozen
+from kousoku.model.assemble import assemble
+from kousoku.model.manifest import Manifest
+from kousoku.model.read import read_scene
+from kousoku.runtime.verify import verify
+
+if TYPE_CHECKING:
+    from kousoku.codegen.kernel import Kernel
+
+SCENES = Path(__file__).parents[2] / "scenes"
+NAMES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_six_bar")
+
+
+def program(name: str) -> Program:
+    return specialise(assemble(read_scene(SCENES / f"{name}.toml")), load_frozen("link"))
+
+
+def kernels(name: str) -> dict[str, Kernel]:
+    return {kernel.name: kernel for kernel in program(name).package.kernels}
+
+
+def write(folder: Path, files: dict[str, str]) -> Path:
+    folder.mkdir(exist_ok=True)
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    return folder
+
+
+def test_only_the_crank_needs_an_angle() -> None:
+    functions = {Op.SIN, Op.COS, Op.ATAN2}
+    with_angle = {
+        name
+        for name, kernel in kernels("lever_crank").items()
+        if functions & set(kernel.operations)
+    }
+    assert with_angle == {"position_1"}
+
+
+def test_constants_of_the_scene_are_bound() -> None:
+    position = kernels("lever_crank")["position_2"]
+    values = {float(node.value) for node in position.nodes if node.value is not None}
+    assert {60.0, 80.0, 100.0} <= values
+    assert [quantity.name for quantity in position.inputs] == ["alpha", "x"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_matrix_is_the_derivative_of_the_residual(name: str) -> None:
+    made = program(name)
+    motion = {k: list(map(float, v)) for k, v in places(made.layout)[3].motion.items()}
+    first = 0
+    for number, block in enumerate(made.layout.blocks):
+        kernel = made.package.kernels[3 * number]
+        n, step = len(block.unknowns), 1e-6 * made.layout.system.scene.largest_length
+        matrix = np.reshape(evaluate(kernel, motion, FLOAT)["D"], (n, n))
+        for column in range(n):
+            ends = []
+            for sign in (1, -1):
+                moved = {**motion, "x": list(motion["x"])}
+                moved["x"][first + column] += sign * step
+                ends.append(np.array(evaluate(kernel, moved, FLOAT)["epsilon"]))
+            np.testing.assert_allclose(
+                matrix[:, column], (ends[0] - ends[1]) / (2 * step), rtol=1e-6, atol=1e-7
+            )
+        first += n
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_generated_folders_verify(tmp_path: Path, name: str) -> None:
+    scene = read_scene(SCENES / f"{name}.toml")
+    report = verify(write(tmp_path / name, generate_scene(scene)))
+    assert report.ok, report
+    assert max(row.worst for row in report.rows) <= 4
+
+
+def test_references_find_a_kernel_that_is_composed_wrong(tmp_path: Path) -> None:
+    made = program("piston_crank")
+    text = references(made.package, made.layout)
+    wrong = list(made.package.kernels)
+    for k, kernel in enumerate(wrong):
+        if kernel.name == "acceleration_2":
+            results = tuple(tuple(node - 1 for node in result) for result in kernel.results)
+            wrong[k] = replace(kernel, results=results)
+    package = replace(made.package, kernels=tuple(wrong))
+    files = emit_scene(package, made.solver, {"reference.json": text})
+    report = verify(write(tmp_path / "wrong", files), target="numpy")
+    assert not report.ok
+    assert {row.kernel for row in report.rows if row.worst > 4} == {"acceleration_2"}
+
+
+def test_points_of_reference_lie_on_beside_and_off_the_way() -> None:
+    made = program("piston_crank")
+    data = json.loads(references(made.package, made.layout))
+    labels = [point["label"] for point in data["kernels"][0]["points"]]
+    assert sum(label.endswith("of the way") for label in labels) == 2 * 6
+    assert any(label.startswith("near ") for label in labels)
+    assert any(label.startswith("away from ") for label in labels)
+    assert labels[-1] == "x[0] is nan"
+
+
+def test_linkage_that_cannot_be_assembled_still_has_references() -> None:
+    scene = read_scene(SCENES / "lever_crank.toml")
+    links = {**scene.links, "l2": type(scene.links["l2"])(nodes=("O2", "O3"), length=5.0)}
+    fields: dict[str, Any] = {name: getattr(scene, name) for name in scene.__struct_fields__}
+    broken = type(scene)(**{**fields, "links": links})
+    made = specialise(assemble(broken), load_frozen("link"))
+    assert places(made.layout) == []
+    data = json.loads(references(made.package, made.layout))
+    assert all(kernel["points"] for kernel in data["kernels"])
+
+
+def test_digest_covers_what_only_the_solver_knows() -> None:
+    """Two scenes with the same kernels, whose cranks start apart, are not taken for each other."""
+    made = program("piston_crank")
+    moved = replace(made.solver, divisions=61)
+    digests = {
+        Manifest.from_json(emit_scene(made.package, view, {})["manifest.json"]).digest
+        for view in (made.solver, moved)
+    }
+    assert len(digests) == 2
+
+
+def test_same_scene_gives_the_same_bytes() -> None:
+    scene = read_scene(SCENES / "five_bar.toml")
+    assert generate_scene(scene) == generate_scene(scene)

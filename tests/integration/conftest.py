@@ -1,0 +1,102 @@
+"""Solvers of scenes, generated once in a session, and exact planar geometry in 50 digits."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from mpmath import MPContext
+
+from kousoku.codegen.linkage import generate_scene
+from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.runtime.linkage import LinkageSolver, load_scene
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.scene import Scene
+
+SCENES = Path(__file__).parents[2] / "scenes"
+
+
+@pytest.fixture(scope="session")
+def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene], Path]:
+    """Return the folder of a scene's solver."""
+    known: dict[int, Path] = {}
+
+    def make(scene: Scene) -> Path:
+        key = hash(repr(scene))
+        if key not in known:
+            known[key] = tmp_path_factory.mktemp("scene") / scene.name
+            known[key].mkdir()
+            for name, text in generate_scene(scene).items():
+                (known[key] / name).write_text(text, encoding="utf-8", newline="\n")
+        return known[key]
+
+    return make
+
+
+@pytest.fixture
+def solver(backend: str, folder_of: Callable[[Scene], Path]) -> Callable[[str], LinkageSolver]:
+    """Return the solver of a scene, by its file in ``scenes/`` or by its text, for each target."""
+
+    def load(text: str) -> LinkageSolver:
+        if text in {path.stem for path in SCENES.glob("*.toml")}:
+            scene = read_scene(SCENES / f"{text}.toml")
+        else:
+            scene = scene_from_toml(text)
+        target: Any = backend
+        return load_scene(folder_of(scene), target=target)
+
+    return load
+
+
+Point = tuple[Any, Any]
+
+
+class Plane:
+    """Circles, links and derivatives in 50 digits: what solvers are compared with."""
+
+    mp = MPContext()
+    mp.dps = 50
+    #: Step of differences: their error is its fourth power.
+    step = mp.mpf(10) ** -10
+
+    def turned(self, center: Point, length: Any, angle: Any) -> Point:
+        """Return the end of a link that starts at ``center``."""
+        return center[0] + length * self.mp.cos(angle), center[1] + length * self.mp.sin(angle)
+
+    def meet(self, a: Point, ra: Any, b: Point, rb: Any, side: int) -> Point:
+        """Return where two circles meet, left (1) or right (-1) of the way from a to b."""
+        ra, rb = self.mp.mpf(ra), self.mp.mpf(rb)
+        dx, dy = b[0] - a[0], b[1] - a[1]
+        square = dx * dx + dy * dy
+        along = (ra**2 - rb**2 + square) / (2 * square)
+        across = side * self.mp.sqrt(ra**2 / square - along * along)
+        return a[0] + along * dx - across * dy, a[1] + along * dy + across * dx
+
+    def motion(self, place: Callable[[Any], Point], time: Any) -> tuple[Point, Point, Point]:
+        """Return position, velocity and acceleration of a point at a time."""
+        values = [place(time + k * self.step) for k in range(-2, 3)]
+
+        def weighted(weights: tuple[int, ...], order: int) -> Point:
+            x, y = (
+                sum(w * value[axis] for w, value in zip(weights, values, strict=True))
+                / (12 * self.step**order)
+                for axis in (0, 1)
+            )
+            return x, y
+
+        return values[2], weighted((1, -8, 0, 8, -1), 1), weighted((-1, 16, -30, 16, -1), 2)
+
+    def error(self, got: Any, wanted: Point) -> float:
+        """Return the distance of a computed point from the exact one."""
+        x, y = (self.mp.mpf(float(a)) - b for a, b in zip(got, wanted, strict=True))
+        return float(self.mp.hypot(x, y))
+
+
+@pytest.fixture(scope="session")
+def plane() -> Plane:
+    """Return exact planar geometry."""
+    return Plane()

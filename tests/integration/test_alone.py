@@ -1,0 +1,99 @@
+"""A generated folder copied out of the project: it runs with NumPy and nothing else."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+import kousoku.generated
+from kousoku.generated import lever_crank, piston_crank
+from kousoku.model.read import read_scene
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.scene import Scene
+
+ROOT = Path(__file__).parents[2]
+GENERATED = Path(kousoku.generated.__path__[0])
+
+REFUSE = """
+import json, sys
+class Refuse:
+    def find_spec(self, name, path=None, target=None):
+        if name.split(".")[0] in {"kousoku", "sympy", "mpmath", "jinja2", "msgspec"}:
+            raise ModuleNotFoundError(name, name=name)
+sys.meta_path.insert(0, Refuse())
+sys.path.insert(0, sys.argv[1])
+"""
+
+
+def run(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-c", REFUSE + code, str(folder)],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize("method", ["newton", "paper"])
+def test_copied_folder_solves_with_numpy_alone(tmp_path: Path, method: str) -> None:
+    shutil.copytree(GENERATED / "lever_crank", tmp_path / "my_crank")
+    got = run(
+        "import my_crank\n"
+        f"motion = my_crank.solve(method={method!r}, divisions=12)\n"
+        "print(json.dumps([motion.positions['O3'].tolist(), motion.alpha.tolist(), motion.method,"
+        " motion.iterations.tolist()]))",
+        tmp_path,
+    )
+    assert got.returncode == 0, got.stderr
+    positions, alpha, name, iterations = json.loads(got.stdout)
+    wanted = lever_crank.solve(method=method, divisions=12)
+    assert name == method
+    np.testing.assert_allclose(positions, wanted.positions["O3"], rtol=0, atol=4e-13)
+    np.testing.assert_array_equal(alpha, wanted.alpha)
+    np.testing.assert_array_equal(iterations, wanted.iterations)
+
+
+def test_copied_folder_says_where_it_stops(
+    tmp_path: Path, folder_of: Callable[[Scene], Path]
+) -> None:
+    scene = read_scene(ROOT / "tests" / "scenes" / "second_loop_stops.toml")
+    shutil.copytree(folder_of(scene), tmp_path / "stops")
+    got = run("import stops\nstops.solve()", tmp_path)
+    assert got.returncode == 1
+    assert "ArithmeticError: a dead centre, or a change point, on the way: D.x, D.y" in got.stderr
+
+
+def test_generated_solver_imports_by_its_name() -> None:
+    motion = piston_crank.solve()
+    assert motion.name == "piston_crank"
+    assert motion.positions["O3"].shape == (61, 2)
+    with pytest.raises(ValueError, match="read-only"):
+        motion.positions["O3"][0, 0] = 1.0
+
+
+def test_generated_solver_leaves_sympy_alone() -> None:
+    code = "import sys\nfrom kousoku.generated import piston_crank\npiston_crank.solve()\n"
+    code += "print(sorted(m for m in ('sympy', 'mpmath', 'jinja2') if m in sys.modules))"
+    got = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert got.stdout.strip() == "[]"
+
+
+def test_generating_a_scene_leaves_sympy_alone() -> None:
+    code = (
+        "import sys\nfrom kousoku.model.read import read_scene\n"
+        "from kousoku.codegen.linkage import generate_scene\n"
+        f"generate_scene(read_scene({str(ROOT / 'scenes' / 'five_bar.toml')!r}))\n"
+        "print('sympy' in sys.modules)"
+    )
+    got = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert got.stdout.strip() == "False"

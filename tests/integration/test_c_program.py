@@ -1,0 +1,129 @@
+"""The emitted solver in programs of C and C++, without Python."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from kousoku.generated import lever_crank
+from kousoku.model.read import read_scene
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.toolchain import Toolchain
+
+ROOT = Path(__file__).parents[2]
+EXAMPLE = ROOT / "docs" / "examples" / "lever_crank.c"
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror")
+SCENES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_six_bar")
+
+
+@pytest.fixture
+def folder(folder_of: Callable[[Scene], Path]) -> Path:
+    return folder_of(read_scene(ROOT / "scenes" / "lever_crank.toml"))
+
+
+def compiled(compiler: Toolchain, folder: Path, *flags: str) -> None:
+    """Run the compiler in a folder."""
+    run = subprocess.run(
+        (*compiler.command, *flags), cwd=folder, capture_output=True, text=True, check=False
+    )
+    assert run.returncode == 0, run.stderr
+
+
+def printed(program: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    run = subprocess.run([program], capture_output=True, text=True, check=True)
+    return np.array([[float(x) for x in line.split()] for line in run.stdout.splitlines()])
+
+
+def assert_is_the_lever_crank(table: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> None:
+    motion = lever_crank.solve()
+    assert table.shape == (61, 5)
+    np.testing.assert_allclose(table[:, 1:3], motion.positions["O3"], rtol=0, atol=4e-13)
+    np.testing.assert_allclose(table[:, 3:5], motion.velocities["O3"], rtol=0, atol=1e-12)
+
+
+def test_example_is_at_most_thirty_lines() -> None:
+    assert len(EXAMPLE.read_text(encoding="utf-8").splitlines()) <= 30
+
+
+def test_example_compiles_with_the_plain_command_and_solves(
+    compiler: Toolchain, folder: Path, tmp_path: Path
+) -> None:
+    for name in ("kernels.c", "kernels.h"):
+        shutil.copy(folder / name, tmp_path)
+    shutil.copy(EXAMPLE, tmp_path / "main.c")
+    compiled(compiler, tmp_path, "main.c", "kernels.c", "-lm", "-o", "program")
+    assert_is_the_lever_crank(printed(tmp_path / "program"))
+
+
+def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path: Path) -> None:
+    cpp = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
+    if cpp is None:
+        pytest.skip("no C++ compiler")
+    for name in ("kernels.c", "kernels.h"):
+        shutil.copy(folder / name, tmp_path)
+    shutil.copy(EXAMPLE, tmp_path / "main.cpp")
+    compiled(compiler, tmp_path, "-c", "kernels.c", "-o", "kernels.o")
+    flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
+    subprocess.run(
+        [cpp, *flags, "main.cpp", "kernels.o", "-lm", "-o", "program"], cwd=tmp_path, check=True
+    )
+    assert_is_the_lever_crank(printed(tmp_path / "program"))
+
+
+def test_example_is_clean_under_sanitizers(
+    compiler: Toolchain, folder: Path, tmp_path: Path
+) -> None:
+    for name in ("kernels.c", "kernels.h"):
+        shutil.copy(folder / name, tmp_path)
+    shutil.copy(EXAMPLE, tmp_path / "main.c")
+    sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
+    run = subprocess.run(
+        (*compiler.command, *sanitizers, "main.c", "kernels.c", "-lm", "-o", "program"),
+        cwd=tmp_path,
+        capture_output=True,
+        check=False,
+    )
+    if run.returncode != 0:
+        pytest.skip("the compiler has no sanitizers")
+    assert_is_the_lever_crank(printed(tmp_path / "program"))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_solvers_compile_without_a_warning(
+    compiler: Toolchain, folder_of: Callable[[Scene], Path], tmp_path: Path, name: str
+) -> None:
+    folder = folder_of(read_scene(ROOT / "scenes" / f"{name}.toml"))
+    for source in ("kernels.c", "kernels_batch.c"):
+        output = str(tmp_path / "object.o")
+        compiled(compiler, folder, "-std=c99", "-O2", *STRICT, "-c", source, "-o", output)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_solvers_have_no_state_and_no_heap(
+    compiler: Toolchain, folder_of: Callable[[Scene], Path], tmp_path: Path, name: str
+) -> None:
+    folder = folder_of(read_scene(ROOT / "scenes" / f"{name}.toml"))
+    nm = shutil.which("nm")
+    if nm is None:
+        pytest.skip("no nm")
+    output = tmp_path / "kernels.o"
+    flags = (
+        "-std=c99",
+        "-O2",
+        "-fno-pic",
+        "-fno-pie",
+    )  # else tables of strings wait for an address
+    compiled(compiler, folder, *flags, "-c", "kernels.c", "-o", str(output))
+    lines = subprocess.run([nm, output], capture_output=True, text=True, check=True).stdout
+    symbols = [line.split()[-2:] for line in lines.splitlines()]
+    assert not [name for kind, name in symbols if kind in "bBdDC"]
+    assert not {"malloc", "calloc", "realloc", "free"} & {name for _, name in symbols}
