@@ -151,6 +151,10 @@ def _joined(items: Sequence[str], separator: str = ",") -> str:
     return "\n            ".join(lines).removesuffix(separator)
 
 
+#: Where a count of operations without sharing ends: it grows exponentially.
+_COUNTLESS = 10**6
+
+
 @dataclass(frozen=True, slots=True)
 class _Choice:
     """One choice of the outputs of a kernel, before it is printed."""
@@ -226,9 +230,16 @@ def _components(names: Sequence[str]) -> str:
 
 
 def _cost(kernel: Kernel) -> str:
+    """Return the operations that run, and how many it would be if nothing were shared."""
     counts = kernel.operations
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
-    return ", ".join(parts) or "none"
+    sizes: list[int] = []
+    for node in kernel.nodes:
+        size = sum(sizes[arg] for arg in node.args) + (1 if node.args else 0)
+        sizes.append(min(size, _COUNTLESS))
+    tree = sum(sizes[node] for result in kernel.results for node in result)
+    before = str(tree) if tree < _COUNTLESS else f"over {_COUNTLESS:.0e}"
+    return f"{', '.join(parts) or 'nothing'} (before sharing: {before} in all)"
 
 
 def _plain(text: str) -> str:
