@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from kousoku.model.scene import Scene
 
-Graph = dict[str, list[tuple[str, str, float]]]
-"""For each node its neighbours: the link, the node at its other end, the length."""
+Graph = dict[str, list[tuple[str, float]]]
+"""For each node its neighbours: the node at the other end of a link, and the length."""
 
 
 def check_circuits(scene: Scene) -> None:
@@ -29,7 +29,7 @@ def check_circuits(scene: Scene) -> None:
     for name, link in scene.links.items():
         for node in link.nodes:
             if not scene.is_ground(name):
-                graph[node].append((name, link.other(node), scene.length(name)))
+                graph[node].append((link.other(node), scene.length(name)))
     tolerance = max(scene.residual_limit, 2.0**-40 * scene.largest_length)
     _check_links(scene, graph, tolerance)
     _check_frame(scene, graph, tolerance)
@@ -38,8 +38,8 @@ def check_circuits(scene: Scene) -> None:
 def _check_links(scene: Scene, graph: Graph, tolerance: float) -> None:
     for name, link in scene.links.items():
         first, second = link.nodes
-        limit = scene.length(name) - tolerance
-        for node, way in _ways(scene, graph, first, limit, without=name):
+        limit = scene.length(name) - tolerance  # the link itself is too long to be a way
+        for node, way in _ways(scene, graph, first, limit):
             if node == second and not scene.is_ground(name):
                 raise SceneError(
                     f"cannot be assembled: its length {scene.length(name):.12g} {scene.unit} "
@@ -64,17 +64,11 @@ def _check_frame(scene: Scene, graph: Graph, tolerance: float) -> None:
 
 
 def _ways(
-    scene: Scene,
-    graph: Graph,
-    start: str,
-    limit: float,
-    *,
-    without: str = "",
-    jumps: bool = True,
+    scene: Scene, graph: Graph, start: str, limit: float, *, jumps: bool = True
 ) -> Iterator[tuple[str, float]]:
     """Yield nodes with their shortest way from `start`, as long as it is below `limit`.
 
-    The link `without` is no way; the frame is one between fixed nodes where `jumps` says so.
+    The frame is a way between fixed nodes where `jumps` says so.
     """
     frame = [name for name, node in scene.nodes.items() if node.fixed] if jumps else []
     queue, reached = [(0.0, start)], set[str]()
@@ -86,9 +80,8 @@ def _ways(
             continue
         reached.add(node)
         yield node, way
-        for link, end, length in graph[node]:
-            if link != without:
-                heapq.heappush(queue, (way + length, end))
+        for end, length in graph[node]:
+            heapq.heappush(queue, (way + length, end))
         for end in frame if scene.nodes[node].fixed else ():
             length = dist(scene.nodes[node].at, scene.nodes[end].at)
             if way + length < limit and end not in reached:

@@ -175,6 +175,14 @@ def test_one_angle_does_not_describe_three_links(lever: Tree) -> None:
     refused(lever, "rigid.star.angle", "one angle cannot describe more than two links")
 
 
+def test_a_frame_alone_is_no_linkage(lever: Tree) -> None:
+    for node in lever["nodes"].values():
+        node["fixed"] = True
+    for link in lever["links"].values():
+        del link["length"]
+    refused(lever | {"inputs": {}}, "nodes", "every node is fixed; wanted something that moves")
+
+
 def test_too_many_links_are_refused_at_once(lever: Tree) -> None:
     for i in range(3000):
         lever["links"][f"m{i}"] = {"nodes": ["O1", "O2"]}
