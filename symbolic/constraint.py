@@ -69,7 +69,7 @@ def _rates(c: Constraint, forms: Forms) -> Function:
         _output(nu, forms.nu, [S.Zero] * m),
         _output(
             gamma,
-            forms.gamma if c.gamma is None else c.gamma,
+            forms.gamma if c.gamma is None else c.gamma.right,
             [-motion(motion(x)) for x in c.components],
         ),
     )

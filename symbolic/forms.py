@@ -48,8 +48,8 @@ class Constraint:
         What ``value`` abbreviates.
     rule : callable, optional
         A rewriting of products that holds for this constraint, applied to the Jacobian blocks.
-    gamma : Matrix, optional
-        γ in a form that keeps more digits than the product rule leaves.
+    gamma : Step, optional
+        γ in a form that keeps more digits than what the product rule leaves, and why it is equal.
     """
 
     name: str
@@ -63,7 +63,7 @@ class Constraint:
     components: tuple[Any, ...]
     names: tuple[Named, ...] = ()
     rule: Callable[[Matrix], Matrix | None] = orthogonality
-    gamma: Matrix | None = None
+    gamma: Step | None = None
 
     @property
     def lam(self) -> Quantity:
@@ -186,15 +186,8 @@ def _rate_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
             "d²C/dt² = C_q dv/dt − γ: minus what is left without accelerations",
             "",
         ),
-        *_shorter_gamma(c),
+        *(() if c.gamma is None else (c.gamma,)),
     )
-
-
-def _shorter_gamma(c: Constraint) -> tuple[Step, ...]:
-    if c.gamma is None:
-        return ()
-    rule = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
-    return (Step(MatrixSymbol("gamma", *c.value.shape), c.gamma, rule, "7.15"),)
 
 
 def _force_steps(forms: Forms) -> tuple[Step, ...]:

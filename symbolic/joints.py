@@ -78,8 +78,8 @@ def _own_point_drops(x: Matrix) -> Matrix | None:
     return None
 
 
-def _distance_gamma() -> Matrix:
-    """Return −(v·(v + 2 w) + r·u + Ω·(b_i × w_j − b_j × w_i)) / length.
+def _distance_gamma() -> Step:
+    """Return γ = −(v·(v + 2 w) + r·u + Ω·(b_i × w_j − b_j × w_i)) / length.
 
     v and r belong to the origins, b = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
     orientations; those without an index are of body j less those of body i. Each term is small
@@ -96,7 +96,9 @@ def _distance_gamma() -> Matrix:
             add(mul(skew(b["i"]), w["j"]), neg(mul(skew(b["j"]), w["i"]))),
         ),
     )
-    return mul(S.NegativeOne / SYMBOLS["length"], total)
+    rule = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
+    gamma = mul(S.NegativeOne / SYMBOLS["length"], total)
+    return Step(MatrixSymbol("gamma", 1, 1), gamma, rule, "7.15")
 
 
 def _parts_of_gamma(body: str) -> tuple[Matrix, ...]:

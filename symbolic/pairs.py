@@ -13,7 +13,7 @@ from kousoku.symbolic.components import dot as dot_product
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.forms import Constraint
-from kousoku.symbolic.matrices import Matrix, Named, add, mul, neg, skew, transpose
+from kousoku.symbolic.matrices import Dot, Matrix, Named, add, mul, neg, skew, transpose
 from kousoku.symbolic.variation import orthogonality
 
 if TYPE_CHECKING:
@@ -84,6 +84,22 @@ def _choice(axis: str) -> Step:
     )
 
 
+def _n1_gamma() -> Step:
+    """Return γ = Ω·(a_i × w_j − a_j × w_i), with w = A ω̃′a′ and Ω = ω_j − ω_i in frame O.
+
+    It is small where the bodies turn together, so that no digits cancel there.
+    """
+    w, omega = {}, {}
+    for body in ("i", "j"):
+        p, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"omega_{body}_b"]
+        w[body] = Named(f"w_{body}", mul(A[body], skew(spin), SYMBOLS[f"a_{body}_b"]))
+        omega[body] = Named(f"omega_{body}", mul(1 / Dot(p, p), A[body], spin))
+    relative = Named("omega", add(omega["j"], neg(omega["i"])))
+    arm = add(mul(skew(AXES["i"]), w["j"]), neg(mul(skew(AXES["j"]), w["i"])))
+    rule = "|ω′~ a′|² + a′·ω′~ ω′~ a′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
+    return Step(MatrixSymbol("gamma", 1, 1), mul(transpose(relative), arm), rule, "7.15")
+
+
 def _n1(_: str) -> Constraint:
     x = COMPONENTS
     value = mul(transpose(SYMBOLS["a_i_b"]), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"])
@@ -103,6 +119,7 @@ def _n1(_: str) -> Constraint:
         ),
         value=value,
         components=(dot_product(rotate(x["p_i"], x["a_i_b"]), rotate(x["p_j"], x["a_j_b"])),),
+        gamma=_n1_gamma(),
     )
 
 
