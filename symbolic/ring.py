@@ -64,7 +64,18 @@ class Fraction:
             return other
         if not other.over:
             return self
+        for one, two in ((self, other), (other, self)):
+            times, rest = one.under.div(two.under)
+            if not rest:  # powers of one norm, say
+                return Fraction(one.over + two.over * times, one.under)
         return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
+
+    def cancelled(self) -> Fraction:
+        """Return the same number without its denominator where that divides."""
+        if self.under == self.under.ring.one:
+            return self
+        quotient, rest = self.over.div(self.under)
+        return self if rest else Fraction(quotient, self.under.ring.one)
 
     def __sub__(self, other: Fraction) -> Fraction:
         return self + Fraction(-other.over, other.under)
@@ -194,8 +205,18 @@ class Ring:
         """Return whether two numbers are the same for all values of the inputs."""
         if x.under == y.under and x.over == y.over:
             return True
+        if not self._functions and self._differ_at_a_point(x, y):
+            return False
         difference = Fraction(x.over * y.under - y.over * x.under, self._one)
         return not self._reduced(self._reduced(difference)).over
+
+    def _differ_at_a_point(self, x: Fraction, y: Fraction) -> bool:
+        """Return whether two rational functions differ at one rational point: a counterexample."""
+        point = [QQ(2 * k + 3, k + 2) for k in range(len(self._ring.gens))]
+        x_over, x_under, y_over, y_under = (
+            _value(part, point) for part in (x.over, x.under, y.over, y.under)
+        )
+        return bool(x_over * y_under != y_over * x_under)
 
     # -- matrices ------------------------------------------------------------------------------
 
@@ -284,6 +305,17 @@ class Ring:
         return [[self._reduced(value * cell) for cell in row] for row in matrices[0]]
 
 
+def _value(x: Polynomial, point: Sequence[Any]) -> Any:
+    total = QQ.zero
+    for powers, coefficient in x.terms():
+        product = coefficient
+        for value, power in zip(point, powers, strict=True):
+            if power:
+                product *= value**power
+        total += product
+    return total
+
+
 def _without_squares(
     x: Polynomial, generator: Polynomial, over: Polynomial, under: Polynomial
 ) -> tuple[Polynomial, Polynomial]:
@@ -321,7 +353,7 @@ def _product(left: Rows, right: Rows) -> Rows:
             _sum(
                 [a * b for a, b in zip(row, column, strict=True) if a.over and b.over]
                 or [row[0] - row[0]]
-            )
+            ).cancelled()
             for column in columns
         ]
         for row in left

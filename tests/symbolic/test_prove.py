@@ -3,39 +3,43 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+from sympy import Symbol, cos, sin, sqrt
 from sympy.matrices.expressions import BlockMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
+from kousoku.model.quantity import Quantity
 from kousoku.symbolic import KINDS
-from kousoku.symbolic.bodies import COMPONENTS, COLUMNS, SYMBOLS, A, motion_flow
+from kousoku.symbolic.bodies import COLUMNS, COMPONENTS, SYMBOLS, A, motion_flow
 from kousoku.symbolic.components import Flow, half_turn
 from kousoku.symbolic.matrices import elements, mul, neg, skew, symbol, transpose
 from kousoku.symbolic.prove import prove, prove_steps
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     from kousoku.symbolic.derivation import Derivation, Function, Output
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]
 CONSTRAINTS = ["n1", "n2", "p1_x", "p1_y", "p1_z", "p2_x", "p2_y", "p2_z", "point", "distance"]
 
-Derived = "Callable[[str], Derivation]"
-
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_both_levels_of_every_output_are_equal(package: str, derived: Derived) -> None:
+def test_both_levels_of_every_output_are_equal(
+    package: str, derived: Callable[[str], Derivation]
+) -> None:
     for function in derived(package).functions:
         assert prove(function) == sum(output.quantity.size for output in function.outputs)
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_every_line_follows_from_those_before(package: str, derived: Derived) -> None:
+def test_every_line_follows_from_those_before(
+    package: str, derived: Callable[[str], Derivation]
+) -> None:
     count = prove_steps(derived(package))
     assert count >= 2
 
@@ -49,7 +53,9 @@ def negated(output: Output) -> Output:
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_one_wrong_sign_in_any_output_is_rejected(package: str, derived: Derived) -> None:
+def test_one_wrong_sign_in_any_output_is_rejected(
+    package: str, derived: Callable[[str], Derivation]
+) -> None:
     for function in derived(package).functions:
         for k, output in enumerate(function.outputs):
             if all(value == 0 for value in output.components):
@@ -60,7 +66,9 @@ def test_one_wrong_sign_in_any_output_is_rejected(package: str, derived: Derived
 
 
 @pytest.mark.parametrize("package", PACKAGES)
-def test_a_derivation_with_a_line_negated_does_not_follow(package: str, derived: Derived) -> None:
+def test_a_derivation_with_a_line_negated_does_not_follow(
+    package: str, derived: Callable[[str], Derivation]
+) -> None:
     derivation = derived(package)
     lefts = [step.left for step in derivation.steps]
     last = max(k for k, left in enumerate(lefts) if left in lefts[:k])
@@ -70,7 +78,7 @@ def test_a_derivation_with_a_line_negated_does_not_follow(package: str, derived:
         prove_steps(replace(derivation, steps=tuple(steps)))
 
 
-def with_jacobian_block(function: Function, place: int, block: object) -> Function:
+def with_jacobian_block(function: Function, place: int, block: Any) -> Function:
     output = function.outputs[1]
     blocks = [output.expression.blocks[0, k] for k in range(len(COLUMNS))]
     blocks[place] = block
@@ -78,7 +86,9 @@ def with_jacobian_block(function: Function, place: int, block: object) -> Functi
     return replace(function, outputs=(function.outputs[0], changed))
 
 
-def test_printed_coefficient_of_n1_is_rejected_and_the_true_one_accepted(derived: Derived) -> None:
+def test_printed_coefficient_of_n1_is_rejected_and_the_true_one_accepted(
+    derived: Callable[[str], Derivation],
+) -> None:
     function = derived("n1").functions[0]
     a_i, a_j = SYMBOLS["a_i_b"], SYMBOLS["a_j_b"]
     true = neg(mul(transpose(a_i), transpose(A["i"]), A["j"], skew(a_j)))
@@ -89,7 +99,9 @@ def test_printed_coefficient_of_n1_is_rejected_and_the_true_one_accepted(derived
 
 
 @pytest.mark.parametrize("package", CONSTRAINTS)
-def test_rates_hold_at_any_state_on_and_off_the_constraint(package: str, derived: Derived) -> None:
+def test_rates_hold_at_any_state_on_and_off_the_constraint(
+    package: str, derived: Callable[[str], Derivation]
+) -> None:
     constraint, rates, _ = derived(package).functions
     values = constraint.outputs[0].components
     jacobian = constraint.outputs[1].components
@@ -108,24 +120,17 @@ def test_rates_hold_at_any_state_on_and_off_the_constraint(package: str, derived
         assert carrier.is_equal(carrier.scalar(twice(rate)), carrier.scalar(found))
 
 
-def _components_of(name: str) -> list[object]:
-    from sympy import Symbol
-
-    return [Symbol(f"{name}[{k}]") for k in range(3)]
+def _components_of(name: str) -> list[Any]:
+    return list(elements(Quantity(name, (3,), "", "")))
 
 
-def _symbols(derivation: Derivation) -> list[object]:
+def _symbols(derivation: Derivation) -> list[Any]:
     names = dict.fromkeys(q for function in derivation.functions for q in function.inputs)
-    return [
-        s
-        for q in names
-        for s in elements(q)
-        if not q.name.startswith(("v_", "omega_"))
-    ]
+    return [s for q in names for s in elements(q) if not q.name.startswith(("v_", "omega_"))]
 
 
-def _accelerated(velocities: list[object], accelerations: list[object]) -> Flow:
-    change: dict[object, object] = dict(zip(velocities, accelerations, strict=True))
+def _accelerated(velocities: Sequence[Any], accelerations: Sequence[Any]) -> Flow:
+    change: dict[Any, Any] = dict(zip(velocities, accelerations, strict=True))
     for body in "ij":
         change.update(zip(COMPONENTS[f"r_{body}"], COMPONENTS[f"v_{body}"], strict=True))
         p = COMPONENTS[f"p_{body}"]
@@ -133,25 +138,23 @@ def _accelerated(velocities: list[object], accelerations: list[object]) -> Flow:
     return Flow(change, ())
 
 
-def test_derivative_of_the_reaction_is_in_general_not_symmetric(derived: Derived) -> None:
+def test_derivative_of_the_reaction_is_in_general_not_symmetric(
+    derived: Callable[[str], Derivation],
+) -> None:
     function = derived("p2_z").functions[2]
     cells = function.outputs[1].components
     carrier = Ring(function.inputs)
     pairs = [(cells[12 * i + j], cells[12 * j + i]) for i in range(12) for j in range(i)]
-    differ = [
-        not carrier.is_equal(carrier.scalar(a), carrier.scalar(b)) for a, b in pairs
-    ]
+    differ = [not carrier.is_equal(carrier.scalar(a), carrier.scalar(b)) for a, b in pairs]
     assert any(differ)
     assert not all(differ)
 
 
 def test_ring_knows_roots_and_circles() -> None:
-    from sympy import Symbol, cos, sin, sqrt
-
     x, y = Symbol("x"), Symbol("y")
     carrier = Ring([], scalars=[x, y])
 
-    def same(a: object, b: object) -> bool:
+    def same(a: Any, b: Any) -> bool:
         return carrier.is_equal(carrier.scalar(a), carrier.scalar(b))
 
     assert same(sqrt(x + y) ** 2, x + y)
@@ -163,8 +166,6 @@ def test_ring_knows_roots_and_circles() -> None:
 
 
 def test_symbol_of_scalar_and_array_name_their_elements() -> None:
-    from kousoku.model.quantity import Quantity
-
     assert [str(s) for s in elements(Quantity("s_i_b", (3,), "m", ""))] == [
         "s_i_b[0]",
         "s_i_b[1]",

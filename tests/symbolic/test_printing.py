@@ -1,0 +1,79 @@
+"""Derivations as text and LaTeX."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import pytest
+from sympy import Symbol
+from sympy.matrices.expressions import MatrixSymbol
+
+from kousoku.model.errors import DerivationError
+from kousoku.symbolic.bodies import SYMBOLS, A
+from kousoku.symbolic.matrices import Dot, add, mul, neg, skew, transpose
+from kousoku.symbolic.printing import print_steps, show
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.symbolic.derivation import Derivation
+
+
+def test_text_of_n2(derived: Callable[[str], Derivation], golden: Callable[[str], None]) -> None:
+    golden(print_steps(derived("n2")))
+
+
+def test_latex_of_n2(derived: Callable[[str], Derivation], golden: Callable[[str], None]) -> None:
+    golden(print_steps(derived("n2"), style="latex"))
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "latex"),
+    [
+        ("r_i", "r_i", r"\mathbf{r}^{i}"),
+        ("a_i_b", "a'_i", r"\mathbf{a}^{\prime i}"),
+        ("omega_j_b", "ω'_j", r"\boldsymbol{\omega}^{\prime j}"),
+        ("dtheta_b", "δθ'", r"\delta \boldsymbol{\theta}^{\prime }"),
+        ("v_i_dot", "v̇_i", r"\dot{\mathbf{v}}^{i}"),
+        ("C_ddot", "C̈", r"\ddot{\mathbf{C}}"),
+        ("lam", "λ", r"\boldsymbol{\lambda}"),
+        ("C_θ_j", "C_θ_j", r"\mathbf{C}_{\boldsymbol{\theta}^{\prime j}}"),
+        ("L_1", "L_1", r"\mathbf{L}_{1}"),
+    ],
+)
+def test_names_are_the_lecture_letters(name: str, text: str, latex: str) -> None:
+    import unicodedata
+
+    symbol = MatrixSymbol(name, 3, 1)
+    assert unicodedata.normalize("NFC", show(symbol)) == unicodedata.normalize("NFC", text)
+    assert show(symbol, "latex") == latex
+
+
+def test_products_of_sums_have_parentheses_and_signs_join_the_sum() -> None:
+    r, s, a = SYMBOLS["r_i"], SYMBOLS["s_i_b"], SYMBOLS["a_i_b"]
+    x = neg(mul(transpose(a), add(r, neg(mul(A["i"], s)))))
+    assert show(x) == "−a'_i^T (r_i − A_i s'_i)"
+    assert show(skew(mul(A["i"], s))) == "(A_i s'_i)~"
+    assert show(add(r, neg(r), mul(-2, s))) == "−2 s'_i"
+
+
+def test_scalars_print_in_an_order_of_their_own() -> None:
+    p, length = SYMBOLS["p_i"], Symbol("length")
+    assert show(1 / (2 * length)) == "1/(2 length)"
+    assert show(Dot(p, p) ** 2 * length) == "length (p_i·p_i)^2"
+    assert show(p[0, 0] - length) == "e0_i − length"
+
+
+def test_unknown_style_is_refused(derived: Callable[[str], Derivation]) -> None:
+    with pytest.raises(DerivationError, match="unknown style 'html'; use one of text, latex"):
+        print_steps(derived("norm"), style=cast(Any, "html"))
+
+
+def test_every_kind_prints_every_step_in_both_styles(derived: Callable[[str], Derivation]) -> None:
+    for package in ("rotation", "p1_z", "link", "mass_points"):
+        derivation = derived(package)
+        text, latex = print_steps(derivation), print_steps(derivation, style="latex")
+        assert f"{len(derivation.steps):3d}. " in text
+        assert latex.count("&=") >= len(derivation.steps)
+        assert latex.count(r"\text{") == len(derivation.steps)
+        assert latex.count("{") == latex.count("}")
