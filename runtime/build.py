@@ -124,7 +124,7 @@ def _look(entry: Path) -> tuple[Path | None, str]:
     try:
         wanted, _, name = (entry / _DIGEST).read_text(encoding="ascii").strip().partition("  ")
         content = (entry / name).read_bytes()
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None, f"{entry} lacks a file" if entry.exists() else ""
     except (OSError, ValueError) as error:
         return None, f"{entry} cannot be read: {error}"

@@ -33,7 +33,7 @@ def plan_type(toolchain: Toolchain) -> Callable[..., Any] | None:
         return None
     try:
         return _import(_build(toolchain, headers))
-    except (LoadError, ImportError):
+    except (LoadError, ImportError, OSError):
         return None
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import pytest
 
-from kousoku.model.errors import CompilerError, LoadError, NoCompilerError
+from kousoku.model.errors import CacheError, CompilerError, LoadError, NoCompilerError
 from kousoku.runtime import load
 from kousoku.runtime.toolchain import EXTENSION
 from tests.runtime.conftest import DIGEST, write_tiny
@@ -249,3 +249,17 @@ def test_any_exported_function_can_be_had(tiny: Path) -> None:
 def test_the_numpy_target_has_no_c_functions(tiny: Path) -> None:
     with pytest.raises(LoadError, match="the target is NumPy, there is no C function 'f'"):
         load(tiny, target="numpy").function("f")
+
+
+@pytest.mark.usefixtures("compiler")
+def test_a_cache_that_cannot_be_written_means_numpy_or_an_error(
+    tiny: Path, cache: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    cache.write_text("a file in its place", encoding="utf-8")
+    assert [load(tiny).target for _ in range(2)] == ["numpy"] * 2
+    assert len(caplog.messages) == 1
+    assert caplog.messages[0].startswith(
+        f"kousoku uses the NumPy kernels: cannot write the cache {cache}"
+    )
+    with pytest.raises(CacheError, match="KOUSOKU_CACHE"):
+        load(tiny, target="c")
