@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import subprocess
+import sys
 import sysconfig
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -78,6 +80,44 @@ def test_a_plan_refuses_nonsense_with_an_exception(plan_type: Any) -> None:
     for wrong in calls:
         with pytest.raises(TypeError):
             call(*wrong)
+
+
+def test_calls_keep_no_references(tiny: Path, plan_type: Any) -> None:
+    kernel = load(tiny, target="c").sphere
+    assert kernel._fast is not None, plan_type
+    r, length, out = np.ones(3), np.array(2.0), (np.empty(1), np.empty((1, 4)))
+    held = (r, length, out, *out, None)
+    before = [sys.getrefcount(thing) for thing in held]
+    for _ in range(1000):
+        for given in (out, (out[0], None), (None, None), None):
+            kernel(r, length, out=given)
+        with pytest.raises(ValueError, match="shape"):
+            kernel(r[:2], length, out=out)
+    after = [sys.getrefcount(thing) for thing in held]
+    # Other threads and caches hold None, too: a leak would hold it a thousand times.
+    assert all(abs(a - b) < 100 for a, b in zip(after, before, strict=True))
+
+
+@pytest.mark.slow
+def test_strange_arguments_are_harmless_under_a_sanitizer(
+    compiler: Toolchain, plan_type: Any, tmp_path: Path
+) -> None:
+    flags = ["-fsanitize=undefined", "-fno-sanitize-recover=all"]
+    (tmp_path / "x.c").write_text("int x(int a) { return a + 1; }\n", encoding="utf-8")
+    command = [*compiler.command, *flags, "-shared", "-fPIC", "x.c", "-o", "x"]
+    if subprocess.run(command, cwd=tmp_path, capture_output=True, check=False).returncode:
+        pytest.skip(f"no sanitizer for {plan_type}")
+    tests = [
+        str(Path(__file__).with_name(name)) for name in ("test_arguments.py", "test_kernel.py")
+    ]
+    run = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-k", "extension", *tests],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "KOUSOKU_CFLAGS": " ".join(flags)},
+    )
+    assert run.returncode == 0, run.stdout
 
 
 @pytest.mark.parametrize("missing", ["Python.h", "numpy/arrayobject.h"])
