@@ -100,6 +100,8 @@ class Ring:
         Whether Euler parameters have norm one: A(p) is divided by p·p, and p·p counts as one.
     scalars : Sequence of sympy.Symbol
         Further generators.
+    at : Sequence of rational, optional
+        Numbers in place of all generators: a point that may be a counterexample.
     """
 
     def __init__(
@@ -109,17 +111,18 @@ class Ring:
         *,
         is_unit: bool = False,
         scalars: Sequence[Any] = (),
+        at: Sequence[Any] | None = None,
     ) -> None:
         self._is_unit = is_unit
         self._symbols = [*(s for q in quantities for s in elements(q)), *scalars]
-        names = [*(str(s) for s in self._symbols), *(f"extra {k}" for k in range(SPARE))]
-        self._ring, *generators = ring(names, QQ)
+        names = [] if at is not None else [str(s) for s in self._symbols]
+        self._ring, *generators = ring([*names, *(f"extra {k}" for k in range(SPARE))], QQ)
         self._one = self._ring.one
-        n = len(self._symbols)
+        self._spare = generators[len(names) :]
+        values = generators[: len(names)] if at is None else [self._ring(value) for value in at]
         self._scalars: dict[Any, Fraction] = {
-            s: Fraction(g, self._one) for s, g in zip(self._symbols, generators[:n], strict=True)
+            s: Fraction(value, self._one) for s, value in zip(self._symbols, values, strict=True)
         }
-        self._spare = generators[n:]
         self._functions: list[tuple[str, tuple[Fraction, ...], Fraction]] = []
         self._squares: list[tuple[Polynomial, Polynomial, Polynomial]] = []
         self._quantities = {q.name: q for q in quantities}
