@@ -3,15 +3,12 @@
 import math
 
 import pytest
-import sympy
 
-from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import Stream, finite_points, infinite_points, ordinary
 from kousoku.codegen.tape import Tape, record, run
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.derivation import Function, Output
-from kousoku.symbolic.matrices import elements
+from kousoku.symbolic.derivation import Function
 
 
 @pytest.fixture(scope="module")
@@ -92,21 +89,3 @@ def test_points_that_are_not_finite_hold_one_bad_number_each(
     points = infinite_points(tape, function.inputs, Stream("s"))
     bad = [[x for xs in p.inputs.values() for x in xs if not math.isfinite(x)] for p in points]
     assert [str(x) for (x,) in bad] == ["nan", "inf", "-inf"]
-
-
-def test_newton_finds_the_manifold(function: Function, tape: Tape) -> None:
-    start = ordinary(function.inputs, Stream("s"))
-    solution = solve_constraint(tape, "C", function.inputs, start)
-    assert solution is not None
-    assert abs(run(tape, start)["C"][0].value) > 1e-3
-    assert abs(run(tape, solution)["C"][0].value) < 1e-14
-    assert math.isclose(math.hypot(*solution["p_i"]), 1, rel_tol=1e-15)
-
-
-def test_newton_gives_up_where_the_constraint_repeats_the_norm() -> None:
-    p = Quantity("p", (4,), "-", "")
-    norm = Quantity("C", (1,), "-", "")
-    components = sympy.ImmutableDenseMatrix([sum(e**2 for e in elements(p)) - 1])
-    output = Output(norm, sympy.S.Zero, components)
-    tape = record(Function("constraint", "", "", "", (p,), (output,)))
-    assert solve_constraint(tape, "C", (p,), {"p": (1.0, 2.0, 3.0, 4.0)}) is None

@@ -1,0 +1,57 @@
+"""The frozen kernels that are shipped, interpreted against the references beside them."""
+
+import json
+import math
+from importlib import resources
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.generate import package_names
+from kousoku.codegen.interpret import ARRAY, evaluate
+from kousoku.codegen.kernel import Kernel
+from kousoku.codegen.store import load_frozen
+
+LIMIT = 4
+KINDS = resources.files("kousoku.generated").joinpath("kinds")
+
+
+def errors(kernel: Kernel, point: Any) -> list[float]:
+    """Return the error of every element at a point, in units."""
+    inputs = {name: [np.float64(x) for x in xs] for name, xs in point["inputs"].items()}
+    with np.errstate(all="ignore"):
+        got = evaluate(kernel, inputs, ARRAY)
+    found = []
+    for k, output in enumerate(kernel.outputs):
+        columns = point["outputs"][output.name]
+        values = [float(got[output.name][element]) for element in kernel.nonzero(k)]
+        for value, high, low, unit in zip(
+            values, columns["high"], columns["low"], columns["unit"], strict=True
+        ):
+            if high is None:
+                found.append(math.inf if math.isfinite(value) else 0.0)
+            else:
+                error = abs((value - high) - low) / unit
+                found.append(error if math.isfinite(error) else math.inf)
+    return found
+
+
+@pytest.mark.parametrize("name", package_names())
+def test_every_kernel_is_within_the_limit_at_every_point(name: str) -> None:
+    references = json.loads(KINDS.joinpath(name, "reference.json").read_text(encoding="utf-8"))
+    package = load_frozen(name)
+    assert [kernel["name"] for kernel in references["kernels"]] == [k.name for k in package.kernels]
+    for kernel, referred in zip(package.kernels, references["kernels"], strict=True):
+        assert len(referred["points"]) >= 10
+        for point in referred["points"]:
+            assert max(errors(kernel, point), default=0.0) <= LIMIT, (kernel.name, point["label"])
+
+
+@pytest.mark.parametrize("name", package_names())
+def test_every_kernel_meets_a_number_that_is_not_one(name: str) -> None:
+    references = json.loads(KINDS.joinpath(name, "reference.json").read_text(encoding="utf-8"))
+    for kernel in references["kernels"]:
+        labels = [point["label"] for point in kernel["points"]]
+        assert any(label.endswith(" is nan") for label in labels)
+        assert any("subnormal" in label for label in labels) or name in {"norm", "rotation"}

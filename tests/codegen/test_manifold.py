@@ -1,0 +1,33 @@
+"""Points on the manifold of a constraint."""
+
+import math
+
+import sympy
+
+from kousoku.codegen.manifold import solve_constraint
+from kousoku.codegen.points import Stream, ordinary
+from kousoku.codegen.tape import record, run
+from kousoku.model.quantity import Quantity
+from kousoku.symbolic import derive
+from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.matrices import elements
+
+
+def test_newton_finds_the_manifold() -> None:
+    function = derive("n2").functions[0]
+    tape = record(function)
+    start = ordinary(function.inputs, Stream("s"))
+    solution = solve_constraint(tape, "C", function.inputs, start)
+    assert solution is not None
+    assert abs(run(tape, start)["C"][0].value) > 1e-3
+    assert abs(run(tape, solution)["C"][0].value) < 1e-14
+    assert math.isclose(math.hypot(*solution["p_i"]), 1, rel_tol=1e-15)
+
+
+def test_newton_gives_up_where_the_constraint_repeats_the_norm() -> None:
+    p = Quantity("p", (4,), "-", "")
+    norm = Quantity("C", (1,), "-", "")
+    components = sympy.ImmutableDenseMatrix([sum(e**2 for e in elements(p)) - 1])
+    output = Output(norm, sympy.S.Zero, components)
+    tape = record(Function("constraint", "", "", "", (p,), (output,)))
+    assert solve_constraint(tape, "C", (p,), {"p": (1.0, 2.0, 3.0, 4.0)}) is None
