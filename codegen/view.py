@@ -23,6 +23,7 @@ from kousoku.codegen.view_records import (
     KernelView,
     PackageView,
 )
+from kousoku.codegen.view_shuffles import load_view, store_view
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -52,8 +53,8 @@ def package_view(package: Package, version: str, digest: str) -> PackageView:
         version=version,
         digest=digest,
         kernels=tuple(kernel_view(kernel) for kernel in kernels),
-        input_sizes=tuple(sorted({q.size for kernel in kernels for q in kernel.inputs})),
-        output_sizes=tuple(sorted({q.size for kernel in kernels for q in kernel.outputs})),
+        loads=tuple(map(load_view, sorted({q.size for k in kernels for q in k.inputs}))),
+        stores=tuple(map(store_view, sorted({q.size for k in kernels for q in k.outputs}))),
         functions=tuple(
             (printers.C.functions[op], 2 if op is Op.ATAN2 else 1) for op in Op if op in called
         ),

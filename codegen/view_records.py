@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from kousoku.codegen.view_body import OutputText, Statement
+    from kousoku.codegen.view_shuffles import RowsView
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,8 +158,8 @@ class PackageView:
         As in the manifest.
     kernels : tuple of KernelView
         In the order of the text.
-    input_sizes, output_sizes : tuple of int
-        The sizes of all inputs and of all outputs of all kernels, ascending.
+    loads, stores : tuple of RowsView
+        How rows of each size of the inputs become lanes, and lanes rows of the outputs.
     functions : tuple of (str, int)
         C name and count of operands of each function that the kernels call.
     """
@@ -169,6 +170,6 @@ class PackageView:
     version: str
     digest: str
     kernels: tuple[KernelView, ...]
-    input_sizes: tuple[int, ...]
-    output_sizes: tuple[int, ...]
+    loads: tuple[RowsView, ...]
+    stores: tuple[RowsView, ...]
     functions: tuple[tuple[str, int], ...]
