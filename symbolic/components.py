@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
 Scalar = Any
-Direction = "Mapping[Scalar, Scalar]"
 
 
 def rotate(p: Sequence[Scalar], v: Sequence[Scalar]) -> list[Scalar]:

@@ -9,7 +9,7 @@ import pytest
 import sympy
 from sympy import Matrix, Rational, diff, symbols
 
-from kousoku.symbolic.link import LENGTH, OFFSET, X
+from kousoku.symbolic.link_element import LENGTH, OFFSET, X
 from kousoku.symbolic.matrices import elements
 from kousoku.symbolic.ring import Ring
 
