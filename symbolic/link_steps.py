@@ -138,13 +138,15 @@ def _solved(whole: Matrix, unknown: Matrix) -> Matrix:
 
 def method_steps() -> tuple[Step, ...]:
     """Return the steps (22)–(28): transfer functions, predictor and corrector."""
+    return (*_transfer_steps(), *_motion_steps(), *_iteration_steps())
+
+
+def _transfer_steps() -> tuple[Step, ...]:
     m, n, k = sympy.symbols("m n k", integer=True, positive=True)
     whole, slope = MatrixSymbol("D", m, n), MatrixSymbol("D′", m, n)
     unknown, known = MatrixSymbol("L_1", n, m), MatrixSymbol("L_2", n, k)
     first, second = MatrixSymbol("x′", n, 1), MatrixSymbol("x″", n, 1)
     x1, x2 = MatrixSymbol("x′_1", m, 1), MatrixSymbol("x′_2", k, 1)
-    residual, correction = MatrixSymbol("zeta", m, 1), MatrixSymbol("u^*", m, 1)
-    rate, acceleration, step = Symbol("alpha_dot"), Symbol("alpha_ddot"), Symbol("Δα")
     inverse = _solved(whole, unknown)
     return (
         Step(x1, neg(mul(inverse, whole, known, x2)), "first transfer function, x′ = dx/dα", "22"),
@@ -161,6 +163,14 @@ def method_steps() -> tuple[Step, ...]:
             "second transfer function: x″_2 = 0; D′ acts on all of x′",
             "23",
         ),
+    )
+
+
+def _motion_steps() -> tuple[Step, ...]:
+    n = sympy.symbols("n", integer=True, positive=True)
+    first, second = MatrixSymbol("x′", n, 1), MatrixSymbol("x″", n, 1)
+    rate, acceleration = Symbol("alpha_dot"), Symbol("alpha_ddot")
+    return (
         Step(MatrixSymbol("x_dot", n, 1), mul(rate, first), "velocity: chain rule", "24"),
         Step(
             MatrixSymbol("x_ddot", n, 1),
@@ -168,17 +178,28 @@ def method_steps() -> tuple[Step, ...]:
             "acceleration: chain rule",
             "25",
         ),
+    )
+
+
+def _iteration_steps() -> tuple[Step, ...]:
+    m, n = sympy.symbols("m n", integer=True, positive=True)
+    whole, unknown = MatrixSymbol("D", m, n), MatrixSymbol("L_1", n, m)
+    first, second = MatrixSymbol("x′", n, 1), MatrixSymbol("x″", n, 1)
+    reference, step = MatrixSymbol("x_ref", n, 1), Symbol("Δα")
+    residual, correction = MatrixSymbol("zeta", m, 1), MatrixSymbol("u^*", m, 1)
+    return (
         Step(
             MatrixSymbol("x_adj", n, 1),
-            add(
-                MatrixSymbol("x_ref", n, 1),
-                mul(step, first),
-                mul(step**2 * Rational(1, 2), second),
-            ),
+            add(reference, mul(step, first), mul(step**2 * Rational(1, 2), second)),
             "predictor",
             "26",
         ),
-        Step(correction, neg(mul(inverse, residual)), "corrector: ζ is ε at x_adj", "27"),
+        Step(
+            correction,
+            neg(mul(_solved(whole, unknown), residual)),
+            "corrector: ζ is ε at x_adj",
+            "27",
+        ),
         Step(
             MatrixSymbol("x′_new", n, 1),
             add(first, mul(1 / step, unknown, correction)),
