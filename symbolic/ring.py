@@ -262,16 +262,17 @@ class Ring:
             case ImmutableDenseMatrix():
                 return [[self.scalar(cell) for cell in row] for row in x.tolist()]
             case BlockMatrix():
-                rows, columns = x.blockshape
-                blocks = [
-                    [self.matrix(x.blocks[i, j]) for j in range(columns)] for i in range(rows)
-                ]
-                return [
-                    [cell for block in row for cell in block[k]]
-                    for row in blocks
-                    for k in range(len(row[0]))
-                ]
+                return self._blocks(x)
         raise DerivationError(f"proof: no rule for {type(x).__name__} in {x}")
+
+    def _blocks(self, x: Any) -> Rows:
+        rows, columns = x.blockshape
+        blocks = [[self.matrix(x.blocks[i, j]) for j in range(columns)] for i in range(rows)]
+        return [
+            [cell for block in row for cell in block[k]]
+            for row in blocks
+            for k in range(len(row[0]))
+        ]
 
     def _orientation(self, p: list[Fraction]) -> Rows:
         form = quadratic_form(p)
