@@ -52,7 +52,7 @@ def test_another_source_is_another_entry(
     "damage",
     [
         lambda data: data[: len(data) // 2],
-        lambda data: data.replace(b"mul", b"add", 1),
+        lambda data: data.replace(rb"[\"mul", rb"[\"add", 1),
         lambda data: b"\xff\xfe",
         lambda data: b"",
         lambda data: b"[]",
@@ -66,7 +66,9 @@ def test_a_damaged_entry_is_told_and_derived_again(
 ) -> None:
     first = recall_or_derive("n1")
     (entry,) = cache.rglob("*.json")
-    entry.write_bytes(damage(entry.read_bytes()))
+    damaged = damage(entry.read_bytes())
+    assert damaged != entry.read_bytes()
+    entry.write_bytes(damaged)
     assert recall_or_derive("n1") == first
     assert counted == ["n1", "n1"]
     assert "n1 is derived again" in caplog.text
