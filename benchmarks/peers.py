@@ -71,20 +71,14 @@ def symforce_header(folder: Path) -> Path:
     return Path(files.generated_files[0])
 
 
-def heyoka_functions() -> dict[str, Callable[..., Any]]:
-    """Return heyoka's compiled functions, which take (23, n) and give (26, n), on one thread.
-
-    Both settings of ``force_avx512``, because the better one depends on the processor.
-    """
+def heyoka_function() -> Callable[[np.ndarray, np.ndarray], object]:
+    """Return heyoka's compiled function, from (23, n) into (26, n), on one thread."""
     heyoka = required("heyoka")
-    heyoka.set_nthreads(1)
     arguments = symbols(heyoka.make_vars)
     c, rows = p2(*arguments)
     outputs, variables = [*c, *rows[0], *rows[1]], [x for xs in arguments for x in xs]
-    return {
-        "heyoka cfunc": heyoka.cfunc(outputs, variables),
-        "heyoka cfunc, force_avx512": heyoka.cfunc(outputs, variables, force_avx512=True),
-    }
+    function = heyoka.cfunc(outputs, variables)
+    return lambda columns, values: function(columns, outputs=values, batch_parallel=False)
 
 
 def lambdified() -> Callable[..., Sequence[Any]]:
