@@ -1,5 +1,7 @@
 """Emission: the folder as a whole."""
 
+from __future__ import annotations
+
 import hashlib
 import json
 import shutil
@@ -7,6 +9,7 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -15,15 +18,20 @@ from kousoku.codegen.emit import emit
 from kousoku.model.errors import EmitError
 from kousoku.model.manifest import Manifest
 
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.codegen.kernel import Package
+
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def folder(n1_package):
+def folder(n1_package: Package) -> dict[str, str]:
     return emit(n1_package, {"reference.json": "{}\n"})
 
 
-def test_the_folder_has_the_files_that_the_house_names(folder):
+def test_the_folder_has_the_files_that_the_house_names(folder: dict[str, str]) -> None:
     assert list(folder) == [
         "__init__.py",
         "kernels.py",
@@ -35,20 +43,22 @@ def test_the_folder_has_the_files_that_the_house_names(folder):
     ]
 
 
-def test_the_manifest_holds_the_hash_of_every_other_file(folder):
+def test_the_manifest_holds_the_hash_of_every_other_file(folder: dict[str, str]) -> None:
     manifest = Manifest.from_json(folder["manifest.json"])
     hashes = {name: hashlib.sha256(text.encode()).hexdigest() for name, text in folder.items()}
     del hashes["manifest.json"]
     assert dict(manifest.files) == hashes
 
 
-def test_the_library_the_module_and_the_manifest_have_one_digest(folder):
+def test_the_library_the_module_and_the_manifest_have_one_digest(folder: dict[str, str]) -> None:
     digest = json.loads(folder["manifest.json"])["digest"]
     assert f'return "{digest}";' in folder["kernels.c"]
     assert f'DIGEST = "{digest}"' in folder["kernels.py"]
 
 
-def test_no_line_is_long_or_ends_in_a_blank_and_every_file_ends_in_one_newline(folder):
+def test_no_line_is_long_or_ends_in_a_blank_and_every_file_ends_in_one_newline(
+    folder: dict[str, str],
+) -> None:
     for name, text in folder.items():
         assert text.endswith("\n") and not text.endswith("\n\n"), name
         for line in text.splitlines():
@@ -56,29 +66,29 @@ def test_no_line_is_long_or_ends_in_a_blank_and_every_file_ends_in_one_newline(f
             assert len(line) <= 100 or name == "manifest.json", (name, line)
 
 
-def test_c_has_no_pow_no_heap_and_no_globals(folder):
+def test_c_has_no_pow_no_heap_and_no_globals(folder: dict[str, str]) -> None:
     for name in ("kernels.c", "kernels_batch.c", "kernels.h"):
         for word in ("pow(", "malloc", "calloc", "alloca"):
             assert word not in folder[name]
 
 
-def test_emitting_twice_gives_the_same_bytes(n1_package, folder):
+def test_emitting_twice_gives_the_same_bytes(n1_package: Package, folder: dict[str, str]) -> None:
     assert emit(n1_package, {"reference.json": "{}\n"}) == folder
 
 
-def test_another_graph_has_another_digest(n1_package, folder):
+def test_another_graph_has_another_digest(n1_package: Package, folder: dict[str, str]) -> None:
     kernel = replace(n1_package.kernels[0], results=((0,), (1, 1, 1)))
     other = emit(replace(n1_package, kernels=(kernel,)), {})
     assert json.loads(other["manifest.json"])["digest"] not in folder["kernels.c"]
 
 
 @pytest.mark.parametrize("name", ["p2 z", "2p", "ä", "", "a-b", "x;int main"])
-def test_a_name_that_is_no_identifier_is_refused(n1_package, name):
+def test_a_name_that_is_no_identifier_is_refused(n1_package: Package, name: str) -> None:
     with pytest.raises(EmitError, match="cannot be emitted"):
         emit(replace(n1_package, name=name), {})
 
 
-def test_generated_python_is_formatted_and_clean(folder, tmp_path):
+def test_generated_python_is_formatted_and_clean(folder: dict[str, str], tmp_path: Path) -> None:
     ruff = shutil.which("ruff", path=str(Path(sys.executable).parent)) or shutil.which("ruff")
     if ruff is None:
         pytest.skip("ruff is not installed")
@@ -95,24 +105,27 @@ def test_generated_python_is_formatted_and_clean(folder, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h"])
-def test_text_of_n1(folder, golden, name):
+def test_text_of_n1(folder: dict[str, str], golden: Callable[[str], None], name: str) -> None:
     digest = json.loads(folder["manifest.json"])["digest"]
     golden(folder[name].replace(digest, "DIGEST").replace(digest[:16], "DIGEST"))
 
 
-def load_module(folder, tmp_path):
+def load_module(folder: dict[str, str], tmp_path: Path) -> Any:
     """Return the emitted NumPy module."""
     import importlib.util
 
     path = tmp_path / "kernels.py"
     path.write_text(folder["kernels.py"], encoding="utf-8")
     spec = importlib.util.spec_from_file_location("emitted_kernels", path)
+    assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def test_numpy_batches_equal_single_evaluations_bit_for_bit(folder, tmp_path, rng):
+def test_numpy_batches_equal_single_evaluations_bit_for_bit(
+    folder: dict[str, str], tmp_path: Path, rng: np.random.Generator
+) -> None:
     module = load_module(folder, tmp_path)
     n = 2 * module.BLOCK + 3
     inputs = [rng.normal(size=(n, k)) for k in (4, 3, 4, 3)]
@@ -123,7 +136,9 @@ def test_numpy_batches_equal_single_evaluations_bit_for_bit(folder, tmp_path, rn
         assert vector.tobytes() == vectors[k].tobytes()
 
 
-def test_leading_axes_are_broadcast(folder, tmp_path, rng):
+def test_leading_axes_are_broadcast(
+    folder: dict[str, str], tmp_path: Path, rng: np.random.Generator
+) -> None:
     module = load_module(folder, tmp_path)
     p_i, a_i, a_j = rng.normal(size=(5, 1, 4)), rng.normal(size=3), rng.normal(size=(2, 3))
     p_j = rng.normal(size=4)

@@ -1,11 +1,15 @@
 """Emitted C: it compiles without a warning, and gives the bits that the NumPy text gives."""
 
+from __future__ import annotations
+
 import ctypes
 import importlib.util
 import itertools
 import shutil
 import subprocess
 from fractions import Fraction
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -15,12 +19,23 @@ from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
 
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from kousoku.runtime.toolchain import Toolchain
+
+    Array = NDArray[np.float64]
+    Wanted = tuple[int, ...]
+
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 24)
 LANES = (1, 2, 4, 8)
 
 
-def mixed():
+def mixed() -> Kernel:
     """Build a kernel that no swap of two elements or two arrays leaves as it is."""
     graph = Graph()
     inputs = tuple(
@@ -49,7 +64,7 @@ def mixed():
     )
 
 
-def called():
+def called() -> Kernel:
     """Build a kernel with every operation that there is, and an input that nothing needs."""
     graph = Graph()
     x, y = graph.input("x", 0), graph.input("x", 1)
@@ -81,7 +96,7 @@ KERNELS = {kernel.name: kernel for kernel in PACKAGE.kernels}
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the emitted folder."""
     path = tmp_path_factory.mktemp("mix")
     for name, text in emit(PACKAGE, {}).items():
@@ -90,15 +105,18 @@ def folder(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def module(folder):
+def module(folder: Path) -> Any:
     """Return the emitted NumPy module."""
     spec = importlib.util.spec_from_file_location("emitted_mix", folder / "kernels.py")
+    assert spec is not None and spec.loader is not None
     loaded = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(loaded)
     return loaded
 
 
-def build(compiler, folder, extra, name="mix.so"):
+def build(
+    compiler: Toolchain, folder: Path, extra: list[str], name: str = "mix.so"
+) -> subprocess.CompletedProcess[str]:
     """Compile the folder with all warnings as errors."""
     sources = [str(folder / "kernels.c"), str(folder / "kernels_batch.c")]
     command = compiler.compile_command(sources, str(folder / name), [*STRICT, *extra])
@@ -106,7 +124,7 @@ def build(compiler, folder, extra, name="mix.so"):
 
 
 @pytest.fixture(scope="module", params=LANES)
-def library(request, compiler, folder):
+def library(request: pytest.FixtureRequest, compiler: Toolchain, folder: Path) -> ctypes.CDLL:
     """Return the compiled library for each width of the lanes."""
     name = f"mix{request.param}.so"
     done = build(compiler, folder, [f"-DKOUSOKU_LANES={request.param}"], name)
@@ -117,18 +135,18 @@ def library(request, compiler, folder):
     return loaded
 
 
-def pointers(arrays):
+def pointers(arrays: Sequence[Array | None]) -> Any:
     """Return an array of pointers; None is NULL."""
     addresses = [None if array is None else array.ctypes.data for array in arrays]
     return (ctypes.c_void_p * len(arrays))(*addresses)
 
 
-def draw(rng, kernel, n):
+def draw(rng: np.random.Generator, kernel: Kernel, n: int) -> list[Array]:
     """Return random inputs with a batch axis."""
     return [rng.normal(size=(n, q.size)) for q in kernel.inputs]
 
 
-def blank(kernel, n, wanted=None):
+def blank(kernel: Kernel, n: int, wanted: Wanted | None = None) -> list[Any]:
     """Return outputs full of NaN, None where not wanted."""
     chosen = range(len(kernel.outputs)) if wanted is None else wanted
     return [
@@ -136,7 +154,9 @@ def blank(kernel, n, wanted=None):
     ]
 
 
-def run_single(library, kernel, inputs, outputs):
+def run_single(
+    library: ctypes.CDLL, kernel: Kernel, inputs: Sequence[Array], outputs: Sequence[Array | None]
+) -> None:
     """Evaluate row after row."""
     call = getattr(library, f"kousoku_mix_{kernel.name}_call")
     for k in range(len(inputs[0])):
@@ -144,7 +164,13 @@ def run_single(library, kernel, inputs, outputs):
         call(pointers([array[k] for array in inputs]), pointers(rows))
 
 
-def run_batch(library, kernel, inputs, outputs, n):
+def run_batch(
+    library: ctypes.CDLL,
+    kernel: Kernel,
+    inputs: Sequence[Array],
+    outputs: Sequence[Array | None],
+    n: int,
+) -> None:
     """Evaluate all rows at once; an input with one row is shared."""
     strides = [array.strides[0] // 8 if len(array) == n else 0 for array in inputs]
     getattr(library, f"kousoku_mix_{kernel.name}_batch")(
@@ -155,12 +181,14 @@ def run_batch(library, kernel, inputs, outputs, n):
     )
 
 
-def bits(arrays):
+def bits(arrays: Sequence[Array | None]) -> list[bytes]:
     """Return bytes to compare, with one NaN for all."""
     return [np.where(np.isnan(a), np.nan, a).tobytes() for a in arrays if a is not None]
 
 
-def numpy_results(module, kernel, inputs, wanted=None):
+def numpy_results(
+    module: Any, kernel: Kernel, inputs: Sequence[Array], wanted: Wanted | None = None
+) -> list[Array]:
     """Return what the NumPy text gives, flat for each evaluation."""
     shaped = [a.reshape(len(a), *q.shape) for a, q in zip(inputs, kernel.inputs, strict=True)]
     chosen = range(len(kernel.outputs)) if wanted is None else wanted
@@ -169,7 +197,9 @@ def numpy_results(module, kernel, inputs, wanted=None):
     return [np.ascontiguousarray(a).reshape(len(inputs[0]), -1) for a in results]
 
 
-def test_single_calls_give_the_bits_of_numpy(library, module, rng):
+def test_single_calls_give_the_bits_of_numpy(
+    library: ctypes.CDLL, module: Any, rng: np.random.Generator
+) -> None:
     inputs = draw(rng, KERNELS["mixed"], 20)
     outputs = blank(KERNELS["mixed"], 20)
     run_single(library, KERNELS["mixed"], inputs, outputs)
@@ -178,7 +208,9 @@ def test_single_calls_give_the_bits_of_numpy(library, module, rng):
 
 @pytest.mark.parametrize("name", KERNELS)
 @pytest.mark.parametrize("n", [0, 1, 2, 3, 4, 5, 7, 8, 9, 16, 17, 1000])
-def test_batches_give_the_bits_of_single_calls(library, rng, name, n):
+def test_batches_give_the_bits_of_single_calls(
+    library: ctypes.CDLL, rng: np.random.Generator, name: str, n: int
+) -> None:
     kernel = KERNELS[name]
     inputs, single, batch = draw(rng, kernel, n), blank(kernel, n), blank(kernel, n)
     run_single(library, kernel, inputs, single)
@@ -187,13 +219,15 @@ def test_batches_give_the_bits_of_single_calls(library, rng, name, n):
 
 
 @pytest.mark.parametrize("name", KERNELS)
-def test_lanes_give_the_bits_of_single_calls(library, rng, name):
+def test_lanes_give_the_bits_of_single_calls(
+    library: ctypes.CDLL, rng: np.random.Generator, name: str
+) -> None:
     kernel, width = KERNELS[name], library.kousoku_mix_lanes()
     n = 5 * width
     inputs, single = draw(rng, kernel, n), blank(kernel, n)
     run_single(library, kernel, inputs, single)
 
-    def packed(array):
+    def packed(array: Any) -> Array:
         return np.ascontiguousarray(array.reshape(5, width, -1).swapaxes(1, 2))
 
     blocks, out = [packed(array) for array in inputs], [packed(array) for array in single]
@@ -206,7 +240,9 @@ def test_lanes_give_the_bits_of_single_calls(library, rng, name):
 
 
 @pytest.mark.parametrize("gap", [0, 1, 5])
-def test_inputs_may_be_shared_or_lie_apart(library, rng, gap):
+def test_inputs_may_be_shared_or_lie_apart(
+    library: ctypes.CDLL, rng: np.random.Generator, gap: int
+) -> None:
     kernel, n = KERNELS["mixed"], 19
     whole = [rng.normal(size=(n, q.size + gap)) for q in kernel.inputs]
     inputs = [array[:, : q.size] for array, q in zip(whole, kernel.inputs, strict=True)]
@@ -222,12 +258,15 @@ def test_inputs_may_be_shared_or_lie_apart(library, rng, gap):
 @pytest.mark.parametrize(
     "wanted", [w for r in range(4) for w in itertools.combinations(range(3), r)]
 )
-def test_every_choice_of_outputs_gives_the_same_bits(library, module, rng, wanted):
+def test_every_choice_of_outputs_gives_the_same_bits(
+    library: ctypes.CDLL, module: Any, rng: np.random.Generator, wanted: Wanted
+) -> None:
     kernel, n = KERNELS["called"], 11
     inputs, whole = draw(rng, kernel, n), blank(kernel, n)
     run_batch(library, kernel, inputs, whole, n)
     chosen = [whole[k] for k in wanted]
-    for evaluate in (run_single, lambda *arguments: run_batch(*arguments, n)):
+    ways: tuple[Callable[..., None], ...] = (run_single, partial(run_batch, n=n))
+    for evaluate in ways:
         outputs = blank(kernel, n, wanted)
         evaluate(library, kernel, inputs, outputs)
         assert bits(outputs) == bits(chosen)
@@ -236,7 +275,9 @@ def test_every_choice_of_outputs_gives_the_same_bits(library, module, rng, wante
         np.testing.assert_allclose(result, array, rtol=1e-15, atol=1e-16)
 
 
-def test_infinite_subnormal_and_signed_zero_inputs_agree_bit_for_bit(library, module):
+def test_infinite_subnormal_and_signed_zero_inputs_agree_bit_for_bit(
+    library: ctypes.CDLL, module: Any
+) -> None:
     kernel = KERNELS["mixed"]
     hard = np.array([0.0, -0.0, 5e-324, -1e-310, np.inf, -np.inf, np.nan, 1e308, -1e308, 1.5, -3.0])
     inputs = [np.resize(np.roll(hard, 3 * k), (23, q.size)) for k, q in enumerate(kernel.inputs)]
@@ -246,7 +287,7 @@ def test_infinite_subnormal_and_signed_zero_inputs_agree_bit_for_bit(library, mo
     assert bits(batch) == bits(single) == bits(numpy_results(module, kernel, inputs))
 
 
-def test_the_library_tells_its_signature(library):
+def test_the_library_tells_its_signature(library: ctypes.CDLL) -> None:
     name = library.kousoku_mix_mixed_name_in
     name.restype = ctypes.c_char_p
     assert library.kousoku_mix_mixed_n_in() == library.kousoku_mix_mixed_n_out() == len(SIZES)
@@ -260,13 +301,15 @@ def test_the_library_tells_its_signature(library):
 @pytest.mark.parametrize(
     "flag", ["-ffast-math", "-fassociative-math -fno-signed-zeros -fno-trapping-math"]
 )
-def test_a_build_with_unsafe_mathematics_is_refused(compiler, folder, flag):
+def test_a_build_with_unsafe_mathematics_is_refused(
+    compiler: Toolchain, folder: Path, flag: str
+) -> None:
     done = build(compiler, folder, flag.split(), "fast.so")
     assert done.returncode != 0
     assert "verified numbers need IEEE arithmetic" in done.stderr
 
 
-def test_the_header_compiles_as_cpp(compiler, folder):
+def test_the_header_compiles_as_cpp(compiler: Toolchain, folder: Path) -> None:
     cpp = shutil.which("c++")
     if cpp is None:
         pytest.skip("no C++ compiler")
@@ -316,7 +359,9 @@ int main(void)
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "lanes"), [("mixed", 2), ("mixed", 8), ("called", 4)])
-def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(compiler, folder, lanes, name):
+def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(
+    compiler: Toolchain, folder: Path, lanes: int, name: str
+) -> None:
     kernel = KERNELS[name]
     (folder / "main.c").write_text(MAIN)
     prefix = f"kousoku_mix_{name}"

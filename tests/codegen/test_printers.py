@@ -11,7 +11,7 @@ from kousoku.model.errors import EmitError
 A, B, X = Text("a"), Text("b"), Text("x")
 
 
-def c(op, *args):
+def c(op: Op, *args: Text) -> Text:
     return C.apply(op, args)
 
 
@@ -50,26 +50,26 @@ PRODUCT, QUOTIENT, MINUS = c(Op.MUL, A, B), c(Op.DIV, A, B), c(Op.NEG, A)
         (c(Op.DIV, C.constant(Fraction(1)), X), "1.0 / x"),
     ],
 )
-def test_the_text_keeps_the_order_of_evaluation(printed, text):
+def test_the_text_keeps_the_order_of_evaluation(printed: Text, text: str) -> None:
     assert printed.text == text
 
 
 @pytest.mark.parametrize("value", [0.1, 0.1 + 0.2, 1e-320, 1.7976931348623157e308, -1 / 3, 1e23])
-def test_numbers_read_back_and_are_the_same_in_every_language(value):
+def test_numbers_read_back_and_are_the_same_in_every_language(value: float) -> None:
     text = C.constant(Fraction(value)).text
     assert float(text) == value
     assert NUMPY.constant(Fraction(value)).text == text
 
 
-def test_a_negative_number_binds_as_a_sign_does():
+def test_a_negative_number_binds_as_a_sign_does() -> None:
     assert C.constant(Fraction(-2)).precedence is Precedence.SIGN
 
 
-def test_an_operation_without_an_entry_is_refused():
+def test_an_operation_without_an_entry_is_refused() -> None:
     with pytest.raises(EmitError, match="no entry"):
         C.apply(Op.CONST, ())
 
 
-def test_a_number_beyond_the_doubles_is_refused():
+def test_a_number_beyond_the_doubles_is_refused() -> None:
     with pytest.raises(EmitError, match="scale the formula"):
         C.constant(Fraction(10) ** 400)
