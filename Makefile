@@ -7,7 +7,7 @@ TESTS ?= tests
 # Each stamp remembers one set of extras; a changed pyproject.toml installs them again.
 installed = $(VENV)/.has-$(1)
 
-.PHONY: demo test quick lint types generate-check notebooks compiler clean
+.PHONY: demo test quick lint types generate-check notebooks bench compiler clean
 .NOTPARALLEL:
 
 demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of the 1981 paper, draw
@@ -34,6 +34,9 @@ generate-check: $(call installed,plot)  ## the committed generated/ is what the 
 
 notebooks: $(call installed,test)  ## execute the notebooks again and compare their outputs
 	$(BIN)/python -m pytest --quiet tests/test_notebooks.py
+
+bench: $(call installed,bench)  ## the speed of a kernel, beside CasADi, heyoka, SymForce and lambdify
+	$(BIN)/python benchmarks/kernels.py
 
 compiler: $(call installed,compiler)  ## a C compiler as a Python package
 
