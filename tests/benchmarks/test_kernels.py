@@ -2,30 +2,32 @@
 
 import json
 import sys
+from collections.abc import Iterator
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
 import numpy as np
 import pytest
 
 from kousoku import runtime
 
+Modules = tuple[ModuleType, ModuleType, ModuleType]
+
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def modules(monkeypatch):
+def modules(monkeypatch: pytest.MonkeyPatch) -> Iterator[Modules]:
     """Import the benchmark's files, which stand beside each other."""
     monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    import kernels
-    import p2
-    import peers
-
-    yield kernels, p2, peers
+    yield import_module("kernels"), import_module("p2"), import_module("peers")
     for name in ("kernels", "p2", "peers", "loops"):
         sys.modules.pop(name, None)
 
 
-def test_the_peers_get_the_formula_that_is_emitted(modules):
+def test_the_peers_get_the_formula_that_is_emitted(modules: Modules) -> None:
     _, p2, _ = modules
     rows = p2.inputs(5)
     c, c_q = p2.p2(*[list(array.T) for array in rows])
@@ -36,7 +38,7 @@ def test_the_peers_get_the_formula_that_is_emitted(modules):
     np.testing.assert_allclose(jacobian, wanted_c_q, rtol=1e-13, atol=1e-14)
 
 
-def test_the_judge_measures_in_units_of_rounding(modules):
+def test_the_judge_measures_in_units_of_rounding(modules: Modules) -> None:
     _, p2, _ = modules
     judge = p2.Judge()
     c, c_q = p2.p2(*[list(array.T) for array in judge.inputs])
@@ -47,13 +49,13 @@ def test_the_judge_measures_in_units_of_rounding(modules):
     assert judge.worst(c, c_q) > 100
 
 
-def test_a_missing_peer_is_an_error_that_says_what_to_install(modules):
+def test_a_missing_peer_is_an_error_that_says_what_to_install(modules: Modules) -> None:
     _, _, peers = modules
     with pytest.raises(peers.MissingPeerError, match=r"no_such_peer.*kousoku\[bench\]"):
         peers.required("no_such_peer")
 
 
-def fake(kernels, ratio):
+def fake(kernels: ModuleType, ratio: float) -> Any:
     benchmark = object.__new__(kernels.Benchmark)
     benchmark.rows = [kernels.Row("a contest", "kousoku", 1.0, 0.5)]
     benchmark.targets = [kernels.Target("a contest", "kousoku", "peer", ratio, 0.7)]
@@ -62,8 +64,12 @@ def fake(kernels, ratio):
 
 @pytest.mark.parametrize(("ratio", "status"), [(0.7, 0), (0.71, 1)])
 def test_check_fails_and_names_the_target_that_is_missed(
-    modules, monkeypatch, capsys, ratio, status
-):
+    modules: Modules,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    ratio: float,
+    status: int,
+) -> None:
     kernels, _, _ = modules
     monkeypatch.setattr(kernels, "run_all", lambda _folder: fake(kernels, ratio))
     monkeypatch.setattr(kernels, "described", lambda: ["here"])
@@ -76,10 +82,12 @@ def test_check_fails_and_names_the_target_that_is_missed(
     )
 
 
-def test_a_missing_peer_ends_the_run_with_status_2(modules, monkeypatch, capsys):
+def test_a_missing_peer_ends_the_run_with_status_2(
+    modules: Modules, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     kernels, _, peers = modules
 
-    def fail(_folder):
+    def fail(_folder: Path) -> None:
         raise peers.MissingPeerError("the benchmark needs heyoka")
 
     monkeypatch.setattr(kernels, "run_all", fail)

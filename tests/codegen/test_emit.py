@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import hashlib
+import importlib.util
 import json
 import shutil
 import subprocess
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +17,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.emit import emit
+from kousoku.codegen.kernel import Package
 from kousoku.model.errors import EmitError
 from kousoku.model.manifest import Manifest
 
@@ -112,11 +115,10 @@ def test_text_of_n1(folder: dict[str, str], golden: Callable[[str], None], name:
 
 def load_module(folder: dict[str, str], tmp_path: Path) -> Any:
     """Return the emitted NumPy module."""
-    import importlib.util
-
     path = tmp_path / "kernels.py"
     path.write_text(folder["kernels.py"], encoding="utf-8")
     spec = importlib.util.spec_from_file_location("emitted_kernels", path)
+    assert spec is not None and spec.loader is not None
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
