@@ -136,11 +136,9 @@ def finite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream, turn: 
         Point("near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)),
         Point("small integers", _integers(inputs, stream)),
     ]
-    if free := [q.name for q in inputs if not is_euler_parameters(q)]:
-        zero = free[turn % len(free)]
-        numbers = ordinary_numbers()
-        zeros = (0.0,) * len(numbers[zero])
-        points.append(Point(f"{zero} is zero", {**numbers, zero: zeros}))
+    vanishing = inputs[turn % len(inputs)]
+    zeros = {vanishing.name: (0.0,) * vanishing.size}
+    points.append(Point(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
     if any(map(is_euler_parameters, inputs)):
         points.append(Point("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream)))
     if group := _subnormal_group(tape, inputs, turn):
