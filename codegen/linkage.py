@@ -13,6 +13,7 @@ from kousoku.codegen.linkage_layout import Layout
 from kousoku.codegen.linkage_link import rows_of
 from kousoku.codegen.linkage_outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage_reference import references
+from kousoku.codegen.linkage_solution import places, solution
 from kousoku.codegen.linkage_view import SolverView, solver_view
 from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
 
 REFERENCE_FILE = "reference.json"
+SOLUTION_FILE = "solution.json"
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,5 +96,9 @@ def generate_scene(scene: Scene) -> dict[str, str]:
         The scene is not a linkage that its inputs determine.
     """
     program = specialise(assemble(scene), load_frozen("link"))
-    data = {REFERENCE_FILE: references(program.package, program.layout)}
+    found = places(program.layout)
+    data = {
+        REFERENCE_FILE: references(program.package, program.layout, found),
+        SOLUTION_FILE: solution(program.layout, found),
+    }
     return emit_scene(program.package, program.solver, data)

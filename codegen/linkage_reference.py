@@ -11,7 +11,6 @@ from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.linkage_dual import DUAL, ROUNDING, Dual, variable
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
-from kousoku.codegen.linkage_solution import places
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -19,6 +18,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage_solution import Place
 
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
@@ -54,13 +54,13 @@ class Point:
     has_nan: bool = False
 
 
-def references(package: Package, layout: Layout) -> str:
+def references(package: Package, layout: Layout, found: Sequence[Place]) -> str:
     """Return the text of ``reference.json``, in the format of the kinds.
 
     Values come from :class:`kousoku.codegen.linkage_exact.Exact` in 50 digits. Constants of the
     scene count as inputs in the unit of error: they were inputs before they were bound.
     """
-    points = _points(layout)
+    points = _points(layout, found[::EVERY])
     kernels = [
         {"name": kernel.name, "points": [_row(kernel, layout, point) for point in points]}
         for kernel in package.kernels
@@ -68,9 +68,8 @@ def references(package: Package, layout: Layout) -> str:
     return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
 
 
-def _points(layout: Layout) -> list[Point]:
+def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
     """Return the points of all kernels, the last one with a number that is NaN."""
-    found = places(layout)[::EVERY]
     points = [
         Point(
             f"{place.part} of the way",

@@ -7,6 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
+from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.model.directions import HALF_TURN
 
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
 
+MOTIONS = ("position", "velocity", "acceleration")
 #: Steps over the way of the inputs.
 STEPS = 10
 #: A correction this small, relative to the largest length, is the last.
@@ -44,6 +46,7 @@ class Place:
 def places(layout: Layout) -> list[Place]:
     """Return the linkage at every step of its way, up to a dead centre; empty if it never fits."""
     found: list[Place] = []
+    first_sides: list[bool] | None = None
     x = [HIGH.number(layout.system.coordinates[u].start) for u in layout.unknowns]
     for step in range(STEPS + 1):
         part = Fraction(step, STEPS)
@@ -53,11 +56,34 @@ def places(layout: Layout) -> list[Place]:
             motion["x"] = _positions(layout, motion)
         except (ArithmeticError, ValueError):
             break
+        sides = _sides(layout, motion)
+        if first_sides is None:
+            first_sides = sides
+        if sides != first_sides:
+            break  # a step over a dead centre, on to another branch
         for order, name in ((1, "x_dot"), (2, "x_ddot")):
             motion[name] = _derivatives(layout, motion, order)
         found.append(Place(part, motion))
         x = _predicted(layout, motion)
     return found
+
+
+def solution(layout: Layout, found: Sequence[Place]) -> str:
+    """Return the text of ``solution.json``: what the solver of the scene must give.
+
+    Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has
+    more than two unknowns only the first position is sure to be on the branch of the scene.
+    """
+    kept = found if max(len(block.unknowns) for block in layout.blocks) <= 2 else found[:1]
+    nodes = [_exact(layout, place.motion).nodes() for place in kept]
+    return to_text(
+        {
+            "format": 1,
+            "divisions": STEPS,
+            "rows": [int(place.part * STEPS) for place in kept],
+            **{name: [[float(x) for x in row[name]] for row in nodes] for name in MOTIONS},
+        }
+    )
 
 
 def span_of(given: Input) -> Fraction:
@@ -123,6 +149,17 @@ def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
             raise ArithmeticError("no convergence")
         first = part.stop
     return motion["x"]
+
+
+def _sides(layout: Layout, motion: dict[str, list[High]]) -> list[bool]:
+    """Return on which side of a dead centre each block is."""
+    exact = _exact(layout, motion)
+    sides = []
+    for number, block in enumerate(layout.blocks):
+        n, flat = len(block.unknowns), exact.block(number, 0)["D"]
+        matrix = HIGH_CONTEXT.matrix([flat[n * row : n * row + n] for row in range(n)])
+        sides.append(bool(HIGH_CONTEXT.det(matrix) > 0))
+    return sides
 
 
 def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> list[High]:

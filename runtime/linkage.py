@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -75,15 +76,24 @@ class LinkageSolver:
         SolveError
             An option is not possible, or a residual limit is below rounding.
         """
-        try:
-            run = self.module.request(**options)
-        except (ValueError, TypeError) as error:
-            raise SolveError(f"{self.library.manifest.package}: {error}") from None
-        rows = self._run_c(run) if self.target == "c" else self.module.solve(self.library, run)
+        run, rows = self._rows(options)
         good = self._trajectory(run, rows)
         if rows.status != self.module.GOOD:
             raise self._error(run, rows, good)
         return good
+
+    def rows(self, **options: Any) -> Any:
+        """Return what :meth:`solve` starts from: ``Rows`` of the folder's ``solver.py``."""
+        return self._rows(options)[1]
+
+    def _rows(self, options: dict[str, Any]) -> tuple[Any, Any]:
+        try:
+            run = self.module.request(**options)
+        except (ValueError, TypeError) as error:
+            raise SolveError(f"{self.library.manifest.package}: {error}") from None
+        if self.target == "c":
+            return run, self._run_c(run)
+        return run, self.module.solve(self.library, run)
 
     def _run_c(self, run: Any) -> Any:
         """Run the whole turn in one call of the compiled library."""
@@ -201,12 +211,22 @@ def load_scene(
     LoadError
         It is not such a folder, or a file of it was edited.
     """
-    folder = Path(folder).absolute()
-    library = load(folder, target=target)
+    return solver_of(load(Path(folder).absolute(), target=target))
+
+
+def solver_of(library: Library) -> LinkageSolver:
+    """Return the solver of a loaded package.
+
+    Raises
+    ------
+    LoadError
+        It has kernels only, or a file of it was edited.
+    """
+    folder = library.folder
     source = read_files(folder, library.manifest).get(SOLVER)
     if source is None:
         raise LoadError(f"{folder} has kernels, but no solver: it is not made from a scene")
-    return LinkageSolver(library, _import(folder / SOLVER, source, library.manifest.digest))
+    return LinkageSolver(library, _import(folder / SOLVER, source))
 
 
 def solve(
@@ -216,9 +236,9 @@ def solve(
     return load_scene(folder, target=target).solve(**options)
 
 
-def _import(path: Path, source: bytes, digest: str) -> ModuleType:
+def _import(path: Path, source: bytes) -> ModuleType:
     """Import the solver from the bytes whose SHA-256 was compared, once for each content."""
-    name = f"kousoku_solver_{path.parent.name}_{digest[:16]}"
+    name = f"kousoku_solver_{path.parent.name}_{hashlib.sha256(source).hexdigest()[:16]}"
     if name not in sys.modules:
         module = ModuleType(name)
         module.__file__ = str(path)

@@ -15,6 +15,7 @@ import numpy as np
 from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.library import Library, load, read_files, read_manifest
+from kousoku.runtime.linkage_verify import solver_problems
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
 
@@ -75,6 +76,8 @@ def verify(
         # Where a value is wrong, its bits are no news.
         if kernel.is_exact and not wrong:
             problems += different_bits(kernel, reference, evaluations)
+    for library in libraries:
+        problems += solver_problems(library)
     return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
 
 

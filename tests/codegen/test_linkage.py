@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import replace
 from pathlib import Path
@@ -94,7 +95,7 @@ def test_generated_folders_verify(tmp_path: Path, name: str) -> None:
 
 def test_references_find_a_kernel_that_is_composed_wrong(tmp_path: Path) -> None:
     made = program("piston_crank")
-    text = references(made.package, made.layout)
+    text = references(made.package, made.layout, places(made.layout))
     wrong = list(made.package.kernels)
     for k, kernel in enumerate(wrong):
         if kernel.name == "acceleration_2":
@@ -109,7 +110,7 @@ def test_references_find_a_kernel_that_is_composed_wrong(tmp_path: Path) -> None
 
 def test_points_of_reference_lie_on_beside_and_off_the_way() -> None:
     made = program("piston_crank")
-    data = json.loads(references(made.package, made.layout))
+    data = json.loads(references(made.package, made.layout, places(made.layout)))
     labels = [point["label"] for point in data["kernels"][0]["points"]]
     assert sum(label.endswith("of the way") for label in labels) == 2 * 6
     assert any(label.startswith("near ") for label in labels)
@@ -124,7 +125,7 @@ def test_linkage_that_cannot_be_assembled_still_has_references() -> None:
     broken = type(scene)(**{**fields, "links": links})
     made = specialise(assemble(broken), load_frozen("link"))
     assert places(made.layout) == []
-    data = json.loads(references(made.package, made.layout))
+    data = json.loads(references(made.package, made.layout, places(made.layout)))
     assert all(kernel["points"] for kernel in data["kernels"])
 
 
@@ -142,3 +143,29 @@ def test_digest_covers_what_only_the_solver_knows() -> None:
 def test_same_scene_gives_the_same_bytes() -> None:
     scene = read_scene(SCENES / "five_bar.toml")
     assert generate_scene(scene) == generate_scene(scene)
+
+
+@pytest.mark.parametrize(
+    ("file", "right", "wrong"),
+    [
+        ("solver.py", "first * rate, second * rate", "-first * rate, second * rate"),
+        ("kernels.c", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
+        ("kernels.c", "+ w->x1[i] * rate_dot;", "+ w->x1[i];"),
+        ("kernels.c", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
+    ],
+)
+def test_verify_finds_a_flipped_sign_in_the_solver(
+    tmp_path: Path, compiler: object, file: str, right: str, wrong: str
+) -> None:
+    """The kernels are right, and every digest fits: only the motion tells."""
+    files = generate_scene(read_scene(SCENES / "lever_crank.toml"))
+    assert right in files[file]
+    files[file] = files[file].replace(right, wrong)
+    old = Manifest.from_json(files["manifest.json"])
+    digests = tuple(
+        (name, hashlib.sha256(files[name].encode()).hexdigest()) for name, _ in old.files
+    )
+    files["manifest.json"] = replace(old, files=digests).to_json()
+    report = verify(write(tmp_path / "lever_crank", files))
+    assert not report.ok
+    assert all("solver by" in problem for problem in report.problems)
