@@ -15,7 +15,6 @@ import numpy as np
 from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.library import Library, load, read_files, read_manifest
-from kousoku.runtime.linkage_verify import solver_problems
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
 
@@ -48,6 +47,8 @@ def verify(
         ``report.ok``; it does not raise for what is wrong with the package. ``report.check()``
         does.
     """
+    from kousoku.runtime.linkage_verify import solver_problems
+
     folder = package.folder if isinstance(package, Library) else Path(package).absolute()
     try:
         manifest = read_manifest(folder)
