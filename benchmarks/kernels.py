@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from loops import Batch, casadi_loop, kousoku_loop, symforce_loop
 from p2 import N_IN, N_OUT, PACKAGE, SAMPLE, Judge, aligned, inputs
-from peers import MissingPeerError, heyoka_function, lambdified, stacked
+from peers import MissingPeerError, heyoka_functions, lambdified, stacked
 
 from kousoku import runtime
 from kousoku.runtime.toolchain import find_toolchain
@@ -190,15 +190,9 @@ def batch(benchmark: Benchmark, n: int, library: Batch) -> None:
         Entry("kousoku C, lanes", library.lanes(blocks, out), lambda: _unpacked(out, n)),
         Entry("kousoku C, row-major", library.rows(rows, (c, c_q)), lambda: (c, c_q)),
     ]
-    columns, values = aligned(np.concatenate(rows, axis=1).T), aligned(np.zeros((N_OUT, n)))
-    function = heyoka_function()
-    entries.append(
-        Entry(
-            "heyoka cfunc",
-            lambda: function(columns, values),
-            lambda: (values[:2].T, values[2:].T.reshape(-1, 2, 12)),
-        )
-    )
+    columns = aligned(np.concatenate(rows, axis=1).T)
+    for program, function in heyoka_functions().items():
+        entries.append(_heyoka_entry(program, function, columns))
     if n == EXTRA_BATCH:
         benchmark.contest(f"batch of {n}, an extra: this stride hurts columns", n, entries, [])
         return
@@ -207,6 +201,17 @@ def batch(benchmark: Benchmark, n: int, library: Batch) -> None:
         ("kousoku C, row-major", "heyoka cfunc", 2.0),
     ]
     benchmark.contest(f"batch of {n}", n, entries, judged)
+
+
+def _heyoka_entry(
+    program: str, function: Callable[[np.ndarray, np.ndarray], object], columns: np.ndarray
+) -> Entry:
+    values = aligned(np.zeros((N_OUT, columns.shape[1])))
+    return Entry(
+        program,
+        lambda: function(columns, values),
+        lambda: (values[:2].T, values[2:].T.reshape(-1, 2, 12)),
+    )
 
 
 def _unpacked(out: list[np.ndarray], n: int) -> tuple[np.ndarray, np.ndarray]:

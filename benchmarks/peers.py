@@ -71,14 +71,23 @@ def symforce_header(folder: Path) -> Path:
     return Path(files.generated_files[0])
 
 
-def heyoka_function() -> Callable[[np.ndarray, np.ndarray], object]:
-    """Return heyoka's compiled function, from (23, n) into (26, n), on one thread."""
+def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
+    """Return calls of heyoka's compiled function, from (23, n) into (26, n), on one thread.
+
+    The first is the call of its tutorial; the second also leaves out the division into tasks.
+    """
     heyoka = required("heyoka")
+    heyoka.set_nthreads(1)
     arguments = symbols(heyoka.make_vars)
     c, rows = p2(*arguments)
     outputs, variables = [*c, *rows[0], *rows[1]], [x for xs in arguments for x in xs]
     function = heyoka.cfunc(outputs, variables)
-    return lambda columns, values: function(columns, outputs=values, batch_parallel=False)
+    return {
+        "heyoka cfunc": lambda columns, values: function(columns, outputs=values),
+        "heyoka cfunc, batch_parallel=False (extra)": lambda columns, values: function(
+            columns, outputs=values, batch_parallel=False
+        ),
+    }
 
 
 def lambdified() -> Callable[..., Sequence[Any]]:
