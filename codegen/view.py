@@ -146,7 +146,7 @@ def _joined(items: Sequence[str], separator: str = ",") -> str:
     """Return a list of arguments, broken between them into lines that fit."""
     lines = [""]
     for item in items:
-        if len(lines[-1]) + len(item) > 84:
+        if len(lines[-1]) + len(item) > 80:
             lines.append("")
         lines[-1] += f" {item}{separator}" if lines[-1] else f"{item}{separator}"
     return "\n            ".join(lines).removesuffix(separator)
@@ -230,7 +230,7 @@ def _components(names: Sequence[str]) -> str:
     return f"({names[0]},)" if len(names) == 1 else ", ".join(names)
 
 
-def _cost(kernel: Kernel) -> str:
+def _cost(kernel: Kernel) -> tuple[str, ...]:
     """Return the operations that run, and how many it would be if nothing were shared."""
     counts = kernel.operations
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
@@ -240,7 +240,7 @@ def _cost(kernel: Kernel) -> str:
         sizes.append(min(size, _COUNTLESS))
     tree = sum(sizes[node] for result in kernel.results for node in result)
     before = str(tree) if tree < _COUNTLESS else f"over {_COUNTLESS:.0e}"
-    return f"{', '.join(parts) or 'nothing'} (before sharing: {before} in all)"
+    return _wrapped(f"{', '.join(parts) or 'nothing'} (before sharing: {before} in all)")
 
 
 def _plain(text: str) -> str:

@@ -123,7 +123,7 @@ class KernelView:
         First line of a docstring.
     about : tuple of str
         Lines of the formula and its source.
-    cost : str
+    cost : tuple of str
         Count of operations, and what it would be without sharing.
     inputs, outputs : tuple of ArgumentView
         In the order of the arguments.
@@ -139,7 +139,7 @@ class KernelView:
     heading: tuple[str, ...]
     summary: str
     about: tuple[str, ...]
-    cost: str
+    cost: tuple[str, ...]
     inputs: tuple[ArgumentView, ...]
     outputs: tuple[ArgumentView, ...]
     calls: CallsView
