@@ -30,6 +30,7 @@ from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
 from kousoku.model.errors import FreezeError
 from kousoku.symbolic.matrices import (
+    Divisor,
     Dot,
     Named,
     NamedScalar,
@@ -48,6 +49,8 @@ if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Function
 
 Cells = tuple[tuple[int, ...], ...]
+
+SMALLEST_SUBNORMAL = 5e-324
 
 
 def freeze(function: Function) -> Kernel:
@@ -323,18 +326,16 @@ class _Lowering:
                 return node
             case Dot():
                 return self._dot(*x.args)
+            case Divisor():
+                return graph.add(self.scalar(x.args[0]), graph.const(SMALLEST_SUBNORMAL))
             case sympy.Add():
                 return graph.sum(self.scalar(arg) for arg in sorted(x.args, key=description))
             case sympy.Mul():
                 return self._quotient(x)
             case sympy.Pow():
                 return self._power(x)
-            case sympy.sin():
-                return graph.sin(self.scalar(x.args[0]))
-            case sympy.cos():
-                return graph.cos(self.scalar(x.args[0]))
-            case sympy.atan2():
-                return graph.atan2(self.scalar(x.args[0]), self.scalar(x.args[1]))
+            case sympy.sin() | sympy.cos() | sympy.atan2():
+                return graph.apply(Op(type(x).__name__), [self.scalar(arg) for arg in x.args])
         raise FreezeError(
             f"{self._where}: {type(x).__name__} is not a scalar of the matrix level, in {x}; "
             "use the scalars that symbolic.matrices lists"

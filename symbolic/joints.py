@@ -13,6 +13,7 @@ from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Derivation, Step
 from kousoku.symbolic.forms import Constraint
 from kousoku.symbolic.matrices import (
+    Divisor,
     Dot,
     Matrix,
     Named,
@@ -109,7 +110,9 @@ def _parts_of_gamma(body: str) -> tuple[Matrix, ...]:
         Named(f"b_{body}", mul(A[body], s)),
         Named(f"w_{body}", mul(A[body], turned)),
         Named(f"u_{body}", mul(A[body], skew(spin), turned)),
-        Named(f"omega_{body}", mul(1 / Dot(p, p), A[body], spin)),
+        Named(
+            f"omega_{body}", mul(1 / Divisor(Dot(p, p)), Named(f"Omega_{body}", mul(A[body], spin)))
+        ),
         SYMBOLS[f"r_{body}"],
         SYMBOLS[f"v_{body}"],
     )

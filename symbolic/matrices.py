@@ -17,9 +17,8 @@ node                                  meaning
 
 Scalars, as factors of a product or as elements of an explicit matrix, are built from numbers,
 ``Symbol`` (an input of shape ``()``), elements ``v[i, j]`` of a ``MatrixSymbol``,
-``Dot(u, v)`` (the number uᵀv), ``NamedScalar(name, x)``, ``+``, ``*``, integer powers, square
-roots, ``sin``, ``cos``
-and ``atan2``.
+``Dot(u, v)`` (the number uᵀv), ``Divisor(x)`` (x), ``NamedScalar(name, x)``, ``+``, ``*``, integer
+powers, square roots, ``sin``, ``cos`` and ``atan2``.
 
 Expressions are built by :func:`add`, :func:`mul`, :func:`transpose` and :func:`skew`, which keep
 the order in which terms are written; SymPy's own canonical order, which may change from version
@@ -108,6 +107,18 @@ class Dot(Expr):
 
     def __new__(cls, u: Matrix, v: Matrix) -> Any:
         return Basic.__new__(cls, u, v)
+
+
+class Divisor(Expr):
+    """The number x ≥ 0, by which 0 is divided where it underflows: 0/``Divisor(x)`` is then 0.
+
+    It is x on both levels; emitted is x plus the smallest subnormal number.
+    """
+
+    is_commutative = True
+
+    def __new__(cls, x: Scalar) -> Any:
+        return Basic.__new__(cls, x)
 
 
 class NamedScalar(Expr):

@@ -13,7 +13,17 @@ from kousoku.symbolic.components import dot as dot_product
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
 from kousoku.symbolic.forms import Constraint
-from kousoku.symbolic.matrices import Dot, Matrix, Named, add, mul, neg, skew, transpose
+from kousoku.symbolic.matrices import (
+    Divisor,
+    Dot,
+    Matrix,
+    Named,
+    add,
+    mul,
+    neg,
+    skew,
+    transpose,
+)
 from kousoku.symbolic.variation import orthogonality
 
 if TYPE_CHECKING:
@@ -93,7 +103,8 @@ def _n1_gamma() -> Step:
     for body in ("i", "j"):
         p, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"omega_{body}_b"]
         w[body] = Named(f"w_{body}", mul(A[body], skew(spin), SYMBOLS[f"a_{body}_b"]))
-        omega[body] = Named(f"omega_{body}", mul(1 / Dot(p, p), A[body], spin))
+        turning = Named(f"Omega_{body}", mul(A[body], spin))
+        omega[body] = Named(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning))
     relative = Named("omega", add(omega["j"], neg(omega["i"])))
     arm = add(mul(skew(AXES["i"]), w["j"]), neg(mul(skew(AXES["j"]), w["i"])))
     rule = "|ω′~ a′|² + a′·ω′~ ω′~ a′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"

@@ -24,6 +24,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
+    Divisor,
     Dot,
     Named,
     NamedScalar,
@@ -82,6 +83,8 @@ class _Printer:
         match x:
             case sympy.Symbol() | NamedScalar():
                 return style.name(str(x.name), bold=False), 2
+            case Divisor():
+                return self.piece(x.args[0])
             case MatrixElement():
                 is_vector = x.parent.shape[1] == 1
                 name = style.name(str(x.parent.name), bold=False)

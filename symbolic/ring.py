@@ -28,6 +28,7 @@ from sympy.polys.rings import ring
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
+    Divisor,
     Dot,
     Named,
     NamedScalar,
@@ -146,6 +147,8 @@ class Ring:
                 return self.matrix(x.parent)[int(x.i)][int(x.j)]
             case NamedScalar():
                 return self.scalar(x.value)
+            case Divisor():
+                return self.scalar(x.args[0])
             case Dot() if self._is_unit and x.args[0] == x.args[1] and x.args[0].shape == (4, 1):
                 return self.scalar(sympy.S.One)
             case Dot():
