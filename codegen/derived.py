@@ -6,6 +6,7 @@ import hashlib
 import json
 import logging
 from dataclasses import dataclass
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -96,12 +97,24 @@ def recall_or_derive(name: str) -> Derived:
     found = _recall(path, name)
     if found is None:
         found = derive_package(name)
-        _keep(path, found)
+        if _hash_sources() == key:
+            _keep(path, found)
+        else:
+            _LOG.warning("%s is not kept: its sources were edited while this process ran", name)
     return found
 
 
+@cache
 def content_key() -> str:
-    """Return the SHA-256 over all that decides what deriving gives: sources and versions."""
+    """Return the SHA-256 over all that decides what deriving gives: sources and versions.
+
+    It is that of the first call, before what derives is imported: a process that outlives an edit
+    of the sources still runs the old ones.
+    """
+    return _hash_sources()
+
+
+def _hash_sources() -> str:
     root = Path(__file__).parents[1]
     total = hashlib.sha256()
     versions = [("kousoku", __version__)]

@@ -2,7 +2,7 @@
 
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -15,9 +15,11 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path / "cache"))
-    return tmp_path / "cache"
+    content_key.cache_clear()
+    yield tmp_path / "cache"
+    content_key.cache_clear()
 
 
 @pytest.fixture
@@ -44,8 +46,22 @@ def test_another_source_is_another_entry(
 ) -> None:
     recall_or_derive("n1")
     monkeypatch.setattr(derived, "__version__", "9.9")
+    content_key.cache_clear()
     recall_or_derive("n1")
     assert counted == ["n1", "n1"]
+
+
+def test_what_old_code_derives_is_not_kept_for_edited_sources(
+    cache: Path,
+    counted: list[str],
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    content_key()
+    monkeypatch.setattr(derived, "__version__", "9.9")
+    recall_or_derive("n1")
+    assert not list(cache.rglob("*.json"))
+    assert "its sources were edited while this process ran" in caplog.text
 
 
 @pytest.mark.parametrize(
