@@ -186,12 +186,15 @@ class Signature:
             ) from None
 
     def _flat(self, k: int, array: Floats, batch: tuple[int, ...]) -> Floats:
-        """Return an input with one batch axis, or with none if all evaluations share it."""
+        """Return an input with one batch axis, or with none if all evaluations share it.
+
+        A batch of one keeps its axis: without it nothing would tell it from a single call.
+        """
         shape = self.inputs[k].shape
         own = array.shape[: array.ndim - len(shape)]
         if array.ndim == len(shape):
             return array
-        if all(length == 1 for length in own):
+        if own != batch and all(length == 1 for length in own):
             return array.reshape(shape)
         return np.ascontiguousarray(np.broadcast_to(array, batch + shape)).reshape((-1, *shape))
 

@@ -7,6 +7,7 @@ import pickle
 import sys
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -113,6 +114,8 @@ def test_what_out_leaves_away_is_not_computed(library: Library, n: int | None) -
         ((), (7,)),
         ((7,), (7,)),
         ((7,), (1,)),
+        ((1,), (1,)),
+        ((1, 1), (1,)),
         ((2, 3), (2, 3)),
         ((2, 3), ()),
         ((2, 3), (3,)),
@@ -141,6 +144,15 @@ def test_leading_axes_broadcast(
     ):
         for got, expected in zip(results, wanted, strict=True):
             np.testing.assert_array_equal(got, expected, strict=True)
+
+
+@pytest.mark.parametrize("batch", [(1,), (1, 1), (2, 1)])
+def test_a_batch_of_one_reaches_an_emitted_kernel_as_a_batch(batch: tuple[int, ...]) -> None:
+    folder = str(files("kousoku.generated") / "kinds" / "norm")
+    results = load(folder, target="numpy")["constraint"](np.ones((*batch, 4)))
+    for got, wanted in zip(results, (np.full(1, 3.0), np.full((1, 4), 2.0)), strict=True):
+        expected = np.broadcast_to(wanted, batch + wanted.shape)
+        np.testing.assert_array_equal(got, expected, strict=True)
 
 
 def test_a_batch_with_strides_is_copied(library: Library) -> None:
