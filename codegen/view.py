@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
@@ -76,7 +77,7 @@ def kernel_view(kernel: Kernel) -> KernelView:
     return KernelView(
         name=checked(kernel.name, "kernel name"),
         heading=_wrapped(f"{kernel.name}: {kernel.title}"),
-        summary=shorten(f"Evaluate {kernel.name}: {_plain(kernel.title)}", 90).rstrip(".") + ".",
+        summary=_summary(kernel),
         about=about,
         cost=_cost(kernel),
         inputs=inputs,
@@ -115,7 +116,7 @@ def _arguments(
 
 def _table_rows(cells: Sequence[str], widths: Sequence[int], meaning: str) -> tuple[str, ...]:
     left = "".join(f"{cell:<{width}}  " for cell, width in zip(cells, widths, strict=True))
-    lines = wrap(meaning, width=max(30, 88 - len(left))) or [""]
+    lines = wrap(meaning, width=max(30, 88 - len(left)), break_on_hyphens=False) or [""]
     margin = " " * len(left)
     return tuple(f"{margin if k else left}{line}".rstrip() for k, line in enumerate(lines))
 
@@ -226,21 +227,28 @@ class _Choice:
         )
 
 
-def _components(names: Sequence[str]) -> str:
-    return f"({names[0]},)" if len(names) == 1 else ", ".join(names)
+def _summary(kernel: Kernel) -> str:
+    """Return the title on one line; what stands in brackets goes first where it is too long."""
+    title = _plain(kernel.title)
+    brief = re.sub(r" \([^()]*\)", "", title)
+    texts = (f"{kernel.name}: {title}", f"{kernel.name}: {brief}", brief)
+    text = next((text for text in texts if len(text) <= 84), brief)
+    return shorten(f"Compute {text}", 92, placeholder=" …").rstrip(".") + "."
 
 
 def _cost(kernel: Kernel) -> tuple[str, ...]:
     """Return the operations that run, and how many it would be if nothing were shared."""
     counts = kernel.operations
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
+    if not parts:
+        return ("no operations",)
     sizes: list[int] = []
     for node in kernel.nodes:
         size = sum(sizes[arg] for arg in node.args) + (1 if node.args else 0)
         sizes.append(min(size, _COUNTLESS))
     tree = sum(sizes[node] for result in kernel.results for node in result)
     before = str(tree) if tree < _COUNTLESS else f"over {_COUNTLESS:.0e}"
-    return _wrapped(f"{', '.join(parts) or 'nothing'} (before sharing: {before} in all)")
+    return _wrapped(f"{', '.join(parts)} (before sharing: {before} in all)")
 
 
 def _plain(text: str) -> str:
@@ -250,4 +258,4 @@ def _plain(text: str) -> str:
 
 
 def _wrapped(text: str) -> tuple[str, ...]:
-    return tuple(wrap(_plain(text), width=88))
+    return tuple(wrap(_plain(text), width=88, break_on_hyphens=False))

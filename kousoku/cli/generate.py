@@ -112,11 +112,12 @@ def _orders(name: str, out: Path | None) -> list[Order]:
     from kousoku.codegen.generate import generate_kind, package_names
     from kousoku.symbolic import packages_of
 
-    if name.endswith(".toml"):
-        return [_scene_order(Path(name), out)]
     scenes = {path.stem: path for path in committed_scenes()}
-    if name in scenes:
-        return [_scene_order(scenes[name], out)]
+    is_file = name.endswith(".toml")
+    if is_file and (Path(name).exists() or name.removesuffix(".toml") not in scenes):
+        return [_scene_order(Path(name), out)]
+    if name.removesuffix(".toml") in scenes:  # as the head of its files says
+        return [_scene_order(scenes[name.removesuffix(".toml")], out)]
     packages = packages_of(name) if name else package_names()
     kinds = _kinds_folder() if out is None else out
     orders = [Order(kinds / package, partial(generate_kind, package)) for package in packages]

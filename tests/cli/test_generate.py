@@ -36,6 +36,13 @@ def test_a_kind_with_variants_gives_all_of_them(run: Run, tmp_path: Path) -> Non
     assert [Path(row["folder"]).name for row in answer] == ["p2_x", "p2_y", "p2_z"]
 
 
+def test_the_command_in_the_head_of_a_shipped_scene_works(run: Run, tmp_path: Path) -> None:
+    head = (LEVER.parents[1] / "generated" / "lever_crank" / "kernels.h").read_text("utf-8")
+    command = next(line for line in head.splitlines() if "regenerate: " in line)
+    run(*command.partition("regenerate: kousoku ")[2].split(), "--out", str(tmp_path))
+    assert (tmp_path / "lever_crank" / "kernels.h").read_text("utf-8") == head
+
+
 def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: Path) -> None:
     check = ("generate", "n1", "--out", tmp_path, "--check")
     run("generate", "n1", "--out", tmp_path)
