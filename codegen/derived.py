@@ -34,6 +34,7 @@ SOURCES = (
     "codegen/store.py",
     "codegen/tape.py",
     "model/quantity.py",
+    "model/rows.py",
 )
 _LOG = logging.getLogger(__name__)
 

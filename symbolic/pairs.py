@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from sympy.matrices.expressions import MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.model.rows import ROWS
 from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import cross, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.components import dot as dot_product
@@ -28,9 +29,6 @@ from kousoku.symbolic.variation import orthogonality
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
-
-#: The rows of ã′ that hold the component of the named axis.
-ROWS = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 
 #: A frame-O vector of each body, a = A a′.
 AXES = {body: Named(f"a_{body}", mul(A[body], SYMBOLS[f"a_{body}_b"])) for body in ("i", "j")}
