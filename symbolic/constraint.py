@@ -11,7 +11,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flows
 from kousoku.symbolic.derivation import Derivation, Function, Output
-from kousoku.symbolic.forms import Constraint, Forms, collect, steps
+from kousoku.symbolic.forms import Constraint, Forms, collect, steps, with_abbreviations
 from kousoku.symbolic.matrices import Matrix, elements
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def derive_constraint(c: Constraint) -> Derivation:
         kind=c.kind,
         title=c.title,
         source=c.source,
-        steps=(*c.steps, *steps(c, forms)),
+        steps=with_abbreviations((*c.steps, *steps(c, forms))),
         functions=_functions(c, forms),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from sympy import postorder_traversal
 from sympy.matrices.expressions import MatrixSymbol
 
 from kousoku.model.errors import DerivationError
@@ -150,6 +151,20 @@ def _weighted(block: Matrix, lam: Matrix) -> Matrix:
 def steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     """Return the steps from C to its Jacobian, right-hand sides, reaction and its derivative."""
     return (*_jacobian_steps(c, forms), *_rate_steps(c, forms), *_force_steps(forms))
+
+
+def with_abbreviations(lines: Sequence[Step]) -> tuple[Step, ...]:
+    """Return the steps, each name that none of them defines written out before its first use."""
+    defined = {step.left.name for step in lines if isinstance(step.left, MatrixSymbol)}
+    complete: list[Step] = []
+    for step in lines:
+        for x in postorder_traversal(step.right):
+            if isinstance(x, Named) and x.name not in defined:
+                defined.add(x.name)
+                left = MatrixSymbol(x.name, *x.shape)
+                complete.append(Step(left, x.value, "abbreviation", ""))
+        complete.append(step)
+    return tuple(complete)
 
 
 def _jacobian_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:

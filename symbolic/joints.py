@@ -57,8 +57,9 @@ def _point() -> Constraint:
         formula="C = d = r_j + A_j s′_j − r_i − A_i s′_i",
         unit="m",
         steps=(
-            Step(left, D, "the vector between the points vanishes", "8.7"),
-            Step(left, D.value, "in frame O", "8.8"),
+            Step(MatrixSymbol("d", 3, 1), D.value, "vector between the points", "8.8"),
+            Step(left, D, "it vanishes", "8.7"),
+            Step(left, D.value, "d resolved", "8.8"),
         ),
         value=D.value,
         components=tuple(_d_components()),
@@ -80,21 +81,21 @@ def _own_point_drops(x: Matrix) -> Matrix | None:
 
 
 def _distance_gamma() -> Step:
-    """Return γ = −(v·(v + 2 w) + r·u + Ω·(b_i × w_j − b_j × w_i)) / length.
+    """Return γ = −(v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i)) / length.
 
-    v and r belong to the origins, b = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
+    v and r belong to the origins, s = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
     orientations; those without an index are of body j less those of body i. Each term is small
     where the bodies move together, and none holds what a point far from its own origin adds to
     ḋ·ḋ and takes from d·d̈, so that no digits cancel.
     """
     of_body = {body: _parts_of_gamma(body) for body in BODIES}
-    b, w, u, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
+    s, w, u, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
     total = add(
         mul(transpose(_less(v)), add(_less(v), mul(Integer(2), _less(w)))),
         mul(transpose(_less(r)), _less(u)),
         mul(
             transpose(_less(omega)),
-            add(mul(skew(b["i"]), w["j"]), neg(mul(skew(b["j"]), w["i"]))),
+            add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"]))),
         ),
     )
     rule = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
@@ -103,11 +104,11 @@ def _distance_gamma() -> Step:
 
 
 def _parts_of_gamma(body: str) -> tuple[Matrix, ...]:
-    """Return b, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
+    """Return s, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
     p, s, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"s_{body}_b"], SYMBOLS[f"omega_{body}_b"]
     turned = mul(skew(spin), s)
     return (
-        Named(f"b_{body}", mul(A[body], s)),
+        Named(f"s_{body}", mul(A[body], s)),
         Named(f"w_{body}", mul(A[body], turned)),
         Named(f"u_{body}", mul(A[body], skew(spin), turned)),
         Named(

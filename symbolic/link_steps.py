@@ -34,6 +34,7 @@ def element_steps() -> tuple[Step, ...]:
     first, second = (x[3 * k + 2, 0] - offset[k, 0] for k in (0, 1))
     dx, dy = x[3, 0] - x[0, 0], x[4, 0] - x[1, 0]
     return (
+        *_reference_steps(),
         Step(Symbol(names[0]), L - L0, "elongation", "5"),
         Step(Symbol(names[1]), (first - beta) * L0, "turn of end 1 against the link", "6"),
         Step(Symbol(names[2]), (beta - second) * L0, "turn of end 2 against the link", "7"),
@@ -49,6 +50,24 @@ def element_steps() -> tuple[Step, ...]:
         Step(beta, sympy.atan2(dy, dx), "angle of the link", "12, 13"),
         *_jacobian_steps(),
         *_rate_steps(),
+    )
+
+
+def _reference_steps() -> tuple[Step, ...]:
+    """Return the steps (1)–(3), (8), (10) and (11): the reference position."""
+    place, beta = MatrixSymbol("x_0", 6, 1), Symbol("beta_0")
+    x = [place[k, 0] for k in range(6)]
+    length = sympy.sqrt((x[3] - x[0]) ** 2 + (x[4] - x[1]) ** 2)
+    return (
+        Step(symbol(X), add(place, MatrixSymbol("u", 6, 1)), "reference, displaced", "1, 2, 3"),
+        Step(L0, length, "length of the link at the reference", "8"),
+        Step(beta, sympy.atan2(x[4] - x[1], x[3] - x[0]), "its angle there", "10, 11"),
+        Step(
+            symbol(OFFSET),
+            ImmutableDenseMatrix([[x[2] - beta], [x[5] - beta]]),
+            "angles of the ends from the link there, zero in the paper",
+            "1",
+        ),
     )
 
 

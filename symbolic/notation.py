@@ -21,6 +21,7 @@ GREEK = {
     "lam": "λ",
     "nu": "ν",
     "omega": "ω",
+    "Omega": "Ω",
     "zeta": "ζ",
 }
 GREEK_LETTERS = tuple(GREEK.values())
@@ -126,6 +127,8 @@ class Latex(Text):
         if bold:
             face = "boldsymbol" if letters.startswith("\\") else "mathbf"
             letters = f"\\{face}{{{letters}}}"
+        else:
+            letters = _upright_or_word(letters)
         if n.dots:
             letters = f"\\{'d' * n.dots}ot{{{letters}}}"
         index = "".join(LATEX_GREEK.get(c, c) for c in n.index).strip()
@@ -184,6 +187,15 @@ def _coordinate(name: str) -> str:
     if kind == "θ":
         return f"\\boldsymbol{{\\theta}}^{{\\prime {body}}}"
     return f"\\mathbf{{{kind}}}^{{{body}}}"
+
+
+def _upright_or_word(letters: str) -> str:
+    """Return a scalar's letters: cos and sin upright, e0 with its index below, a word joined."""
+    if letters.startswith(("cos ", "sin ")):
+        return f"\\{letters}"
+    if re.fullmatch(r"[a-z][0-9]", letters):
+        return f"{letters[0]}_{{{letters[1]}}}"
+    return f"\\mathit{{{letters}}}" if re.fullmatch(r"[A-Za-z]{2,}", letters) else letters
 
 
 def in_text(words: str) -> str:

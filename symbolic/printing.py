@@ -62,6 +62,8 @@ class _Printer:
                 return self._sum(x.args), 0
             case MatMul():
                 scalar, factors = coefficient_and_factors(x)
+                if factors == (Identity(1),):
+                    return self.piece(scalar)
                 return self._product(scalar, [self.piece(factor) for factor in factors])
             case Identity():
                 return ("1" if x.shape[0] == 1 else "I"), 2
@@ -99,7 +101,7 @@ class _Printer:
             case sympy.Integer():
                 return str(x), 2 if x >= 0 else 0
             case sympy.Add():
-                return self._sum(sorted(x.args, key=description)), 0
+                return self._sum(sorted(x.args, key=_positive_first)), 0
             case sympy.Mul() | sympy.Rational():
                 return self._quotient(x)
             case sympy.Pow():
@@ -140,11 +142,16 @@ class _Printer:
             body = " ".join(at_least(factor, 2 if factor[1] == 0 else 1) for factor in factors)
         if scalar == 1:
             return body, 1
-        sign = self._style.minus if scalar.could_extract_minus_sign() else ""
+        is_negative = scalar.could_extract_minus_sign() and not scalar.is_Add
+        sign = self._style.minus if is_negative else ""
         size = -scalar if sign else scalar
         if size == 1:
             return sign + body, 0
         return f"{sign}{at_least(self.piece(size), 1)} {body}", 0 if sign else 1
+
+
+def _positive_first(term: Any) -> tuple[bool, str]:
+    return bool(term.could_extract_minus_sign()), description(term)
 
 
 STYLES = {"text": Text(), "latex": Latex()}

@@ -250,7 +250,12 @@ def _variation_steps() -> tuple[Step, ...]:
     s = Named("s", mul(A, symbol(S_B)))
     dr, s_b = symbol(DR), symbol(S_B)
     into = transpose(A)
+    quadratic = add(
+        mul(E0**2 - Dot(E, E), Identity(3)), mul(2, E, transpose(E)), mul(2 * E0, skew(E))
+    )
     return (
+        Step(MatrixSymbol("e", 3, 1), E.value, "vector part of the Euler parameters", ""),
+        Step(A, quadratic, "orientation, in Euler parameters of any norm", ""),
         Step(point, add(symbol(R), mul(A, s_b)), "a point fixed in the body", "4.28"),
         Step(change, add(dr, mul(delta_a, s_b)), "product rule; s′ is constant", "7.10"),
         Step(mul(A, into), Identity(3), "A is orthogonal", "4.3"),

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, Any, cast
 
 import pytest
 from sympy import Symbol
-from sympy.matrices.expressions import MatrixSymbol
+from sympy.matrices.expressions import Identity, MatrixSymbol
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.bodies import SYMBOLS, A
-from kousoku.symbolic.matrices import Dot, add, mul, neg, skew, transpose
+from kousoku.symbolic.matrices import Dot, Named, NamedScalar, add, mul, neg, skew, transpose
 from kousoku.symbolic.printing import print_steps, show
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def test_latex_of_n2(derived: Callable[[str], Derivation], golden: Callable[[str
         ("lam", "λ", r"\boldsymbol{\lambda}"),
         ("C_θ_j", "C_θ_j", r"\mathbf{C}_{\boldsymbol{\theta}^{\prime j}}"),
         ("L_1", "L_1", r"\mathbf{L}_{1}"),
+        ("Omega_i", "Ω_i", r"\boldsymbol{\Omega}^{i}"),
     ],
 )
 def test_names_are_the_lecture_letters(name: str, text: str, latex: str) -> None:
@@ -62,6 +63,34 @@ def test_scalars_print_in_an_order_of_their_own() -> None:
     assert show(1 / (2 * length)) == "1/(2 length)"
     assert show(Dot(p, p) ** 2 * length) == "length (p_i·p_i)^2"
     assert show(p[0, 0] - length) == "e0_i − length"
+
+
+def test_scalars_in_latex_are_letters_or_words() -> None:
+    length = Symbol("length")
+    assert show(2 * length, "latex") == r"2 \mathit{length}"
+    assert show(SYMBOLS["p_i"][0, 0], "latex") == r"e_{0}^{i}"
+    assert show(NamedScalar("cos β", length), "latex") == r"\cos \beta"
+
+
+def test_a_number_times_one_is_the_number_and_a_sum_keeps_its_sign() -> None:
+    p = SYMBOLS["p_i"]
+    assert show(mul(Symbol("length") ** 2, Identity(1))) == "length^2"
+    assert show(mul(p[0, 0] ** 2 - Dot(p, p), Identity(3))) == "(e0_i^2 − (p_i·p_i)) I"
+
+
+@pytest.mark.parametrize("package", ["n1", "n2", "p1_x", "p2_y", "point", "distance"])
+def test_every_name_in_a_constraint_means_one_thing_and_is_written_out(
+    package: str, derived: Callable[[str], Derivation]
+) -> None:
+    lines = derived(package).steps
+    values: dict[str, Any] = {}
+    for step in lines:
+        for x in step.right.atoms(Named):
+            assert values.setdefault(x.name, x.value) == x.value
+    defined = [step.left.name for step in lines]
+    assert values
+    for name in values:
+        assert name in defined
 
 
 def test_unknown_style_is_refused(derived: Callable[[str], Derivation]) -> None:
