@@ -15,6 +15,7 @@ from sympy import Integer, S
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, cross, dot, half_turn, rotate, rotate_back
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
@@ -189,7 +190,14 @@ def derive_mass_points(n: int) -> Derivation:
     ----------
     n : int
         How many points, at least 1.
+
+    Raises
+    ------
+    DerivationError
+        There are fewer.
     """
+    if n < 1:
+        raise DerivationError(f"{n} mass points have no mass; give at least 1")
     points = _Points.of(n)
     body = points.body()
     matrix, right = newton_euler(body)

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import pytest
 import sympy
 from sympy import S
 
+from kousoku.model.errors import DerivationError
 from kousoku.symbolic.components import dot, rotate
 from kousoku.symbolic.mass import OMEGA_B, P, derive_mass_points
 from kousoku.symbolic.matrices import elements
@@ -90,6 +92,11 @@ def test_any_number_of_points_can_be_derived() -> None:
         assert prove_steps(derivation) >= 3
         for function in derivation.functions:
             assert prove(function) > 0
+
+
+def test_no_points_at_all_are_refused() -> None:
+    with pytest.raises(DerivationError, match="0 mass points have no mass; give at least 1"):
+        derive_mass_points(0)
 
 
 def test_at_the_centre_of_mass_the_equations_part(derived: Callable[[str], Derivation]) -> None:
