@@ -82,18 +82,16 @@ class LinkageSolver:
             raise self._error(run, rows, good)
         return good
 
-    def rows(self, **options: Any) -> Any:
-        """Return what :meth:`solve` starts from: ``Rows`` of the folder's ``solver.py``."""
-        return self._rows(options)[1]
+    def rows(self, run: Any) -> Any:
+        """Return what :meth:`solve` starts from, for a ``Run`` of the folder's ``solver.py``."""
+        return self._run_c(run) if self.target == "c" else self.module.solve(self.library, run)
 
     def _rows(self, options: dict[str, Any]) -> tuple[Any, Any]:
         try:
             run = self.module.request(**options)
         except (ValueError, TypeError) as error:
             raise SolveError(f"{self.library.manifest.package}: {error}") from None
-        if self.target == "c":
-            return run, self._run_c(run)
-        return run, self.module.solve(self.library, run)
+        return run, self.rows(run)
 
     def _run_c(self, run: Any) -> Any:
         """Run the whole turn in one call of the compiled library."""

@@ -150,7 +150,9 @@ def test_same_scene_gives_the_same_bytes() -> None:
     [
         ("solver.py", "first * rate, second * rate", "-first * rate, second * rate"),
         ("kernels.c", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
-        ("kernels.c", "+ w->x1[i] * rate_dot;", "+ w->x1[i];"),
+        ("kernels.c", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
+        ("kernels.c", "x[first + i] -= epsilon[i];", "x[first + i] += epsilon[i];"),
+        ("kernels.c", "run->start - run->start", "run->start + run->start"),
         ("kernels.c", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
     ],
 )
