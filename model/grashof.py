@@ -8,7 +8,8 @@ is equation (34) of Yamada and Tatsumi (1981); the other cases are its analogues
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import acos, asin, atan2, hypot, tau
+from itertools import chain
+from math import acos, asin, atan2, copysign, floor, hypot, tau
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ import numpy as np
 from kousoku.model.circuits import check_circuits
 from kousoku.model.errors import SceneError
 from kousoku.model.known import known_nodes
-from kousoku.model.motion import input_values, period
+from kousoku.model.motion import input_values, period, turns_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
 
 BLOCK = 65536
 """Divisions that are checked at once."""
+
+NEARLY = 1e-9
+"""A part of a division this near to a whole one is that one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,7 @@ class Dyad:
 
 
 def check_closure(scene: Scene) -> tuple[str, ...]:
-    """Check that dyads between known places close at every division that is asked for.
+    """Check that dyads between known places close at every division, and on the way of a crank.
 
     Returns
     -------
@@ -71,23 +75,53 @@ def check_closure(scene: Scene) -> tuple[str, ...]:
     """
     check_circuits(scene)
     notes: dict[str, None] = {}
-    n_rows = period(scene) + 1
-    for first in range(0, n_rows, BLOCK):
-        ks = np.arange(first, min(first + BLOCK, n_rows))
+    for ks in chain(_blocks(period(scene) + 1), [_turning_points(scene)]):
         known = known_nodes(scene, ks)
         for dyad in _dyads(scene, known):
             tolerance = max(scene.residual_limit, 64 * 2.0**-52 * _scale(dyad))
             outside = np.maximum(dyad.distance - dyad.most, dyad.least - dyad.distance)
             opened = np.flatnonzero(outside > tolerance)
             if opened.size:
-                _refuse(scene, known, dyad, int(ks[opened[0]]))
+                _refuse(scene, known, dyad, int(opened[0]), float(ks[opened[0]]))
             for index in np.flatnonzero(abs(outside) <= tolerance)[:1]:
-                notes[_note(scene, dyad, int(ks[index]))] = None
+                notes[_note(scene, dyad, float(ks[index]))] = None
     return tuple(notes)
 
 
+def _blocks(n_rows: int) -> Iterator[np.ndarray]:
+    """Yield all divisions, as many at once as are checked together."""
+    for first in range(0, n_rows, BLOCK):
+        yield np.arange(first, min(first + BLOCK, n_rows))
+
+
+def _turning_points(scene: Scene) -> np.ndarray:
+    """Return where the distances of dyads at one crank are extreme, in parts of divisions.
+
+    A crank that is stopped between two divisions is stopped all the same.
+    """
+    known, ks = known_nodes(scene, np.zeros(1)), []
+    for dyad in _dyads(scene, known):
+        cranks = [crank for crank in (known[end].crank for end in dyad.ends) if crank]
+        still = [scene.nodes[end].at for end in dyad.ends if scene.nodes[end].fixed]
+        if len(cranks) != 1 or len(dyad.ends) != 1 + len(still):
+            continue
+        if still:
+            x, y = (b - a for a, b in zip(scene.nodes[cranks[0].center].at, *still, strict=True))
+        else:
+            dx, dy = scene.sliders[dyad.parts[1].partition(".")[2]].direction
+            x, y = -dy, dx
+        given, angle = scene.inputs[cranks[0].given], atan2(y, x) - cranks[0].offset
+        turns = turns_of(given)
+        way = tau * turns if turns is not None else (given.to or 0.0) - given.start
+        for side in (angle, angle + tau / 2):
+            part = (side - given.start) % copysign(tau, way)
+            if 0 < abs(part) < abs(way):
+                ks.append(part / way * scene.divisions)
+    return np.array([k for k in ks if abs(k - round(k)) > NEARLY])
+
+
 def _scale(dyad: Dyad) -> float:
-    return dyad.most + float(dyad.distance.max())
+    return dyad.most + float(dyad.distance.max(initial=0.0))
 
 
 def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
@@ -114,9 +148,8 @@ def _dyads(scene: Scene, known: dict[str, Known]) -> Iterator[Dyad]:
             yield Dyad(node, parts, distance, -rod, rod, (a,))
 
 
-def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, k: int) -> None:
+def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, index: int, k: float) -> None:
     still = [end for end in dyad.ends if scene.nodes[end].fixed]
-    index = k % BLOCK if len(still) < len(dyad.ends) else 0
     distance, unit = float(dyad.distance[index]), scene.unit
     held = " and ".join(dyad.parts)
     if len(still) == len(dyad.ends):
@@ -131,9 +164,10 @@ def _refuse(scene: Scene, known: dict[str, Known], dyad: Dyad, k: int) -> None:
         reason = _slider_crank(scene, dyad, cranks[0])
     elif len(cranks) == 1 and still:
         reason = _four_bar(scene, dyad, cranks[0], still[0], distance)
-    key = f"inputs.{cranks[0].given}" if cranks else "inputs"
+    given = [crank.given for crank in cranks] or list(scene.inputs)
+    key = f"inputs.{given[0]}" if cranks or len(given) == 1 else "inputs"
     raise SceneError(
-        f"{reason}{held} cannot close at division {k} ({_values(scene, k)}): {_span(dyad)} is "
+        f"{reason}{held} cannot close {_place(scene, k)}: {_span(dyad)} is "
         f"{distance:.12g} {unit}, wanted {_range(dyad)} {unit}",
         key=key,
     )
@@ -214,17 +248,24 @@ def _range(dyad: Dyad) -> str:
     )
 
 
-def _values(scene: Scene, k: int) -> str:
+def _place(scene: Scene, k: float) -> str:
+    """Say where division `k` is, which may lie between two."""
+    is_whole, low = float(k).is_integer(), floor(k)
+    where = f"at division {low}" if is_whole else f"between divisions {low} and {low + 1}"
+    return f"{where} ({_values(scene, k)})"
+
+
+def _values(scene: Scene, k: float) -> str:
     values = (
-        f"{name} = {float(input_values(given, scene.divisions, [k])[0]):.6g}"
+        f"{name} = {float(input_values(given, scene.divisions, np.array([k]))[0]):.6g}"
         for name, given in scene.inputs.items()
     )
     return ", ".join(values)
 
 
-def _note(scene: Scene, dyad: Dyad, k: int) -> str:
+def _note(scene: Scene, dyad: Dyad, k: float) -> str:
     moves = not all(scene.nodes[end].fixed for end in dyad.ends)
-    where = f"at division {k} ({_values(scene, k)}) " if moves else ""
+    where = f"{_place(scene, k)} " if moves else ""
     return (
         f"{where}{' and '.join(dyad.parts)} at {dyad.node} are stretched or folded: the motion is "
         "not determined there"

@@ -95,9 +95,33 @@ def test_a_crank_that_stops_may_rock_where_it_closes() -> None:
         four_bar(3, 4.5, 7, 10, start=0, to=2.4, divisions=60).build()
 
 
-def test_only_the_divisions_that_are_asked_for_count() -> None:
-    """Between two divisions the linkage would open, but no division asks for that position."""
-    four_bar(3, 4.5, 7, 10, divisions=1).build()
+@pytest.mark.parametrize("divisions", [1, 61])
+@pytest.mark.parametrize("way", [{}, {"turns": -1}, {"start": 3, "to": 4}])
+def test_a_crank_that_is_stopped_between_two_divisions_is_refused(
+    divisions: int, way: dict[str, float]
+) -> None:
+    with pytest.raises(SceneError, match=r"between divisions \d+ and \d+ \(alpha = 3.14159\)"):
+        four_bar(3, 3, 9.999999, 10, divisions=divisions, **way).build()
+
+
+def test_a_crank_that_is_stopped_beyond_its_way_is_not_refused() -> None:
+    four_bar(3, 3, 9.999999, 10, divisions=1, start=-3, to=3).build()
+
+
+def test_a_driven_slider_beyond_its_rods_names_its_input() -> None:
+    builder = (
+        SceneBuilder("press", unit="m")
+        .node("A", at=(0, 0), fixed=True)
+        .node("B", at=(1, 1))
+        .node("C", at=(2, 0))
+        .link("l1", "A", "B", length=2)
+        .link("l2", "B", "C", length=2)
+        .slider("ram", node="C", through=(0, 0), direction=(1, 0))
+        .input("s", slider="ram", start=2, to=5)
+    )
+    with pytest.raises(SceneError, match="cannot close at division 41") as caught:
+        builder.build()
+    assert caught.value.key == "inputs.s"
 
 
 def test_a_parallelogram_is_taken_with_a_note() -> None:
@@ -108,8 +132,10 @@ def test_a_parallelogram_is_taken_with_a_note() -> None:
     )
 
 
-def test_a_change_point_between_divisions_is_not_noted() -> None:
-    assert check(four_bar(1, 3, 1, 3, start=0.01).build()) == ()
+def test_a_change_point_between_divisions_is_noted_too() -> None:
+    notes = check(four_bar(1, 3, 1, 3, start=0.01).build())
+    places = [note.partition(" links")[0] for note in notes]
+    assert places == ["between divisions 59 and 60 (alpha = 6.28319)"]
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
@@ -120,10 +146,10 @@ def test_boundary_cases_are_not_refused_at_any_scale(scale: float) -> None:
 
 @settings(max_examples=200, deadline=None)
 @given(LENGTHS, LENGTHS, LENGTHS, LENGTHS, ANGLES, st.integers(1, 90))
-def test_a_four_bar_is_refused_exactly_when_a_division_does_not_close(
+def test_a_four_bar_is_refused_exactly_when_its_turn_does_not_close(
     l1: float, l2: float, l3: float, l4: float, start: float, divisions: int
 ) -> None:
-    angles = [start + tau * k / divisions for k in range(divisions + 1)]
+    angles = [start + tau * k / divisions for k in range(divisions + 1)] + [0, pi]
     worst = max(closes(l1, l2, l3, l4, angles))
     assume(abs(worst) > 1e-9)
     builder = four_bar(l1, l2, l3, l4, start=start, divisions=divisions)
@@ -154,7 +180,7 @@ def test_a_slider_crank_is_refused_exactly_when_its_rod_is_too_short(
     crank: float, rod: float, offset: float, line: float, divisions: int
 ) -> None:
     """The line stands at any angle and at any side of the crank's centre."""
-    angles = [tau * k / divisions for k in range(divisions + 1)]
+    angles = [tau * k / divisions for k in range(divisions + 1)] + [line - pi / 2, line + pi / 2]
     worst = max(abs(crank * sin(angle - line) - offset) for angle in angles) - rod
     assume(abs(worst) > 1e-9)
     through = (3 - offset * sin(line), 2 + offset * cos(line))
