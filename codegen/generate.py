@@ -12,7 +12,7 @@ from kousoku.model.cache import write_atomically
 from kousoku.symbolic.kinds import KINDS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
     from pathlib import Path
 
     SourceTree = dict[str, str]
@@ -47,21 +47,6 @@ def generate_kind(name: str) -> SourceTree:
     derived = recall_or_derive(name)
     data = {GRAPH_FILE: dump(derived.package), REFERENCE_FILE: derived.references}
     return emit(derived.package, data)
-
-
-def generate_all(progress: Callable[[str], None] = lambda name: None) -> dict[str, SourceTree]:
-    """Generate the packages of all kinds.
-
-    Parameters
-    ----------
-    progress : callable
-        Called with the name of each package before it is generated.
-    """
-    trees = {}
-    for name in package_names():
-        progress(name)
-        trees[name] = generate_kind(name)
-    return trees
 
 
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:

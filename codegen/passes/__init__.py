@@ -1,1 +1,1 @@
-"""Passes: each takes a kernel and gives one that means the same, or the part that is asked for."""
+"""Passes: each takes a kernel and gives one that means the same."""
