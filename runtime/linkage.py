@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import hashlib
 import sys
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType, ModuleType
@@ -27,6 +28,8 @@ SOLVER = "solver.py"
 #: Room for the results, in the order of the fields of ``kernels.h``.
 RESULTS = ("alpha", "position", "velocity", "acceleration")
 ANGLES = ("angle", "angle_dot", "angle_ddot")
+#: No thread sees a module that another one is still importing.
+_IMPORTING = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,13 +240,18 @@ def solve(
 def _import(path: Path, source: bytes) -> ModuleType:
     """Import the solver from the bytes whose SHA-256 was compared, once for each content."""
     name = f"kousoku_solver_{path.parent.name}_{hashlib.sha256(source).hexdigest()[:16]}"
-    if name not in sys.modules:
-        module = ModuleType(name)
-        module.__file__ = str(path)
-        # Dataclasses look their module up.
-        sys.modules[name] = module
-        exec(compile(source, str(path), "exec"), module.__dict__)
-    return sys.modules[name]
+    with _IMPORTING:
+        if name not in sys.modules:
+            module = ModuleType(name)
+            module.__file__ = str(path)
+            # Dataclasses look their module up.
+            sys.modules[name] = module
+            try:
+                exec(compile(source, str(path), "exec"), module.__dict__)
+            except BaseException:
+                del sys.modules[name]
+                raise
+        return sys.modules[name]
 
 
 def _by_name(names: Iterable[str], rows: npt.NDArray[np.float64]) -> Mapping[str, Any]:
