@@ -14,7 +14,7 @@ import pytest
 
 import kousoku.generated
 from kousoku.generated import lever_crank, piston_crank
-from kousoku.model.read import read_scene
+from kousoku.model.read import read_scene, scene_from_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,13 +51,13 @@ def test_copied_folder_solves_with_numpy_alone(tmp_path: Path, method: str) -> N
         "import my_crank\n"
         f"motion = my_crank.solve(method={method!r}, divisions=12)\n"
         "print(json.dumps([motion.positions['O3'].tolist(), motion.alpha.tolist(), motion.method,"
-        " motion.iterations.tolist()]))",
+        " motion.iterations.tolist(), motion.unit]))",
         tmp_path,
     )
     assert got.returncode == 0, got.stderr
-    positions, alpha, name, iterations = json.loads(got.stdout)
+    positions, alpha, name, iterations, unit = json.loads(got.stdout)
     wanted = lever_crank.solve(method=method, divisions=12)
-    assert name == method
+    assert (name, unit) == (method, "cm")
     np.testing.assert_allclose(positions, wanted.positions["O3"], rtol=0, atol=4e-13)
     np.testing.assert_array_equal(alpha, wanted.alpha)
     np.testing.assert_array_equal(iterations, wanted.iterations)
@@ -112,3 +112,17 @@ def test_threads_may_be_the_first_to_use_a_solver() -> None:
     )
     got = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert got.stdout.strip() == "True", got.stderr
+
+
+def test_copied_folder_gives_nothing_that_is_not_wanted(
+    tmp_path: Path, folder_of: Callable[[Scene], Path]
+) -> None:
+    text = (ROOT / "scenes" / "piston_crank.toml").read_text(encoding="utf-8")
+    scene = scene_from_toml('outputs = ["angles"]\n' + text)
+    shutil.copytree(folder_of(scene), tmp_path / "turning")
+    got = run(
+        "import turning\nmotion = turning.solve()\n"
+        "print(len(motion.positions), motion.velocities, *motion.angles)",
+        tmp_path,
+    )
+    assert got.stdout.split() == ["3", "{}", "l1", "l2"], got.stderr
