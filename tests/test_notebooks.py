@@ -28,10 +28,11 @@ def shown(notebook: Any) -> list[list[tuple[str, str]]]:
         if cell.cell_type != "code":
             continue
         seen = []
+        printed: list[str] = []  # Jupyter may cut what is printed into several outputs
         for output in cell.outputs:
             if output.output_type == "stream":
                 if output.name == "stdout":  # stderr tells about the machine: no compiler here
-                    seen.append((output.name, output.text))
+                    printed.append(output.text)
                 continue
             assert output.output_type != "error", output
             has_picture = any(media.startswith("image/") for media in output.data)
@@ -40,7 +41,7 @@ def shown(notebook: Any) -> list[list[tuple[str, str]]]:
                     seen.append((media, ""))
                 elif media in COMPARED and not has_picture:
                     seen.append((media, text))
-        cells.append(seen)
+        cells.append([("stdout", "".join(printed)), *seen])
     return cells
 
 
