@@ -75,10 +75,14 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
     if dyad is None:
         return None
     crank, rod = (_length(scene, dyad.pin, other) for other in (dyad.center, dyad.end))
-    alphas = input_values(dyad.given, divisions, range(rows))
+    alphas: dict[float, int] = {}  # the turns repeat their angles, bit for bit
+    place = [
+        alphas.setdefault(alpha, len(alphas))
+        for alpha in input_values(dyad.given, divisions, range(rows)).tolist()
+    ]
     moved = []
     side = 0
-    for alpha in alphas.tolist():
+    for alpha in alphas:
         arm = crank * _MP.expj(_MP.mpf(alpha))
         rate, rate_dot = _MP.mpf(dyad.given.rate), _MP.mpf(dyad.given.acceleration)
         pin = (_at(scene, dyad.center) + arm, 1j * rate * arm, (1j * rate_dot - rate**2) * arm)
@@ -90,7 +94,7 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
         moved.append((pin, (end, *_derivatives(scene, dyad, pin, end))))
     tables: list[dict[str, Array]] = [
         {
-            node: np.array([[float(m[n][d].real), float(m[n][d].imag)] for m in moved])
+            node: np.array([[float(m[n][d].real), float(m[n][d].imag)] for m in moved])[place]
             for n, node in enumerate((dyad.pin, dyad.end))
         }
         for d in range(3)

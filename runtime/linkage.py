@@ -28,6 +28,8 @@ SOLVER = "solver.py"
 #: Room for the results, in the order of the fields of ``kernels.h``.
 RESULTS = ("alpha", "position", "velocity", "acceleration")
 ANGLES = ("angle", "angle_dot", "angle_ddot")
+#: Divisions that are counted without rounding.
+MOST_ROWS = 2**53
 #: No thread sees a module that another one is still importing.
 _IMPORTING = threading.Lock()
 
@@ -94,7 +96,15 @@ class LinkageSolver:
             run = self.module.request(**options)
         except (ValueError, TypeError) as error:
             raise SolveError(f"{self.library.manifest.package}: {error}") from None
-        return run, self.rows(run)
+        try:
+            if run.first + run.rows > MOST_ROWS:
+                raise MemoryError
+            return run, self.rows(run)
+        except MemoryError:
+            raise SolveError(
+                f"{self.library.manifest.package}: no room for {run.rows} rows from division"
+                f" {run.first} on; ask for fewer turns or divisions"
+            ) from None
 
     def _run_c(self, run: Any) -> Any:
         """Run the whole turn in one call of the compiled library."""
@@ -156,6 +166,9 @@ class LinkageSolver:
         names = (unknown[0].partition(".")[0] for unknown in module.UNKNOWNS[part])
         nodes = ", ".join(dict.fromkeys(names))
         held = f"{nodes}, held by {', '.join(links)}"
+        known = {link[0] for link in module.LINKS}
+        keys = ", ".join(f"links.{link}" for link in links if link in known)
+        driven = ", ".join(f"inputs.{key}" for key, _, _ in module.INPUTS)
         where = ", ".join(
             f"{key} = {value:.9g} {unit}"
             for (key, unit, _), value in zip(module.INPUTS, rows.reached, strict=True)
@@ -163,11 +176,11 @@ class LinkageSolver:
         why = module.MESSAGES[rows.status]
         if rows.status == module.NOT_ASSEMBLED:
             misfit = self._misfit(rows.position[0], links)
-            return AssemblyError(f"{name}: {why}: {held}, at {where}: {misfit}")
+            return AssemblyError(f"{name}: {keys}: {why}: {held}, at {where}: {misfit}")
         if rows.status in (module.ON_DEAD_CENTRE, module.OTHER_SIDE):
             return AssemblyError(
-                f"{name}: {why}: {held}, at {where}; move the positions of these nodes to the side"
-                " that is wanted"
+                f"{name}: {keys}: {why}: {held}, at {where}; move the positions of these nodes to"
+                " the side that is wanted"
             )
         advice = {
             module.DEAD_CENTRE: "shorten the way of the input, or drive another link",
@@ -175,8 +188,8 @@ class LinkageSolver:
             module.NOT_FINITE: "check lengths, positions and inputs",
         }.get(rows.status, "check the options")
         return MotionError(
-            f"{name}: {why}: {held}, at {where}, after {rows.done} good positions of {run.rows};"
-            f" {advice}",
+            f"{name}: {driven}: {why}: {held}, at {where}, after {rows.done} good positions of"
+            f" {run.rows}; {advice}",
             good,
         )
 

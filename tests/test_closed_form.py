@@ -68,3 +68,15 @@ def test_the_approximate_position_chooses_the_side() -> None:
 @pytest.mark.parametrize("name", ["watt_six_bar", "stephenson_six_bar", "five_bar"])
 def test_other_linkages_have_none(name: str) -> None:
     assert closed_form(read_scene(SCENES / f"{name}.toml"), 60, 61) is None
+
+
+def test_later_turns_repeat_the_first_bit_for_bit() -> None:
+    scene = read_scene(SCENES / "lever_crank.toml")
+    motion = closed_form(scene, 12, 37)
+    assert motion is not None
+    for table in (motion.positions, motion.velocities, motion.accelerations):
+        assert table["O3"].shape == (37, 2)
+        np.testing.assert_array_equal(table["O3"][24:], table["O3"][:13])
+    first = closed_form(scene, 12, 13)
+    assert first is not None
+    np.testing.assert_array_equal(first.positions["O3"], motion.positions["O3"][:13])

@@ -31,7 +31,9 @@ def check_destinations(out: Path | None, plot: Path | None) -> None:
         if out.suffix not in SUFFIXES:
             wanted = " or ".join(SUFFIXES)
             raise SolveError(f"--out {out}: the name must end in {wanted}")
-        if out.is_dir() or not out.absolute().parent.is_dir():
+        if out.is_dir():
+            raise SolveError(f"--out {out}: is a folder, wanted a file")
+        if not out.absolute().parent.is_dir():
             raise SolveError(f"--out {out}: no such folder; make it first")
     if plot is not None:
         if plot.exists() and not plot.is_dir():

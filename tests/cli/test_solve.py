@@ -99,6 +99,9 @@ def test_plots_are_those_of_the_paper(run: Run, tmp_path: Path) -> None:
         (("--node", "O9"), "O9"),
         (("--method", "magic"), "magic"),
         (("--divisions", "0"), "divisions"),
+        (("--divisions", "1" + 20 * "0"), "no room for 1"),
+        (("--turns", "1" + 12 * "0"), "no room for 6"),
+        (("--first-turn", "1" + 18 * "0"), "fewer turns"),
     ],
 )
 def test_bad_options_are_refused_before_anything_is_solved(
@@ -123,6 +126,7 @@ def test_a_dead_centre_keeps_the_last_good_position(run: Run, tmp_path: Path) ->
     code, printed, err = run("solve", ROOT / "tests/scenes/second_loop_stops.toml", "--out", out)
     assert (code, printed) == (2, "")
     assert err.count("\n") == 1
+    assert ": inputs.alpha: a dead centre" in err
     rows = len(out.read_text(encoding="utf-8").splitlines()) - 1
     assert 0 < rows < 61
 
