@@ -85,8 +85,12 @@ class Toolchain:
 
     @property
     def fingerprint(self) -> str:
-        """SHA-256 of the compiler, the resolved target and the flags."""
-        parts = (self.version, self.machine, self.features, *self.flags, *_SHARED, *LIBRARIES)
+        """SHA-256 of the compiler, the resolved target and the flags.
+
+        The command counts too: a script around a compiler may add flags that show in no macro.
+        """
+        flags = (*self.flags, *_SHARED, *LIBRARIES)
+        parts = (*self.command, self.version, self.machine, self.features, *flags)
         return hashlib.sha256("\0".join((*parts, sys.platform)).encode()).hexdigest()
 
     def compile_command(

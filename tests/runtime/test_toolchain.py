@@ -103,7 +103,7 @@ def test_a_flag_that_the_compiler_refuses_is_named(
     assert not isinstance(raised.value, NoCompilerError), compiler
 
 
-@pytest.mark.parametrize("field", ["version", "machine", "features", "flags"])
+@pytest.mark.parametrize("field", ["command", "version", "machine", "features", "flags"])
 def test_all_that_decides_the_machine_code_is_in_the_fingerprint(field: str) -> None:
     values = {name: getattr(EMPTY, name) for name in EMPTY.__slots__}
     values[field] = (*FLAGS, "-O1") if field == "flags" else "other"
