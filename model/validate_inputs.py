@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, tau
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import unknown
 from kousoku.model.errors import SceneError
+from kousoku.model.motion import turns_of
 
 if TYPE_CHECKING:
     from kousoku.model.planar import Input
     from kousoku.model.scene import Scene
+
+MOST_TURNS = 10
+"""Turns of a link in one division: a step is halved until the solver can follow."""
 
 TARGETS = ("link", "slider", "joint")
 """What an input may drive; its table in the scene has the same name with an s."""
@@ -34,6 +38,7 @@ def check_inputs(scene: Scene) -> None:
         _check_way(given, target, key)
         if target == "link":
             _check_link(scene, given, driven, key)
+            _check_speed(scene, given, key)
 
 
 def _target(scene: Scene, given: Input, key: str) -> tuple[str, str]:
@@ -64,6 +69,18 @@ def _check_way(given: Input, target: str, key: str) -> None:
     for what, number in {**numbers, "to": given.to, "turns": given.turns}.items():
         if number is not None and not isfinite(number):
             raise SceneError(f"{number!r} is not a finite number", key=f"{key}.{what}")
+
+
+def _check_speed(scene: Scene, given: Input, key: str) -> None:
+    turns = turns_of(given)
+    if turns is None and given.to is not None:
+        turns = (given.to - given.start) / tau
+    if abs(turns or 0.0) > MOST_TURNS * scene.divisions:
+        raise SceneError(
+            f"{turns:.6g} turns in {scene.divisions} divisions cannot be followed; wanted at most "
+            f"{MOST_TURNS} turns a division",
+            key=f"{key}.to" if given.turns is None else f"{key}.turns",
+        )
 
 
 def _check_link(scene: Scene, given: Input, link: str, key: str) -> None:
