@@ -22,6 +22,8 @@ High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
 MOTIONS = ("position", "velocity", "acceleration")
 #: Steps over the way of the inputs.
 STEPS = 10
+#: How often a step may be halved before it is said to meet a dead centre.
+HALVINGS = 8
 #: A correction this small, relative to the largest length, is the last.
 DONE = HIGH_CONTEXT.mpf(10) ** -40
 MOST_CORRECTIONS = 60
@@ -45,26 +47,21 @@ class Place:
 
 def places(layout: Layout) -> list[Place]:
     """Return the linkage at every step of its way, up to a dead centre; empty if it never fits."""
+    start = [HIGH.number(layout.system.coordinates[u].start) for u in layout.unknowns]
     found: list[Place] = []
-    first_sides: list[bool] | None = None
-    x = [HIGH.number(layout.system.coordinates[u].start) for u in layout.unknowns]
-    for step in range(STEPS + 1):
-        part = Fraction(step, STEPS)
-        alpha, alpha_dot, alpha_ddot = _inputs(layout, part)
-        motion = {"alpha": alpha, "x": x, "alpha_dot": alpha_dot, "alpha_ddot": alpha_ddot}
-        try:
-            motion["x"] = _positions(layout, motion)
-        except (ArithmeticError, ValueError):
-            break
-        sides = _sides(layout, motion)
-        if first_sides is None:
-            first_sides = sides
-        if sides != first_sides:
-            break  # a step over a dead centre, on to another branch
-        for order, name in ((1, "x_dot"), (2, "x_ddot")):
-            motion[name] = _derivatives(layout, motion, order)
-        found.append(Place(part, motion))
-        x = _predicted(layout, motion)
+    try:
+        here = _placed(layout, Fraction(0), start)
+        first_sides = _sides(layout, here)
+        while _sides(layout, here) == first_sides:  # else past a dead centre, on another branch
+            part = Fraction(len(found), STEPS)
+            for order, name in ((1, "x_dot"), (2, "x_ddot")):
+                here[name] = _derivatives(layout, here, order)
+            found.append(Place(part, here))
+            if part == 1:
+                break
+            here = _advanced(layout, here, part, part + Fraction(1, STEPS), HALVINGS)
+    except (ArithmeticError, ValueError):
+        pass  # the way ends here
     return found
 
 
@@ -151,6 +148,47 @@ def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
     return motion["x"]
 
 
+def _placed(layout: Layout, part: Fraction, near: list[High]) -> dict[str, list[High]]:
+    """Return the motion at a part of the way, its position the one that Newton finds from near."""
+    alpha, alpha_dot, alpha_ddot = _inputs(layout, part)
+    motion = {"alpha": alpha, "x": near, "alpha_dot": alpha_dot, "alpha_ddot": alpha_ddot}
+    return {**motion, "x": _positions(layout, motion)}
+
+
+def _advanced(
+    layout: Layout, motion: dict[str, list[High]], part: Fraction, end: Fraction, halvings: int
+) -> dict[str, list[High]]:
+    """Return the motion at ``end``, in steps so short that none reaches over a dead centre.
+
+    Raises
+    ------
+    ArithmeticError
+        It cannot get there.
+    """
+    predicted = _predicted(layout, motion, end - part)
+    try:
+        there = _placed(layout, end, predicted)
+        if _is_near(layout, motion["x"], predicted, there["x"]):
+            return there
+    except (ArithmeticError, ValueError):
+        pass  # too long a step, or no way on
+    if not halvings:
+        raise ArithmeticError("a dead centre")
+    middle = (part + end) / 2
+    half = _advanced(layout, motion, part, middle, halvings - 1)
+    return _advanced(layout, half, middle, end, halvings - 1)
+
+
+def _is_near(layout: Layout, x: list[High], predicted: list[High], found: list[High]) -> bool:
+    """Whether the correction is small beside the motion: else another branch may be near."""
+    scales = [HIGH.number(layout.system.coordinates[u].scale) for u in layout.unknowns]
+    pairs = list(zip(scales, x, predicted, found, strict=True))
+    moved = max((abs(s * (p - a)) for s, a, p, _ in pairs), default=HIGH_CONTEXT.zero)
+    missed = max((abs(s * (b - p)) for s, _, p, b in pairs), default=HIGH_CONTEXT.zero)
+    length = HIGH.number(Fraction(layout.system.scene.largest_length))
+    return bool(missed <= max(moved / 4, DONE * length))
+
+
 def _sides(layout: Layout, motion: dict[str, list[High]]) -> list[bool]:
     """Return on which side of a dead centre each block is."""
     exact = _exact(layout, motion)
@@ -175,9 +213,9 @@ def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> l
     return motion[name]
 
 
-def _predicted(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
-    """Return where x will be about one step on, (26)."""
-    spans = [span_of(item) / STEPS for item in layout.system.scene.inputs.values()]
+def _predicted(layout: Layout, motion: dict[str, list[High]], step: Fraction) -> list[High]:
+    """Return where x will be about a step on, given as a part of the way, (26)."""
+    spans = [step * span_of(item) for item in layout.system.scene.inputs.values()]
     along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
     along["alpha_ddot"] = [HIGH_CONTEXT.zero] * len(spans)
     along["x_dot"] = _derivatives(layout, along, 1)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
@@ -20,7 +22,7 @@ from kousoku.codegen.linkage_solution import places
 from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.manifest import Manifest
-from kousoku.model.read import read_scene
+from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
@@ -171,3 +173,39 @@ def test_verify_finds_a_flipped_sign_in_the_solver(
     report = verify(write(tmp_path / "lever_crank", files))
     assert not report.ok
     assert all("solver by" in problem for problem in report.problems)
+
+
+@pytest.mark.parametrize(
+    ("lengths", "start", "joints", "rows"),
+    [
+        pytest.param((3.53, 8.45, 8.71, 3.47), 1.75, ((-0.63, 3.47), (6.37, 8.21)), 8, id="stops"),
+        pytest.param((5.15, 4.94, 5.17, 4.8), 2.63, ((-4.49, 2.52), (0.44, 2.78)), 11, id="turns"),
+    ],
+)
+def test_references_go_as_far_as_the_crank(
+    lengths: tuple[float, ...], start: float, joints: tuple[tuple[float, float], ...], rows: int
+) -> None:
+    """One crank stops where the links would soon close again; one passes close by such a place."""
+    crank, coupler, rocker, frame = lengths
+    tree = {
+        "name": "crank",
+        "unit": "m",
+        "divisions": 10,
+        "nodes": {
+            "O1": {"at": (0, 0), "fixed": True},
+            "O2": {"at": joints[0]},
+            "O3": {"at": joints[1]},
+            "O4": {"at": (frame, 0), "fixed": True},
+        },
+        "links": {
+            "l1": {"nodes": ("O1", "O2"), "length": crank},
+            "l2": {"nodes": ("O2", "O3"), "length": coupler},
+            "l3": {"nodes": ("O3", "O4"), "length": rocker},
+        },
+        "inputs": {"alpha": {"link": "l1", "about": "O1", "from": start, "to": start + 0.01}},
+    }
+    scene = scene_from_dict(tree)
+    turning = structs.replace(scene.inputs["alpha"], to=None, turns=1.0)  # closes or not
+    scene = structs.replace(scene, inputs={"alpha": turning})
+    made = specialise(assemble(scene), load_frozen("link"))
+    assert [place.part for place in places(made.layout)] == [Fraction(k, 10) for k in range(rows)]
