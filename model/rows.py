@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING
 from kousoku.model.errors import DerivationError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable
 
 #: The rows of ã′ that hold the component of the named axis, by number from 0.
 ROWS = {"x": (1, 2), "y": (0, 2), "z": (0, 1)}
 
 
-def variant(kind: str, axis: Sequence[float]) -> str:
+def variant(kind: str, axis: Iterable[float]) -> str:
     """Return the package whose rows hold the largest component of an axis, such as ``p2_z``.
 
     The axis is constant in its body, so that one choice serves for a whole run (8.16).
@@ -23,7 +23,7 @@ def variant(kind: str, axis: Sequence[float]) -> str:
     ----------
     kind : str
         ``p1`` or ``p2``.
-    axis : sequence of float
+    axis : iterable of float
         a′ of body i: three components in the frame of i, of any length but zero. Of components
         that are equally large the first is taken.
 
@@ -34,10 +34,11 @@ def variant(kind: str, axis: Sequence[float]) -> str:
     """
     if kind not in {"p1", "p2"}:
         raise DerivationError(f"kind {kind!r} has no variants; wanted 'p1' or 'p2'")
-    sizes = [abs(float(x)) for x in axis]
+    components = [float(x) for x in axis]
+    sizes = [abs(x) for x in components]
     if len(sizes) != len(ROWS) or not all(map(math.isfinite, sizes)) or not any(sizes):
         raise DerivationError(
-            f"{kind}: the axis of body i is {list(map(float, axis))}; wanted three finite "
+            f"{kind}: the axis of body i is {components}; wanted three finite "
             "components, not all zero"
         )
     return f"{kind}_{'xyz'[sizes.index(max(sizes))]}"
