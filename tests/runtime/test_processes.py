@@ -57,11 +57,11 @@ os.close(write)
 print(json.dumps([os.waitpid(child, 0)[1] for child in children]))
 """
 
-#: A compiler that notes when it starts to build, writes half a library, and takes its time.
+#: A compiler that notes when it first builds, writes half a library, and takes its time.
 SLOW = """
 next=
 for a in "$@"; do
-  [ "$next" ] && {{ echo half > "$a"; touch {marker}; sleep 60; }}
+  [ "$next" ] && [ ! -e {marker} ] && {{ echo half > "$a"; touch {marker}; sleep 60; }}
   next=
   [ "$a" = -o ] && next=1
 done
@@ -121,10 +121,16 @@ def test_a_library_that_is_truncated_while_it_is_open_harms_nobody(
 
 @pytest.mark.parametrize("whole_group", [True, False])
 def test_a_process_killed_half_way_leaves_nothing_that_is_loaded(
-    tiny: Path, cache: Path, wrapper: Callable[[str], str], tmp_path: Path, whole_group: bool
+    tiny: Path,
+    cache: Path,
+    wrapper: Callable[[str], str],
+    tmp_path: Path,
+    whole_group: bool,
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     marker = tmp_path / "compiling"
-    run = python(LOAD_AND_CALL, tiny, KOUSOKU_CC=wrapper(SLOW.format(marker=marker)))
+    monkeypatch.setenv("KOUSOKU_CC", wrapper(SLOW.format(marker=marker)))
+    run = python(LOAD_AND_CALL, tiny)
     try:
         wait_for(marker)
         if whole_group:
@@ -149,11 +155,12 @@ def test_a_process_waits_for_the_one_that_builds(
 ) -> None:
     marker = tmp_path / "compiling"
     slow = SLOW.format(marker=marker).replace("sleep 60", f"until [ -e {marker}.go ]; do :; done")
-    first = python(LOAD_AND_CALL, tiny, KOUSOKU_CC=wrapper(slow))
+    compiler = wrapper(slow)
+    first = python(LOAD_AND_CALL, tiny, KOUSOKU_CC=compiler)
     second = None
     try:
         wait_for(marker)
-        second = python(LOAD_AND_CALL, tiny)
+        second = python(LOAD_AND_CALL, tiny, KOUSOKU_CC=compiler)
         time.sleep(0.5)
         assert second.poll() is None
         assert len(list((cache / "lib").glob(".build-*"))) == 1
