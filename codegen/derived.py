@@ -31,6 +31,7 @@ SOURCES = (
     "codegen/passes/*.py",
     "codegen/points.py",
     "codegen/reference.py",
+    "codegen/unit.py",
     "codegen/store.py",
     "codegen/tape.py",
     "model/quantity.py",

@@ -8,7 +8,6 @@ share count once. The order of terms is that of the derivation, and inside scala
 
 from __future__ import annotations
 
-from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -28,6 +27,8 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.codegen.chain import Association, flip
 from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
+from kousoku.codegen.passes.rebuild import drop_dead
+from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import FreezeError
 from kousoku.symbolic.matrices import (
     Divisor,
@@ -49,8 +50,6 @@ if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Function
 
 Cells = tuple[tuple[int, ...], ...]
-
-SMALLEST_SUBNORMAL = 5e-324
 
 
 def freeze(function: Function) -> Kernel:
@@ -74,7 +73,7 @@ def freeze(function: Function) -> Kernel:
     lowering = _Lowering(function)
     results = tuple(lowering.output(output) for output in function.outputs)
     names = dict(reversed(lowering.names))  # the first name of a node wins
-    kernel = Kernel(
+    whole = Kernel(
         name=function.name,
         title=function.title,
         formula=function.formula,
@@ -85,30 +84,7 @@ def freeze(function: Function) -> Kernel:
         results=results,
         names=tuple(sorted(names.items())),
     )
-    return _without_unused(kernel)
-
-
-def _without_unused(kernel: Kernel) -> Kernel:
-    used = [False] * len(kernel.nodes)
-    stack = [node for result in kernel.results for node in result]
-    while stack:
-        node = stack.pop()
-        if not used[node]:
-            used[node] = True
-            stack.extend(kernel.nodes[node].args)
-    new: dict[int, int] = {}
-    for old in range(len(kernel.nodes)):
-        if used[old]:
-            new[old] = len(new)
-    return replace(
-        kernel,
-        nodes=tuple(
-            replace(kernel.nodes[old], args=tuple(new[arg] for arg in kernel.nodes[old].args))
-            for old in new
-        ),
-        results=tuple(tuple(new[node] for node in result) for result in kernel.results),
-        names=tuple((new[node], name) for node, name in kernel.names if node in new),
-    )
+    return drop_dead(whole)
 
 
 class _Lowering:

@@ -12,9 +12,6 @@ if TYPE_CHECKING:
 
 High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
 
-#: u, the rounding of a double.
-ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
-
 
 class Dual:
     """A number and its derivatives by the numbers that it was computed from.

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.codegen.jsontext import to_text
-from kousoku.codegen.linkage_dual import DUAL, ROUNDING, Dual, variable
+from kousoku.codegen.linkage_dual import DUAL, Dual, variable
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
+from kousoku.codegen.unit import columns
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from fractions import Fraction
 
     from kousoku.codegen.kernel import Kernel, Package
@@ -24,9 +25,6 @@ if TYPE_CHECKING:
     Numbers = dict[str, tuple[float, ...]]
 
 FORMAT = 1
-SMALLEST_SUBNORMAL = 5e-324
-#: A derivative below this is a zero that 50 digits left over.
-NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
 #: Stands where a kernel does not look.
@@ -146,7 +144,7 @@ def _row(kernel: Kernel, layout: Layout, point: Point) -> dict[str, object]:
 
     values = _values(motion, number, Exact(layout, DUAL, duals, constant))
     outputs = {
-        quantity.name: _columns([values[quantity.name][e] for e in kernel.nonzero(k)], sizes, bad)
+        quantity.name: columns([values[quantity.name][e] for e in kernel.nonzero(k)], sizes, bad)
         for k, quantity in enumerate(kernel.outputs)
     }
     inputs = {n: [x if math.isfinite(x) else str(x) for x in xs] for n, xs in numbers.items()}
@@ -158,23 +156,3 @@ def _values(motion: str, number: int | None, exact: Exact) -> dict[str, list[Dua
     if number is not None:
         return exact.block(number, ("position", "velocity", "acceleration").index(motion))
     return exact.nodes() if motion == "nodes" else exact.angles()
-
-
-def _columns(
-    elements: Sequence[Dual], sizes: Mapping[object, Any], bad: set[object]
-) -> dict[str, object]:
-    rows = [_element(element, sizes, bad) for element in elements]
-    return {name: [row[k] for row in rows] for k, name in enumerate(("high", "low", "unit"))}
-
-
-def _element(
-    element: Dual, sizes: Mapping[object, Any], bad: set[object]
-) -> tuple[float | None, float, float]:
-    """Return high, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
-    if any(abs(element.gradient.get(name, 0)) > NEGLIGIBLE for name in bad):
-        return None, 0.0, SMALLEST_SUBNORMAL
-    high = float(element.value)
-    low = float(element.value - high)
-    size = abs(element.value) + sum(abs(sizes[n] * x) for n, x in element.gradient.items())
-    unit = max(float(f"{float(ROUNDING * size):.2e}"), SMALLEST_SUBNORMAL)
-    return high, float(f"{low:.4e}"), unit

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.tape import curved_inputs, degrees
+from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
 LARGEST_EXPONENT = 200
 #: Products of scaled arrays stay within 2^±900, so that no intermediate result leaves the doubles.
 EXPONENT_BUDGET = 900
-SMALLEST_SUBNORMAL = 5e-324
 #: A subnormal number that stays a multiple of the smallest one when divided by 4 a few times.
 SUBNORMAL = SMALLEST_SUBNORMAL * 2**20
 

@@ -10,13 +10,12 @@ is frozen and emitted.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
-    SMALLEST_SUBNORMAL,
     Point,
     Stream,
     finite_points,
@@ -25,6 +24,7 @@ from kousoku.codegen.points import (
     scattered,
 )
 from kousoku.codegen.tape import record, run
+from kousoku.codegen.unit import columns
 from kousoku.model.errors import DerivationError
 
 if TYPE_CHECKING:
@@ -38,9 +38,6 @@ FORMAT = 1
 REFERENCE_FILE = "reference.json"
 #: The output that a manifold is the zero of.
 CONSTRAINT = "C"
-#: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
-NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
-ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
 #: Enough for 50 digits after a cancellation of 2^±900 against its inverse.
 WORKING_DIGITS = 600
 #: Numbers of reference that one kernel brings at most, unless one turn of points is more.
@@ -131,7 +128,10 @@ def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | Non
     finite = {
         name: [x if math.isfinite(x) else 1.25 for x in xs] for name, xs in point.inputs.items()
     }
-    numbers = [HIGH_CONTEXT.mpf(finite[name][index]) for name, index in tape.inputs]
+    numbers = {
+        place: HIGH_CONTEXT.mpf(finite[name][index])
+        for place, (name, index) in enumerate(tape.inputs)
+    }
     try:
         duals = run(tape, finite)
     except ZeroDivisionError:
@@ -140,27 +140,9 @@ def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | Non
     for k, quantity in enumerate(kernel.outputs):
         _check_zeros(kernel, k, duals[quantity.name])
         chosen = [duals[quantity.name][element] for element in kernel.nonzero(k)]
-        outputs[quantity.name] = _columns([_reference(dual, numbers, bad) for dual in chosen])
+        outputs[quantity.name] = columns(chosen, numbers, bad)
     inputs = {name: [_json_number(x) for x in xs] for name, xs in point.inputs.items()}
     return {"label": point.label, "inputs": inputs, "outputs": outputs}
-
-
-def _reference(
-    dual: Dual, numbers: Sequence[Any], bad: Sequence[int]
-) -> tuple[float | None, float, float]:
-    """Return high, low and unit of one element."""
-    if any(abs(dual.gradient.get(place, 0)) > NEGLIGIBLE for place in bad):
-        return None, 0.0, SMALLEST_SUBNORMAL
-    high = float(dual.value)
-    low = float(dual.value - high)
-    size = abs(dual.value) + sum(abs(numbers[k] * x) for k, x in dual.gradient.items())
-    unit = max(float(f"{float(ROUNDING * size):.2e}"), SMALLEST_SUBNORMAL)
-    return high, float(f"{low:.4e}"), unit
-
-
-def _columns(elements: Sequence[tuple[float | None, float, float]]) -> dict[str, object]:
-    names = ("high", "low", "unit")
-    return {name: [element[k] for element in elements] for k, name in enumerate(names)}
 
 
 def _json_number(x: float) -> float | str:
