@@ -83,3 +83,11 @@ class MotionError(SolveError):
     def __init__(self, problem: str, trajectory: object) -> None:
         self.trajectory = trajectory
         super().__init__(problem)
+
+
+class LedgerError(KousokuError):
+    """A statement of the ledger is not what its entry claims, or there is no such entry."""
+
+
+class FormulaError(LedgerError):
+    """A printed formula cannot be read, or what it says cannot be formed."""

@@ -1,0 +1,75 @@
+"""The ledger: every equation of the documents, as printed, as it should read, and proved.
+
+Listing the entries runs no proof; :func:`prove` runs that of one entry.
+"""
+
+from __future__ import annotations
+
+from difflib import get_close_matches
+from functools import cache
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import LedgerError
+
+if TYPE_CHECKING:
+    from kousoku.ledger.entry import Entry
+    from kousoku.ledger.proof import Proof
+
+__all__ = ["entries", "find", "keys", "prove"]
+
+
+@cache
+def entries() -> tuple[Entry, ...]:
+    """Return all entries, document by document, in the order of reading."""
+    from kousoku.ledger import lecture_7_1
+
+    return (*lecture_7_1.ENTRIES,)
+
+
+@cache
+def keys() -> dict[str, Entry]:
+    """Return the entry of each key: the equation's number or slug, and its aliases.
+
+    Raises
+    ------
+    LedgerError
+        Two entries share a key.
+    """
+    found: dict[str, Entry] = {}
+    for entry in entries():
+        for key in (entry.equation, *entry.aliases):
+            other = found.setdefault(key, entry)
+            if other is not entry:
+                both = " and ".join(f"{e.document.title} ({e.equation})" for e in (other, entry))
+                raise LedgerError(f"{both} share the key {key!r}; give one of them another")
+    return found
+
+
+def find(key: str) -> Entry:
+    """Return the entry of a key, e.g. ``8.11``, ``(15)`` or ``cross-identity``.
+
+    Raises
+    ------
+    LedgerError
+        There is none; the message names keys that are near.
+    """
+    wanted = key.strip().removeprefix("(").removesuffix(")")
+    known = keys()
+    if wanted in known:
+        return known[wanted]
+    near = get_close_matches(wanted, known, n=6, cutoff=0.5)
+    hint = f"near it are {', '.join(near)}" if near else "kousoku ledger lists them"
+    raise LedgerError(f"no equation {key!r} in the ledger; {hint}")
+
+
+def prove(entry: Entry) -> Proof:
+    """Run the proof of an entry.
+
+    Raises
+    ------
+    LedgerError
+        Something is not as the entry claims; the message names the entry and the statement.
+    """
+    from kousoku.ledger import proof
+
+    return proof.prove(entry)

@@ -1,0 +1,118 @@
+"""The tree of a formula, as the documents' LaTeX spells it. What symbols mean comes later."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+#: Relations between the sides of a statement.
+RELATIONS = ("=", "\\equiv", "\\leq", "\\leftarrow")
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number, in decimal digits."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A symbol: its letter with primes, subscript and superscript, e.g. ``a'^i``.
+
+    Marks in front are part of the letter: ``δA``, ``vec d``, ``d/dt A``.
+    """
+
+    letter: str
+    primes: str = ""
+    sub: str = ""
+    sup: str = ""
+
+    def __str__(self) -> str:
+        sub = f"_{self.sub}" if self.sub else ""
+        return self.letter + self.primes + sub + (f"^{self.sup}" if self.sup else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """Terms with their signs, +1 or −1."""
+
+    terms: tuple[tuple[int, Node], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Product:
+    """Factors in their order."""
+
+    factors: tuple[Node, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Cross:
+    """The cross product of two vectors."""
+
+    left: Node
+    right: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Quotient:
+    """One thing over another."""
+
+    over: Node
+    under: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Power:
+    """An integer power; −1 is the inverse."""
+
+    base: Node
+    exponent: int
+
+
+@dataclass(frozen=True, slots=True)
+class Transposed:
+    """The transpose."""
+
+    inner: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Tilde:
+    """The skew matrix of a vector: a tilde, or ``cross(…)``."""
+
+    inner: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """``cos``, ``sin`` or ``sqrt`` of something."""
+
+    function: str
+    argument: Node
+
+
+@dataclass(frozen=True, slots=True)
+class Array:
+    """Rows of cells in brackets: a matrix, or one of blocks."""
+
+    rows: tuple[tuple[Node, ...], ...]
+
+
+Node = Number | Name | Sum | Product | Cross | Quotient | Power | Transposed | Tilde | Call | Array
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """Sides with the relations between them, e.g. two equalities in a row.
+
+    Parameters
+    ----------
+    sides : tuple of Node
+        At least one.
+    relations : tuple of str
+        One fewer than sides; from ``RELATIONS``.
+    """
+
+    sides: tuple[Node, ...]
+    relations: tuple[str, ...]

@@ -1,0 +1,260 @@
+"""The proofs: what an entry says is read, carried into an exact ring, and compared.
+
+Nothing is rounded and nothing rests on sampled points: an equality holds identically in all
+quantities, an inequality is shown by one rational point.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+from sympy.polys.domains import QQ
+
+from kousoku.ledger.entry import Check
+from kousoku.ledger.formula import Number
+from kousoku.ledger.parser import parse
+from kousoku.ledger.tokens import differ_in_notation_only
+from kousoku.ledger.vocabulary import shape
+from kousoku.model.errors import FormulaError, LedgerError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.ledger.entry import Entry
+    from kousoku.ledger.formula import Statement
+    from kousoku.ledger.vocabulary import Value, Vocabulary
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One statement that was tested, and what was seen."""
+
+    statement: str
+    result: str
+
+
+@dataclass(frozen=True, slots=True)
+class Proof:
+    """What ran for an entry, in order."""
+
+    lines: tuple[Line, ...]
+
+    def __str__(self) -> str:
+        return "\n".join(f"{line.statement}: {line.result}" for line in self.lines)
+
+
+def prove(entry: Entry) -> Proof:
+    """Run all that proves an entry.
+
+    The true form is read and its sides compared; a printed form that is not true must fail, or
+    must not be readable, and may differ from the true one in notation alone only where the
+    verdict says so.
+
+    Raises
+    ------
+    LedgerError
+        Something is not as the entry claims; the message names the entry and the statement.
+    """
+    try:
+        return Proof((*_printed(entry), *_true_form(entry)))
+    except LedgerError as problem:
+        raise LedgerError(f"{entry.equation} ({entry.document.title}): {problem}") from None
+
+
+def _printed(entry: Entry) -> tuple[Line, ...]:
+    """Refute the printed form where it is not what is true."""
+    if entry.verdict == "holds":
+        if entry.corrected or entry.refutation:
+            raise LedgerError("holds as printed, yet the entry corrects or refutes it")
+        return ()
+    if not entry.corrected:
+        raise LedgerError(f"the verdict is {entry.verdict}, yet no corrected form is given")
+    lines = tuple(_run(check) for check in entry.refutation)
+    if entry.vocabulary is not None and not lines:
+        lines = (Line("as printed", refuted(entry.printed, entry.vocabulary())),)
+    if not lines:
+        raise LedgerError("nothing shows that the printed form fails")
+    if entry.is_sentence:
+        return lines
+    is_notation = differ_in_notation_only(entry.printed, entry.corrected)
+    if is_notation != (entry.verdict == "notation"):
+        seen = "only in notation" if is_notation else "in more than notation"
+        raise LedgerError(f"the verdict is {entry.verdict}, yet the two forms differ {seen}")
+    return lines
+
+
+def _true_form(entry: Entry) -> tuple[Line, ...]:
+    lines: tuple[Line, ...] = ()
+    if entry.vocabulary is not None:
+        text = "corrected" if entry.corrected else "as printed"
+        lines = tuple(Line(text, seen) for seen in proved(entry.true_form, entry.vocabulary()))
+    lines += tuple(_run(check) for check in entry.checks)
+    if not lines:
+        raise LedgerError("nothing proves it")
+    return lines
+
+
+def _run(check: Check) -> Line:
+    try:
+        return Line(check.statement, check.run())
+    except LedgerError as problem:
+        raise LedgerError(f"{check.statement}: {problem}") from None
+
+
+def proved(latex: str, vocabulary: Vocabulary) -> list[str]:
+    """Prove every equality of a formula.
+
+    Returns
+    -------
+    list of str
+        What was seen, a line for each equality.
+
+    Raises
+    ------
+    LedgerError
+        Two sides differ, or the formula cannot be read.
+    """
+    lines = []
+    for statement in parse(latex):
+        sides = [vocabulary.value(side) for side in statement.sides]
+        kept = _compared(statement, sides)
+        for k, (left, right) in enumerate(pairwise(kept), 1):
+            where = f"sides {k} and {k + 1} of {len(sides)}"
+            lines.append(f"{where}: {equality(vocabulary, left, right)}")
+    if not lines:
+        raise LedgerError("the formula has no two sides to compare")
+    return lines
+
+
+def refuted(latex: str, vocabulary: Vocabulary) -> str:
+    """Show that a formula cannot be read or formed, or that two of its sides differ.
+
+    Raises
+    ------
+    LedgerError
+        The formula holds.
+    """
+    try:
+        for statement in parse(latex):
+            sides = _compared(statement, [vocabulary.value(side) for side in statement.sides])
+            for k, (left, right) in enumerate(pairwise(sides), 1):
+                witness = difference(vocabulary, left, right)
+                if witness:
+                    return f"sides {k} and {k + 1} differ: {witness}"
+    except FormulaError as problem:
+        return f"cannot be formed: {problem}"
+    raise LedgerError("the printed form holds")
+
+
+def _compared(statement: Statement, sides: list[Value]) -> list[Value]:
+    """Leave out a zero at the end: it states a constraint, not an identity."""
+    ends_in_zero = statement.sides[-1] == Number("0") and len(sides) > 2
+    return sides[:-1] if ends_in_zero else sides
+
+
+def equality(vocabulary: Vocabulary, left: Value, right: Value) -> str:
+    """Prove that two values are equal for all values of the quantities.
+
+    Raises
+    ------
+    FormulaError
+        Their shapes differ.
+    LedgerError
+        They differ.
+    """
+    _same_shape(left, right)
+    witness = difference(vocabulary, left, right)
+    if witness:
+        raise LedgerError(witness)
+    ring = vocabulary.ring()
+    pairs = list(zip(ring.cells(left), ring.cells(right), strict=True))
+    for k, (one, other) in enumerate(pairs, 1):
+        if not ring.is_equal(one, other):
+            raise LedgerError(f"element {k} of {len(pairs)} differs")
+    count = "equal" if len(pairs) == 1 else f"all {len(pairs)} elements equal"
+    return f"{count}, identically"
+
+
+def difference(vocabulary: Vocabulary, left: Value, right: Value) -> str:
+    """Return where two values differ at a rational point; empty where they agree there."""
+    _same_shape(left, right)
+    ring = vocabulary.ring(at=point(vocabulary))
+    pairs = list(zip(ring.cells(left), ring.cells(right), strict=True))
+    for k, (one, other) in enumerate(pairs, 1):
+        if not ring.is_equal(one, other):
+            where = "" if len(pairs) == 1 else f"element {k} of {len(pairs)} is "
+            return f"at a rational point {where}{_shown(one)} against {_shown(other)}"
+    return ""
+
+
+def _same_shape(left: Value, right: Value) -> None:
+    one, other = ((1, 1) if not shape(side) else shape(side) for side in (left, right))
+    if one != other:
+        raise FormulaError(f"one side has shape {shape(left)}, the other {shape(right)}")
+
+
+def _shown(fraction: Any) -> str:
+    """Return a number as text; one that holds roots has no short form."""
+    if not fraction.over.is_ground or not fraction.under.is_ground:
+        return "a number with roots"
+    return str(fraction.over.coeff(1) / fraction.under.coeff(1))
+
+
+def point(vocabulary: Vocabulary) -> list[Any]:
+    """Return rational numbers for all elements of the quantities, none of them special."""
+    values: list[Any] = []
+    for quantity in vocabulary.quantities:
+        start = len(values)
+        values.extend(QQ(2 * n + 3, n + 2) for n in range(start, start + quantity.size))
+    return values
+
+
+# -- checks that entries are made of -------------------------------------------------------------
+
+
+def equal(
+    statement: str,
+    vocabulary: Callable[[], Vocabulary],
+    left: str | Callable[[], Value],
+    right: str | Callable[[], Value],
+) -> Check:
+    """Return the check that two values are equal; a text is read as a formula."""
+
+    def run() -> str:
+        words = vocabulary()
+        return equality(words, *(_valued(words, side) for side in (left, right)))
+
+    return Check(statement, run)
+
+
+def different(
+    statement: str,
+    vocabulary: Callable[[], Vocabulary],
+    left: str | Callable[[], Value],
+    right: str | Callable[[], Value],
+) -> Check:
+    """Return the check that two values differ somewhere, or cannot be compared."""
+
+    def run() -> str:
+        words = vocabulary()
+        try:
+            witness = difference(words, *(_valued(words, side) for side in (left, right)))
+        except FormulaError as problem:
+            return f"cannot be formed: {problem}"
+        if not witness:
+            raise LedgerError("no difference is seen")
+        return witness
+
+    return Check(statement, run)
+
+
+def _valued(vocabulary: Vocabulary, side: str | Callable[[], Value]) -> Value:
+    return value_of(side, vocabulary) if isinstance(side, str) else side()
+
+
+def value_of(latex: str, vocabulary: Vocabulary, side: int = -1) -> Value:
+    """Return the value of one side of a formula, its last one unless told."""
+    (statement,) = parse(latex)
+    return vocabulary.value(statement.sides[side])

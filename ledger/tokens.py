@@ -1,0 +1,111 @@
+"""The documents' LaTeX as tokens, and what is left of a formula without its notation."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import FormulaError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+_TOKEN = re.compile(r"\\[A-Za-z]+|\\.|cross(?![a-z])|\d+(?:\.\d+)?|[A-Za-z]|\S", re.DOTALL)
+_ENVIRONMENT = re.compile(r"\\(begin|end)\{([a-z*]+)\}(?:\{[clr|]*\})?")
+#: Environments that only lay out lines: their ``&`` and ``\\`` mean nothing.
+_LAYOUT = {"aligned", "align", "align*", "eqnarray", "cases"}
+_ARRAYS = {"array", "bmatrix", "pmatrix", "matrix"}
+#: Commands that set a face, a size or a space.
+_FACES = {"\\mathbf", "\\boldsymbol", "\\mathrm", "\\text", "\\left", "\\right", "\\,", "\\;"}
+_FACES |= {"\\quad", "\\qquad", "\\hline", "\\displaystyle"}
+_BRACKETS = {*"()[]", "\\{", "\\}", "\\langle", "\\rangle", "\\vec"}
+_GREEK = dict(
+    zip(
+        ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "theta", "lambda", "psi", "omega"),
+        "αβγδεζθλψω",
+        strict=True,
+    )
+)
+_GREEK |= {"Delta": "Δ", "Omega": "Ω"}
+
+
+def tokens(latex: str) -> list[str]:
+    r"""Return the tokens of a formula.
+
+    Greek letters become letters. ``\begin`` and ``\end`` of an array become ``⟦`` and ``⟧``;
+    environments that only lay out lines vanish, with their ``&`` and ``\\``.
+    """
+    result: list[str] = []
+    depth: list[str] = []
+    place = 0
+    for match in _ENVIRONMENT.finditer(latex):
+        result.extend(_plain(latex[place : match.start()], depth))
+        place = match.end()
+        kind, name = match.groups()
+        if name not in _LAYOUT | _ARRAYS:
+            raise FormulaError(f"unknown environment {name!r}")
+        if name in _ARRAYS:
+            result.append("⟦" if kind == "begin" else "⟧")
+        if kind == "begin":
+            depth.append(name)
+        elif not depth or depth.pop() != name:
+            raise FormulaError(f"\\end{{{name}}} closes nothing")
+    result.extend(_plain(latex[place:], depth))
+    return result
+
+
+def _plain(latex: str, depth: Sequence[str]) -> Iterator[str]:
+    inside_layout = not depth or depth[-1] in _LAYOUT
+    for match in _TOKEN.finditer(latex):
+        token = match.group()
+        if inside_layout and token in {"&", "\\\\"}:
+            continue
+        yield _GREEK.get(token[1:], token) if token[0] == "\\" else token
+
+
+def essence(latex: str) -> tuple[list[str], Counter[str]]:
+    """Return what a formula says beyond its notation.
+
+    Returns
+    -------
+    list of str
+        The tokens in order, without brackets, arrows, faces, primes and scripts.
+    Counter of str
+        The tokens of all scripts, without primes: where they are placed does not count.
+    """
+    body: list[str] = []
+    scripts: Counter[str] = Counter()
+    stream = tokens(latex)
+    place = 0
+    while place < len(stream):
+        token = stream[place]
+        place += 1
+        if token in {"\\stackrel", "\\underset"}:  # a remark above or below a relation
+            place = _group_end(stream, place)
+        elif token in {"^", "_"}:
+            end = _group_end(stream, place)
+            scripts.update(t for t in stream[place:end] if t not in _FACES | {*"{}'"})
+            place = end
+        elif token not in _FACES | _BRACKETS | {*"{}'"}:
+            body.append(token)
+    return body, scripts
+
+
+def _group_end(stream: Sequence[str], place: int) -> int:
+    """Return the place after the group, or the one token, that starts at ``place``."""
+    depth = 0
+    for end in range(place, len(stream)):
+        depth += (stream[end] == "{") - (stream[end] == "}")
+        if depth == 0:
+            return end + 1
+    raise FormulaError("a brace is not closed")
+
+
+def differ_in_notation_only(one: str, other: str) -> bool:
+    """Return whether two formulas are the same but for their notation.
+
+    A prime that is lost to a capital I, as in ``s^{IB}``, is a prime.
+    """
+    prime = re.compile(r"\^\{I(?=[A-Z]\})")
+    return essence(prime.sub("^{'", one)) == essence(prime.sub("^{'", other))

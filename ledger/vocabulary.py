@@ -1,0 +1,183 @@
+"""What the symbols of a document mean, and the reader that gives a formula's sides as values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from sympy import Integer, S
+from sympy.matrices.expressions import BlockMatrix, Inverse, ZeroMatrix
+from sympy.matrices.immutable import ImmutableDenseMatrix
+
+from kousoku.ledger.formula import (
+    Array,
+    Call,
+    Cross,
+    Name,
+    Node,
+    Number,
+    Power,
+    Product,
+    Quotient,
+    Sum,
+    Tilde,
+    Transposed,
+)
+from kousoku.model.errors import FormulaError
+from kousoku.symbolic.matrices import Skew, add, is_zero, mul, neg, transpose
+from kousoku.symbolic.ring import Ring
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.model.quantity import Quantity
+
+Value = Any  # a SymPy scalar, or a matrix of kousoku.symbolic.matrices: SymPy is untyped
+
+_FUNCTIONS = {"cos": sympy.cos, "sin": sympy.sin, "sqrt": sympy.sqrt}
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """What the symbols of a document mean.
+
+    Parameters
+    ----------
+    quantities : tuple of Quantity
+        The arrays that everything is made of; identities hold for all their values.
+    meanings : Mapping
+        The value of each symbol, by its name as :class:`kousoku.ledger.formula.Name` prints it:
+        ``a'^i``, ``δr^P``. A vector is a (3, 1) matrix, a scalar an expression.
+    given : Mapping
+        Component-level elements, row-major, of matrix symbols that are no quantities, such as δA.
+    is_unit : bool
+        Whether Euler parameters have norm one.
+    """
+
+    quantities: tuple[Quantity, ...]
+    meanings: Mapping[str, Value]
+    given: Mapping[str, Sequence[Any]] = field(default_factory=dict)
+    is_unit: bool = True
+
+    def knowing(self, meanings: Mapping[str, Value]) -> Vocabulary:
+        """Return a vocabulary that knows more symbols, or others by the same names."""
+        return replace(self, meanings={**self.meanings, **meanings})
+
+    def ring(self, at: Sequence[Any] | None = None) -> Ring:
+        """Return the ring in which values are compared, or their values at one rational point."""
+        return Ring(self.quantities, self.given, is_unit=self.is_unit, at=at)
+
+    def value(self, node: Node) -> Value:
+        """Return what a formula says.
+
+        Raises
+        ------
+        FormulaError
+            A symbol is unknown, or shapes do not fit.
+        """
+        match node:
+            case Number():
+                return sympy.Rational(node.text)
+            case Name():
+                return self._symbol(node)
+            case Sum():
+                return _total([(sign, self.value(term)) for sign, term in node.terms])
+            case Product():
+                return _product([self.value(factor) for factor in node.factors])
+            case Cross():
+                return _product([_tilde(self.value(node.left)), self.value(node.right)])
+            case Quotient():
+                return _product([1 / _number(self.value(node.under)), self.value(node.over)])
+            case Power():
+                return _power(self.value(node.base), node.exponent)
+            case Transposed():
+                return transpose(self.value(node.inner))
+            case Tilde():
+                return _tilde(self.value(node.inner))
+            case Call():
+                return _FUNCTIONS[node.function](_number(self.value(node.argument)))
+            case Array():
+                return _array([[self.value(cell) for cell in row] for row in node.rows])
+
+    def _symbol(self, name: Name) -> Value:
+        if str(name) in self.meanings:
+            return self.meanings[str(name)]
+        base = str(Name(name.letter, name.primes, name.sub))
+        if name.sup.isdigit() and base in self.meanings:
+            return _power(self.meanings[base], int(name.sup))
+        raise FormulaError(f"nothing is called {name}")
+
+
+def shape(value: Value) -> tuple[int, ...]:
+    """Return () for a scalar, (rows, columns) for a matrix."""
+    if not getattr(value, "is_Matrix", False):
+        return ()
+    return tuple(int(n) for n in value.shape)
+
+
+def _number(value: Value) -> Value:
+    if shape(value):
+        raise FormulaError(f"a matrix of shape {shape(value)} stands where a number is wanted")
+    return value
+
+
+def _total(terms: Sequence[tuple[int, Value]]) -> Value:
+    shapes = [shape(value) for _, value in terms if value != 0]
+    if len(set(shapes)) > 1:
+        raise FormulaError("a sum of terms of shapes " + ", ".join(str(s) for s in shapes))
+    signed = [value if sign > 0 else _negative(value) for sign, value in terms]
+    if not shapes or not shapes[0]:
+        return sum(signed, S.Zero)
+    return add(*(value for value in signed if shape(value)))
+
+
+def _negative(value: Value) -> Value:
+    return neg(value) if shape(value) else -value
+
+
+def _product(factors: Sequence[Value]) -> Value:
+    shapes = [s for s in (shape(factor) for factor in factors) if s]
+    for left, right in pairwise(shapes):
+        if left[1] != right[0]:
+            raise FormulaError(f"a product of shapes {left} and {right}")
+    return mul(*factors) if shapes else sympy.Mul(*factors)
+
+
+def _power(value: Value, exponent: int) -> Value:
+    if not shape(value):
+        return value**exponent
+    rows, columns = shape(value)
+    if exponent != -1 or rows != columns:
+        raise FormulaError(f"the power {exponent} of a matrix of shape {(rows, columns)}")
+    return Inverse(value)
+
+
+def _tilde(value: Value) -> Value:
+    if shape(value) != (3, 1):
+        raise FormulaError(f"the skew matrix of something of shape {shape(value)}")
+    return ZeroMatrix(3, 3) if is_zero(value) else Skew(value)
+
+
+def _array(cells: Sequence[Sequence[Value]]) -> Value:
+    """Return a matrix of numbers or of blocks; a 0 among blocks is as large as its place."""
+    if not any(shape(cell) for row in cells for cell in row):
+        return ImmutableDenseMatrix([list(row) for row in cells])
+    heights = [_extent([shape(cell)[:1] for cell in row if cell != 0]) for row in cells]
+    columns = list(zip(*cells, strict=True))
+    widths = [_extent([shape(cell)[1:] for cell in column if cell != 0]) for column in columns]
+    blocks = [
+        [ZeroMatrix(h, w) if cell == 0 else cell for cell, w in zip(row, widths, strict=True)]
+        for row, h in zip(cells, heights, strict=True)
+    ]
+    return BlockMatrix(blocks) if len(blocks) > 1 or len(blocks[0]) > 1 else blocks[0][0]
+
+
+def _extent(extents: Sequence[tuple[int, ...]]) -> Integer:
+    """Return the common height of the blocks of a row, or the common width of a column."""
+    if () in extents:
+        raise FormulaError("a number stands where a block of a matrix belongs")
+    if len(set(extents)) != 1:
+        raise FormulaError(f"blocks of different extents in one line: {sorted(extents)}")
+    return Integer(extents[0][0])
