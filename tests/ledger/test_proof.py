@@ -1,0 +1,85 @@
+"""A proof runs, says what it saw, and refuses an entry that claims something else."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from kousoku.ledger import lecture_7_1
+from kousoku.ledger.entry import Check, Entry
+from kousoku.ledger.proof import different, equal, prove
+from kousoku.model.errors import LedgerError
+
+ENTRIES = {entry.equation: entry for entry in lecture_7_1.ENTRIES}
+
+
+def test_a_proof_tells_each_statement_and_what_was_seen() -> None:
+    text = str(prove(ENTRIES["7.19"]))
+    assert text.splitlines() == [
+        "as printed: cannot be formed: a sum of terms of shapes (3, 1), (3, 3)",
+        "corrected: sides 1 and 2 of 3: all 3 elements equal, identically",
+        "corrected: sides 2 and 3 of 3: all 3 elements equal, identically",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("key", "change", "message"),
+    [
+        ("7.16", {"printed": r"\delta\mathbf{A}^{OB} = \mathbf{A}^{OB}"}, "element"),
+        ("7.19", {"verdict": "notation"}, "differ in more than notation"),
+        ("7.10", {"verdict": "misprint"}, "differ only in notation"),
+        ("7.10", {"verdict": "holds"}, "yet the entry corrects"),
+        ("7.10", {"corrected": ""}, "no corrected form"),
+        ("7.16", {"verdict": "misprint", "corrected": "x"}, "the printed form holds"),
+        ("skew-symmetric", {"checks": ()}, "nothing proves it"),
+        ("s-constant", {"refutation": ()}, "nothing shows that the printed form fails"),
+    ],
+)
+def test_an_entry_that_claims_something_else_is_refused(
+    key: str, change: dict[str, Any], message: str
+) -> None:
+    entry: Entry = replace(ENTRIES[key], **change)  # a wrong entry is what is wanted
+    with pytest.raises(LedgerError, match=message) as caught:
+        prove(entry)
+    assert str(caught.value).startswith(f"{key} (lecture 7.1): ")
+
+
+@pytest.mark.parametrize(
+    "entry", [e for e in ENTRIES.values() if e.vocabulary], ids=lambda e: e.equation
+)
+def test_no_sign_tilde_transpose_or_prime_can_change(entry: Entry) -> None:
+    form = entry.true_form
+    changed = [
+        form[:place] + new + form[place + len(old) :]
+        for old, new in (
+            ("+", "-"),
+            (" -", "+"),
+            ("= -", "= "),
+            ("^T", ""),
+            (r"\tilde", r"\vec"),
+            ("'", ""),
+        )
+        for place in range(len(form))
+        if form.startswith(old, place)
+    ]
+    for text in changed:
+        with pytest.raises(LedgerError):
+            prove(
+                replace(entry, corrected=text) if entry.corrected else replace(entry, printed=text)
+            )
+
+
+def test_a_check_that_is_false_is_named() -> None:
+    words = lecture_7_1.words
+    same = different("A differs from A", words, r"\mathbf{A}^{OB}", r"\mathbf{A}^{OB}")
+    other = equal("A is symmetric", words, r"\mathbf{A}^{OB}", r"(\mathbf{A}^{OB})^T")
+    for check, message in ((same, "A differs from A: no difference"), (other, "A is symmetric: ")):
+        with pytest.raises(LedgerError, match=message):
+            prove(replace(ENTRIES["skew-symmetric"], checks=(check,)))
+
+
+def test_a_check_may_be_any_function() -> None:
+    seen = Check("two and two", lambda: "four")
+    assert str(prove(replace(ENTRIES["skew-symmetric"], checks=(seen,)))) == "two and two: four"

@@ -1,0 +1,130 @@
+"""Formulas are read as they are printed: strictly, and without guessing what was meant."""
+
+from __future__ import annotations
+
+import pytest
+from sympy.matrices.expressions import MatrixSymbol
+
+from kousoku.ledger.formula import Cross, Name, Power, Product, Tilde, Transposed
+from kousoku.ledger.parser import parse
+from kousoku.ledger.proof import proved, refuted
+from kousoku.ledger.tokens import differ_in_notation_only
+from kousoku.ledger.vocabulary import Vocabulary
+from kousoku.model.errors import FormulaError, LedgerError
+from kousoku.model.quantity import Quantity
+
+U, V = (Quantity(name, (3,), "", "") for name in "uv")
+WORDS = Vocabulary(
+    (U, V, Quantity("k", (), "", "")),
+    {"u": MatrixSymbol("u", 3, 1), "v": MatrixSymbol("v", 3, 1), "2k": 2},
+)
+
+
+@pytest.mark.parametrize(
+    ("latex", "name"),
+    [
+        (r"\mathbf{s}'^{P}", "s'^P"),
+        (r"\mathbf{s}^{P'}", "s^P'"),
+        (r"\mathbf{s}_i^{IB}", "s_i^IB"),
+        (r"\delta\boldsymbol{\theta}'^{OB}", "δθ'^OB"),
+        (r"\delta \mathbf{C}^{(n1)}(\mathbf{a}^i, \mathbf{a}^j)", "δC^(n1)"),
+        (r"\dot{\mathbf{A}}^{OB}", "d/dt A^OB"),
+        (r"\frac{d}{dt}C_{OA}", "d/dt C_OA"),
+        (r"\vec f_{12}", "vec f_12"),
+        (r"x_{i1}^0", "x_i1^0"),
+    ],
+)
+def test_a_symbol_keeps_its_marks_primes_and_scripts(latex: str, name: str) -> None:
+    ((side,),) = (statement.sides for statement in parse(latex))
+    assert str(side) == name
+
+
+def test_a_T_at_the_end_of_a_superscript_transposes() -> None:
+    ((side,),) = (statement.sides for statement in parse(r"\mathbf{d}^{ijT}"))
+    assert side == Transposed(Name("d", sup="ij"))
+
+
+def test_tilde_cross_and_times_are_told_apart() -> None:
+    ((side,),) = (s.sides for s in parse(r"\tilde{\mathbf{a}}^i \left( b c \right) \sim"))
+    assert side == Product((Tilde(Name("a", sup="i")), Tilde(Product((Name("b"), Name("c"))))))
+    ((side,),) = (s.sides for s in parse(r"cross(\omega_{A}^A)"))
+    assert side == Tilde(Name("ω", sub="A", sup="A"))
+    ((side,),) = (s.sides for s in parse(r"\vec a \times \vec b"))
+    assert side == Cross(Name("vec a"), Name("vec b"))
+
+
+def test_minus_one_above_is_the_inverse() -> None:
+    ((side,),) = (s.sides for s in parse(r"([D^0][L^1])^{-1}"))
+    assert side == Power(Product((Name("D", sup="0"), Name("L", sup="1"))), -1)
+
+
+def test_a_formula_has_its_statements_sides_and_relations() -> None:
+    first, second = parse(r"a \stackrel{(7.16)}{=} b \equiv c, \quad d \underset{(4.20)}{=} e")
+    assert first.relations == ("=", "\\equiv") and len(first.sides) == 3
+    assert second.relations == ("=",)
+
+
+@pytest.mark.parametrize(
+    ("latex", "message"),
+    [
+        (r"\{a + b) - c", "closes the bracket"),
+        (r"\begin{bmatrix} a & b \\ c \end{bmatrix}", "2, 1 cells"),
+        (r"a +", "ends too early|symbol is wanted"),
+        (r"a ) b", "formula should end"),
+        (r"\begin{picture} a \end{picture}", "unknown environment"),
+        (r"(a b)^{xy}", "means nothing"),
+    ],
+)
+def test_what_cannot_be_read_is_refused(latex: str, message: str) -> None:
+    with pytest.raises(FormulaError, match=message):
+        parse(latex)
+
+
+@pytest.mark.parametrize(
+    ("latex", "message"),
+    [
+        (r"u v", r"product of shapes \(3, 1\) and \(3, 1\)"),
+        (r"u + \tilde{v}", r"shapes \(3, 1\), \(3, 3\)"),
+        (r"\tilde{u}^T + w", "nothing is called w"),
+        (r"u / v", "number is wanted"),
+        (r"\left(\begin{array}{cc} u & 1 \end{array}\right)", "block of a matrix belongs"),
+    ],
+)
+def test_what_cannot_be_formed_is_refused(latex: str, message: str) -> None:
+    (statement,) = parse(latex)
+    with pytest.raises(FormulaError, match=message):
+        WORDS.value(statement.sides[0])
+
+
+def test_a_column_is_not_compared_with_a_matrix() -> None:
+    with pytest.raises(FormulaError, match="one side has shape"):
+        proved(r"u = \tilde{v}", WORDS)
+
+
+def test_a_true_formula_is_proved_and_a_false_one_refuted() -> None:
+    assert proved(r"\tilde{u} v = -\tilde{v} u", WORDS) == [
+        "sides 1 and 2 of 2: all 3 elements equal, identically"
+    ]
+    with pytest.raises(LedgerError, match="element 1 of 3"):
+        proved(r"\tilde{u} v = \tilde{v} u", WORDS)
+    assert "element 1 of 3" in refuted(r"\tilde{u} v = \tilde{v} u", WORDS)
+    with pytest.raises(LedgerError, match="the printed form holds"):
+        refuted(r"\tilde{u} v = -\tilde{v} u", WORDS)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "is_notation"),
+    [
+        (r"\mathbf{a}^i b", r"\mathbf{a}'^i \left(b\right)", True),
+        (r"\vec{a}^{IP}", r"a'^{P}", True),
+        (r"dx^2/dt", r"d^2x/dt", True),
+        (r"\tilde{a} b", r"a b", False),
+        (r"a^{Oi} b", r"a^{Oj} b", False),
+        (r"a - b", r"a + b", False),
+        (r"a^T b", r"a b", False),
+    ],
+)
+def test_notation_is_primes_brackets_arrows_and_places(
+    one: str, other: str, is_notation: bool
+) -> None:
+    assert differ_in_notation_only(one, other) is is_notation
