@@ -17,13 +17,14 @@ ROOT = Path(__file__).parents[1]
 MAY_IMPORT = {
     "model": set(),
     "symbolic": {"model"},
+    "ledger": {"model", "symbolic"},
     "codegen": {"model", "symbolic"},
     "runtime": {"model"},
     "generated": {"runtime"},
 }
 #: The files of ``model`` that ``runtime`` uses.
 SHARED = {"quantity", "manifest", "errors", "cache"}
-HAND_WRITTEN = ("kousoku", "model", "symbolic", "codegen", "runtime", "benchmarks")
+HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "benchmarks")
 
 
 def sources(folder: str) -> list[Path]:

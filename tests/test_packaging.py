@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 import pytest
 
 ROOT = Path(__file__).parents[1]
-FOLDERS = ("codegen", "generated", "model", "runtime", "symbolic")
+FOLDERS = ("codegen", "generated", "ledger", "model", "runtime", "symbolic")
 SHIPPED_SUFFIXES = {
     "codegen": (".py", ".jinja"),
     "generated": (".py", ".c", ".h", ".json"),
+    "ledger": (".py", ".json"),
     "model": (".py", ".json"),
     "runtime": (".py", ".c"),
     "symbolic": (".py",),

@@ -11,6 +11,7 @@ from kousoku import __version__
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
 from kousoku.cli.generate import generate
+from kousoku.cli.ledger import ledger
 from kousoku.cli.listing import list_names
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
@@ -42,7 +43,8 @@ def _kousoku(
 ) -> None:
     """Derive constraint equations, emit them as NumPy and C, verify what was emitted, solve.
 
-    Exit codes: 0 all is well, 1 emitted code disagrees with what was derived, 2 bad input.
+    Exit codes: 0 all is well, 1 emitted code or a proof disagrees with what was derived, 2 bad
+    input.
     """
 
 
@@ -50,6 +52,7 @@ app.command("derive")(derive)
 app.command("generate")(generate)
 app.command("verify")(verify)
 app.command("solve")(solve)
+app.command("ledger")(ledger)
 app.command("list")(list_names)
 
 
