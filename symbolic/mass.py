@@ -160,7 +160,7 @@ def derive_rigid_body() -> Derivation:
         "newton_euler",
         f"{title}: Newton-Euler equations",
         "M (a, dω′/dt) = h",
-        SOURCE,
+        f"{SOURCE}, (matrix-form)",
         (MASS, R_AG_B, I_A_B, P, OMEGA_B, FORCE, TORQUE_B),
         (
             _output(MATRIX, matrix, _matrix_components(mass, moment, inertia)),
@@ -168,7 +168,7 @@ def derive_rigid_body() -> Derivation:
         ),
     )
     steps = (
-        Step(MatrixSymbol("c", 3, 1), body.moment.value, "first moment", ""),
+        Step(MatrixSymbol("c", 3, 1), body.moment.value, "first moment", "centre-of-mass"),
         *motion_steps(body, A, OMEGA_B),
         *_form_steps(matrix, right),
         *reduction_steps(symbol(MASS), symbol(I_A_B), symbol(FORCE), symbol(TORQUE_B), OMEGA_B),
@@ -178,8 +178,8 @@ def derive_rigid_body() -> Derivation:
 
 def _form_steps(matrix: Matrix, right: Matrix) -> tuple[Step, ...]:
     return (
-        Step(MatrixSymbol("M", 6, 6), matrix, "mass matrix: M (a, dω′/dt) = h", ""),
-        Step(MatrixSymbol("h", 6, 1), right, "right-hand side", ""),
+        Step(MatrixSymbol("M", 6, 6), matrix, "mass matrix: M (a, dω′/dt) = h", "matrix-form"),
+        Step(MatrixSymbol("h", 6, 1), right, "right-hand side", "matrix-form"),
     )
 
 
@@ -211,7 +211,7 @@ def derive_mass_points(n: int) -> Derivation:
         "newton_euler",
         f"{title}: Newton-Euler equations",
         "M (a, dω′/dt) = h",
-        SOURCE,
+        f"{SOURCE}, (matrix-form)",
         (points.m, points.s_b, P, OMEGA_B, points.f),
         (
             _output(MATRIX, matrix, points.matrix_components()),
@@ -229,7 +229,7 @@ def _inertia(points: _Points, body: Body, title: str) -> Function:
         "inertia",
         f"{title}: total mass, centre, inertia",
         "mass = Σ m_k, mass r_AG = Σ m_k s′_k, I_A = Σ m_k s′_k~^T s′_k~",
-        SOURCE,
+        f"{SOURCE}, (total-mass), (centre-of-mass), (inertia)",
         (points.m, points.s_b),
         (
             _output(MASS, body.mass, [total]),
@@ -248,7 +248,7 @@ def _resultant(points: _Points, body: Body, title: str) -> Function:
         "resultant",
         f"{title}: total force and torque",
         "F = Σ f_k, N′ = Σ s′_k~ A^T f_k",
-        SOURCE,
+        f"{SOURCE}, (total-force), (torque-definition)",
         (points.s_b, P, points.f),
         (
             _output(FORCE, body.force, points.force_components()),

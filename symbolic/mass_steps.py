@@ -70,7 +70,7 @@ def motion_steps(body: Body, orientation: Orientation, omega_b: Quantity) -> tup
     return (
         *_one_point("G", centre, rate, (ACCELERATION, omega_dot)),
         *force,
-        Step(left, torque, "as for mass points, whose sums these are: equals N′", ""),
+        Step(left, torque, "as for mass points, whose sums these are: equals N′", "moment-balance"),
     )
 
 
@@ -81,25 +81,41 @@ def _one_point(
     linear, angular = (mul(coefficient(acceleration, x), x) for x in unknowns)
     left = MatrixSymbol(f"a_{name}", 3, 1)
     return (
-        Step(MatrixSymbol(f"r_{name}", 3, 1), position, "a point fixed in frame A", ""),
-        Step(MatrixSymbol(f"v_{name}", 3, 1), rate(position), "d/dt, dA/dt = A ω′~", "5.16"),
-        Step(left, acceleration, "d/dt once more", "5.16"),
+        Step(MatrixSymbol(f"r_{name}", 3, 1), position, "a point fixed in frame A", "position"),
+        Step(
+            MatrixSymbol(f"v_{name}", 3, 1), rate(position), "d/dt, dA/dt = A ω′~", "velocity, 5.16"
+        ),
+        Step(left, acceleration, "d/dt once more", "acceleration, 5.16"),
         Step(
             left,
             add(linear, angular, without(acceleration, *unknowns)),
             "u~ v = −v~ u: collected",
-            "",
+            "swapped-velocity",
         ),
     )
 
 
 def _definitions(body: Body) -> tuple[Step, ...]:
     return (
-        Step(body.mass, body.mass.value, "total mass", ""),
-        Step(MatrixSymbol("c", 3, 1), body.moment.value, "first moment, mass r_AG", ""),
-        Step(MatrixSymbol("I_A", 3, 3), body.inertia.value, "J_k = s′_k~ᵀ s′_k~: inertia", ""),
-        Step(MatrixSymbol("F", 3, 1), body.force.value, "internal forces cancel in pairs", ""),
-        Step(MatrixSymbol("N_b", 3, 1), body.torque.value, "and so do their torques", ""),
+        Step(body.mass, body.mass.value, "total mass", "total-mass"),
+        Step(
+            MatrixSymbol("c", 3, 1), body.moment.value, "first moment, mass r_AG", "centre-of-mass"
+        ),
+        Step(
+            MatrixSymbol("I_A", 3, 3), body.inertia.value, "J_k = s′_k~ᵀ s′_k~: inertia", "inertia"
+        ),
+        Step(
+            MatrixSymbol("F", 3, 1),
+            body.force.value,
+            "internal forces cancel in pairs",
+            "total-force",
+        ),
+        Step(
+            MatrixSymbol("N_b", 3, 1),
+            body.torque.value,
+            "and so do their torques",
+            "torque-definition",
+        ),
         *_second_moment(body),
     )
 
@@ -127,9 +143,9 @@ def _collected_force(
         neg(mul(orientation, spin, arm, omega)),
     )
     return (
-        Step(left, momentum, "Newton, summed over all that moves: equals F", ""),
+        Step(left, momentum, "Newton, summed over all that moves: equals F", "force-sum"),
         Step(left, collected, "with the total mass and the first moment", ""),
-        Step(left, turned, "ω′~ c = −c~ ω′", ""),
+        Step(left, turned, "ω′~ c = −c~ ω′", "summary-force-balance"),
     )
 
 
@@ -144,8 +160,8 @@ def _collected_torque(
     )
     left = MatrixSymbol("H_dot", 3, 1)
     return (
-        Step(left, moment, "times s′_k~ Aᵀ and summed: equals N′", ""),
-        Step(left, collected, "AᵀA = I and s~ ω~ ω~ s = ω~ s~ᵀ s~ ω", ""),
+        Step(left, moment, "times s′_k~ Aᵀ and summed: equals N′", "moment-sum"),
+        Step(left, collected, "AᵀA = I and s~ ω~ ω~ s = ω~ s~ᵀ s~ ω", "moment-balance"),
     )
 
 
@@ -159,12 +175,12 @@ def reduction_steps(
             MatrixSymbol("M_G", 6, 6),
             BlockMatrix([[mul(mass, Identity(3)), zero], [zero, inertia]]),
             "r_AG = 0: force and torque part",
-            "",
+            "reduced-matrix-form",
         ),
         Step(
             MatrixSymbol("h_G", 6, 1),
             BlockMatrix([[force], [add(torque, neg(mul(skew(omega), inertia, omega)))]]),
             "r_AG = 0: Newton-Euler",
-            "",
+            "reduced-matrix-form",
         ),
     )
