@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import metadata
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from kousoku import __version__
 from kousoku.codegen.kernel import Package
@@ -16,6 +17,9 @@ from kousoku.codegen.passes.optimise import optimise
 from kousoku.codegen.store import dump, parse
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.errors import LoadError
+
+if TYPE_CHECKING:
+    from kousoku.symbolic.derivation import Derivation
 
 #: The sources that decide what is derived, relative to the folder of the package kousoku.
 SOURCES = (
@@ -70,16 +74,35 @@ def derive_package(name: str) -> Derived:
         No kind has this package.
     """
     # SymPy takes a third of a second to import, and nothing needs it when the cache answers.
-    from kousoku.codegen.freeze import freeze  # noqa: PLC0415
-    from kousoku.codegen.reference import references  # noqa: PLC0415
     from kousoku.symbolic import derive  # noqa: PLC0415
 
     derivation = derive(name)
+    return freeze_derivation(derivation, f"kousoku generate {derivation.name}")
+
+
+def freeze_derivation(derivation: Derivation, regenerate: str) -> Derived:
+    """Freeze and optimise the functions of a derivation, and compute their references.
+
+    Parameters
+    ----------
+    derivation : Derivation
+        Of a kind that kousoku ships or of any other.
+    regenerate : str
+        The command that makes the package again.
+
+    Raises
+    ------
+    FreezeError, DerivationError
+        It holds something that cannot be emitted.
+    """
+    from kousoku.codegen.freeze import freeze  # noqa: PLC0415
+    from kousoku.codegen.reference import references  # noqa: PLC0415
+
     kernels = tuple(optimise(freeze(function))[0] for function in derivation.functions)
     package = Package(
         name=derivation.name,
         title=derivation.title,
-        regenerate=f"kousoku generate {derivation.name}",
+        regenerate=regenerate,
         kernels=kernels,
     )
     return Derived(package, references(package, derivation.functions))

@@ -1,11 +1,11 @@
-"""The pipeline of a kind, from its name to the folder that is committed."""
+"""The pipeline of a kind, from its derivation or its name to the folder that is written."""
 
 from __future__ import annotations
 
 import json
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.derived import recall_or_derive
+from kousoku.codegen.derived import freeze_derivation, recall_or_derive
 from kousoku.codegen.emit import emit
 from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
@@ -14,6 +14,9 @@ from kousoku.symbolic.kinds import KINDS
 if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
+
+    from kousoku.codegen.derived import Derived
+    from kousoku.symbolic.derivation import Derivation
 
     SourceTree = dict[str, str]
 
@@ -44,7 +47,49 @@ def generate_kind(name: str) -> SourceTree:
     DerivationError
         No kind has this package.
     """
-    derived = recall_or_derive(name)
+    return _emitted(recall_or_derive(name))
+
+
+def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
+    """Prove, freeze, optimise and emit a derivation: the folder of a kind of one's own.
+
+    :func:`write_tree` writes the folder; ``kousoku.runtime`` loads and verifies it.
+
+    Parameters
+    ----------
+    derivation : Derivation
+        What ``kousoku.symbolic.constraint.derive_constraint`` gives, or functions that were put
+        together by hand.
+    regenerate : str
+        The command that makes the folder again, as the head of its files and messages say it.
+
+    Returns
+    -------
+    dict of str to str
+        File name and text, the manifest last. The same on every machine.
+
+    Raises
+    ------
+    DerivationError
+        A name is no identifier or is taken, an input is not declared, the two levels differ, or a
+        step does not follow.
+    FreezeError
+        An expression holds a node that cannot be emitted.
+    """
+    # SymPy takes a third of a second to import, and a kind that is recalled needs none of it.
+    from kousoku.symbolic.check import check_functions, check_names  # noqa: PLC0415
+    from kousoku.symbolic.prove import prove, prove_steps  # noqa: PLC0415
+
+    check_names(derivation)
+    check_functions(derivation)
+    for function in derivation.functions:
+        prove(function)
+    prove_steps(derivation)
+    command = regenerate or f"run the program that derives {derivation.name}"
+    return _emitted(freeze_derivation(derivation, command))
+
+
+def _emitted(derived: Derived) -> SourceTree:
     data = {GRAPH_FILE: dump(derived.package), REFERENCE_FILE: derived.references}
     return emit(derived.package, data)
 

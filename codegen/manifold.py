@@ -42,12 +42,12 @@ def solve_constraint(
     """
     numbers = [HIGH_CONTEXT.mpf(start[name][index]) for name, index in tape.inputs]
     for _ in range(MOST_ITERATIONS):
-        values, rows = _equations(tape, output, inputs, numbers)
-        if max(map(abs, values)) < HIGH_CONTEXT.mpf(10) ** -40:
-            break
         try:
+            values, rows = _equations(tape, output, inputs, numbers)
+            if max(map(abs, values)) < HIGH_CONTEXT.mpf(10) ** -40:
+                break
             step = _least_step(values, rows)
-        except ZeroDivisionError:
+        except ArithmeticError:  # a pole, no real root, or rows that depend on each other
             return None
         for place, change in step.items():
             numbers[place] += change

@@ -132,7 +132,7 @@ def finite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream, turn: 
         Point("ordinary", ordinary_numbers()),
         Point("badly scaled arrays", _scaled_arrays(tape, ordinary_numbers(), stream, turn)),
         Point("badly scaled elements", _scaled_elements(tape, ordinary_numbers(), stream)),
-        Point("nearly coincident", _coincident(ordinary_numbers(), stream)),
+        Point("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
         Point("near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)),
         Point("small integers", _integers(inputs, stream)),
     ]
@@ -195,17 +195,19 @@ def _scaled_elements(tape: Tape, numbers: Numbers, stream: Stream) -> dict[str, 
     }
 
 
-def _coincident(numbers: Numbers, stream: Stream) -> dict[str, tuple[float, ...]]:
+def _coincident(
+    inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
+) -> dict[str, tuple[float, ...]]:
     """Let body j be almost where body i is; without a body j, all elements almost equal.
 
-    The directions a keep apart: where they coincide too, a scalar product vanishes together with
-    all its derivatives, and the unit, which is of first order, bounds nothing any more.
+    Directions keep apart: where they coincide too, a scalar product vanishes together with all its
+    derivatives, and the unit, which is of first order, bounds nothing any more.
     """
     close = scattered(numbers, stream, -30)
     twins = {
-        name: name.replace("_j", "_i")
-        for name in numbers
-        if "_j" in name and not name.startswith("a_")
+        q.name: "_".join("i" if part == "j" else part for part in q.name.split("_"))
+        for q in inputs
+        if "j" in q.name.split("_") and (q.unit != "-" or is_euler_parameters(q))
     }
     if any(twin in numbers for twin in twins.values()):
         return {

@@ -32,10 +32,13 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.tape import Dual, Tape
+    from kousoku.model.quantity import Quantity
     from kousoku.symbolic.derivation import Function
 
 FORMAT = 1
 REFERENCE_FILE = "reference.json"
+#: From how many points the way to the constraint manifold is tried.
+MOST_STARTS = 8
 #: The output that a manifold is the zero of.
 CONSTRAINT = "C"
 #: Enough for 50 digits after a cancellation of 2^±900 against its inverse.
@@ -79,11 +82,19 @@ def _kernels(package: Package, functions: Sequence[Function]) -> list[dict[str, 
     kernels: list[dict[str, object]] = []
     for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
         points = _points(function, tape, list(zip(functions, tapes, strict=True)))
-        values = [_values(kernel, tape, point) for point in points]
-        kernels.append(
-            {"name": kernel.name, "points": [value for value in values if value is not None]}
-        )
+        found = [(point, _values(kernel, tape, point)) for point in points]
+        known = [(point, values) for point, values in found if values is not None]
+        if not any(_is_finite(point) for point, _ in known):
+            raise DerivationError(
+                f"kernel {kernel.name} has a pole or no real root at every point that was tried, "
+                "with inputs of order one; state it so that it holds for such inputs"
+            )
+        kernels.append({"name": kernel.name, "points": [values for _, values in known]})
     return kernels
+
+
+def _is_finite(point: Point) -> bool:
+    return all(math.isfinite(x) for xs in point.inputs.values() for x in xs)
 
 
 def _points(
@@ -105,8 +116,7 @@ def _manifold_points(
     """Return a point on the constraint manifold of the package, and one near it."""
     for other, tape in package:
         if CONSTRAINT in (output.quantity.name for output in other.outputs):
-            start = ordinary(other.inputs, stream)
-            solution = solve_constraint(tape, CONSTRAINT, other.inputs, start)
+            solution = _solution(tape, other.inputs, stream)
             if solution is not None:
                 names = [quantity.name for quantity in function.inputs]
                 shared = {name: solution[name] for name in names if name in solution}
@@ -116,8 +126,20 @@ def _manifold_points(
     return []
 
 
+def _solution(
+    tape: Tape, inputs: Sequence[Quantity], stream: Stream
+) -> dict[str, tuple[float, ...]] | None:
+    """Return a point on the constraint manifold; None where no start leads there."""
+    # Only the first start takes from the stream: later points are the same however many it takes.
+    for own in (stream, *(Stream(f"start {number}") for number in range(1, MOST_STARTS))):
+        found = solve_constraint(tape, CONSTRAINT, inputs, ordinary(inputs, own))
+        if found is not None:
+            return found
+    return None
+
+
 def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | None:
-    """Return one point with its references; None where it happens to be a pole."""
+    """Return one point with its references; None where it happens to be no number."""
     bad = [
         place
         for place, (name, index) in enumerate(tape.inputs)
@@ -134,7 +156,7 @@ def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | Non
     }
     try:
         duals = run(tape, finite)
-    except ZeroDivisionError:
+    except ArithmeticError:
         return None
     outputs = {}
     for k, quantity in enumerate(kernel.outputs):

@@ -176,8 +176,8 @@ def run(tape: Tape, inputs: Mapping[str, Sequence[float | High]]) -> dict[str, t
 
     Raises
     ------
-    ZeroDivisionError
-        The point is a pole.
+    ArithmeticError
+        The point is a pole, or lies where a root is not real.
     """
     numbers = [HIGH_CONTEXT.mpf(inputs[name][index]) for name, index in tape.inputs]
     duals: list[Dual] = []
@@ -233,6 +233,8 @@ def _product(args: Sequence[Dual]) -> Dual:
 def _power(base: Dual, exponent: High) -> Dual:
     if exponent == 2:
         return _chain(base.value * base.value, [(base, 2 * base.value)])
+    if base.value < 0 and exponent != int(exponent):
+        raise ArithmeticError("the root of a negative number")
     return _chain(base.value**exponent, [(base, exponent * base.value ** (exponent - 1))])
 
 

@@ -10,6 +10,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flows
+from kousoku.symbolic.check import check_constraint, check_functions
 from kousoku.symbolic.derivation import Derivation, Function, Output
 from kousoku.symbolic.forms import Constraint, Forms, collect, steps, with_abbreviations
 from kousoku.symbolic.matrices import Matrix, elements
@@ -20,10 +21,21 @@ if TYPE_CHECKING:
     from kousoku.symbolic.components import Flow
 
 
+__all__ = ["Constraint", "derive_constraint"]
+
+
 def derive_constraint(c: Constraint) -> Derivation:
-    """Return all that is derived of a constraint: Jacobian, right-hand sides, reaction."""
+    """Return all that is derived of a constraint: Jacobian, right-hand sides, reaction.
+
+    Raises
+    ------
+    DerivationError
+        The value is no column of as many rows as there are components, holds what is not declared,
+        or has no linear form; the message says which.
+    """
+    check_constraint(c, [*(q.name for q in (*CONFIGURATION, *MOTION)), c.lam.name])
     forms = collect(c)
-    return Derivation(
+    derivation = Derivation(
         name=c.name,
         kind=c.kind,
         title=c.title,
@@ -31,6 +43,8 @@ def derive_constraint(c: Constraint) -> Derivation:
         steps=with_abbreviations((*c.steps, *steps(c, forms))),
         functions=_functions(c, forms),
     )
+    check_functions(derivation)
+    return derivation
 
 
 def _output(quantity: Quantity, x: Matrix, scalars: Sequence[Any]) -> Output:
@@ -117,10 +131,11 @@ def _function(
     outputs: tuple[Output, ...],
     *extra: Quantity,
 ) -> Function:
-    used = {
-        str(atom.name)
-        for output in outputs
-        for atom in output.expression.atoms(Symbol, MatrixSymbol)
-    }
-    inputs = tuple(q for q in (*CONFIGURATION, *MOTION) if q.name in used)
+    held = set().union(*(_held(output.expression) for output in outputs))
+    used = held or _held(c.value)  # right-hand sides that all vanish are called with something too
+    inputs = tuple(q for q in (*CONFIGURATION, *c.inputs, *MOTION) if q.name in used)
     return Function(name, f"{c.title}: {title}", formula, c.source, (*inputs, *extra), outputs)
+
+
+def _held(x: Matrix) -> set[str]:
+    return {str(atom.name) for atom in x.atoms(Symbol, MatrixSymbol)}

@@ -51,6 +51,9 @@ class Constraint:
         A rewriting of products that holds for this constraint, applied to the Jacobian blocks.
     gamma : Step, optional
         γ in a form that keeps more digits than what the product rule leaves, and why it is equal.
+    inputs : tuple of Quantity
+        What the constraint takes beside the arrays of both bodies, e.g. a given angle; constant in
+        time. ``symbolic.matrices`` gives the ``symbol`` and the ``elements`` of each.
     """
 
     name: str
@@ -65,6 +68,7 @@ class Constraint:
     names: tuple[Named, ...] = ()
     rule: Callable[[Matrix], Matrix | None] = orthogonality
     gamma: Step | None = None
+    inputs: tuple[Quantity, ...] = ()
 
     @property
     def lam(self) -> Quantity:

@@ -1,0 +1,123 @@
+"""What a derivation must hold before it is proved and emitted, each mistake told in one message."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sympy import Symbol
+from sympy.matrices.expressions import MatrixSymbol
+
+from kousoku.model.errors import DerivationError
+from kousoku.model.names import name_problem
+from kousoku.symbolic.kinds import KINDS, packages_of
+from kousoku.symbolic.matrices import elements
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.symbolic.derivation import Derivation, Function, Output
+    from kousoku.symbolic.forms import Constraint
+
+
+def check_constraint(c: Constraint, given: Sequence[str]) -> None:
+    """Check the size of a constraint, and that its own inputs are not ``given`` already.
+
+    Raises
+    ------
+    DerivationError
+        Names the constraint, what was got and what was wanted.
+    """
+    rows = len(c.components)
+    shape = tuple(getattr(c.value, "shape", ()))
+    if shape != (rows, 1) or not rows:
+        raise DerivationError(
+            f"{c.name}: the value has shape {shape} and there are {rows} components; "
+            "wanted a column, and one component for each of its rows"
+        )
+    for quantity in c.inputs:
+        if quantity.name in given:
+            raise DerivationError(
+                f"{c.name}: the input {quantity.name} is there already, with a meaning of its own "
+                f"({', '.join(given)}); choose another name"
+            )
+
+
+def check_functions(derivation: Derivation) -> None:
+    """Check that each function holds only what it declares, in the sizes that it declares.
+
+    Raises
+    ------
+    DerivationError
+        Names the function, the output and the symbol.
+    """
+    for function in derivation.functions:
+        where = f"{derivation.name}.{function.name}"
+        if not function.inputs or not function.outputs:
+            raise DerivationError(f"{where} has no inputs or no outputs; wanted one of each")
+        for output in function.outputs:
+            _check_size(where, output)
+            _check_symbols(where, function, output)
+
+
+def check_names(derivation: Derivation) -> None:
+    """Check that all names can be emitted, and that none is taken.
+
+    Raises
+    ------
+    DerivationError
+        A name is no identifier, is a word of C or Python, stands for two things, or is the name of
+        a kind that kousoku ships.
+    """
+    try:
+        shipped = packages_of(derivation.name)
+    except DerivationError:
+        shipped = ()
+    if shipped:
+        raise DerivationError(
+            f"{derivation.name!r} is taken by a kind that kousoku ships (they are "
+            f"{', '.join(KINDS)}, and their other names); choose another name for yours"
+        )
+    _check_each("kind", derivation.name, (derivation.name,))
+    _check_each("kernel", derivation.name, [function.name for function in derivation.functions])
+    for function in derivation.functions:
+        quantities = (*function.inputs, *(output.quantity for output in function.outputs))
+        where = f"{derivation.name}.{function.name}"
+        _check_each("input or output", where, [quantity.name for quantity in quantities])
+
+
+def _check_each(what: str, where: str, names: Sequence[str]) -> None:
+    for place, name in enumerate(names):
+        problem = name_problem(name)
+        if name in names[:place]:
+            problem = f"{name!r} is there twice; give each its own name"
+        if problem is not None:
+            raise DerivationError(f"{where}: name of a {what}: {problem}")
+
+
+def _check_size(where: str, output: Output) -> None:
+    quantity, x = output.quantity, output.expression
+    matrix = int(x.shape[0] * x.shape[1]) if getattr(x, "is_Matrix", False) else 1
+    if not matrix == len(output.components) == quantity.size:
+        raise DerivationError(
+            f"{where}: {quantity.name} has shape {quantity.shape}, {quantity.size} numbers, but the"
+            f" matrix level gives {matrix} and the component level {len(output.components)}"
+        )
+
+
+def _check_symbols(where: str, function: Function, output: Output) -> None:
+    declared = ", ".join(quantity.name for quantity in function.inputs)
+    shapes = {q.name: q.shape for q in function.inputs}
+    arrays = {s.name: s for s in output.expression.atoms(Symbol, MatrixSymbol)}
+    for name, x in sorted(arrays.items()):
+        columns = (*shapes.get(name, ()), 1)[:2] if isinstance(x, MatrixSymbol) else ()
+        if name not in shapes or (isinstance(x, MatrixSymbol) and tuple(x.shape) != columns):
+            raise DerivationError(
+                f"{where}: the matrix level of {output.quantity.name} holds {name}, which is not "
+                f"among the inputs ({declared}) in that shape; declare it as a Quantity"
+            )
+    known = {s for quantity in function.inputs for s in elements(quantity)}
+    for name in sorted(str(s) for s in output.components.free_symbols - known):
+        raise DerivationError(
+            f"{where}: the components of {output.quantity.name} hold {name}, which is not an "
+            f"element of the inputs ({declared}) of the matrix level; correct one of the two"
+        )
