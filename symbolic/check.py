@@ -77,12 +77,12 @@ def check_names(derivation: Derivation) -> None:
             f"{derivation.name!r} is taken by a kind that kousoku ships (they are "
             f"{', '.join(KINDS)}, and their other names); choose another name for yours"
         )
-    _check_each("kind", derivation.name, (derivation.name,))
-    _check_each("kernel", derivation.name, [function.name for function in derivation.functions])
+    _check_each("a kind", derivation.name, (derivation.name,))
+    _check_each("a kernel", derivation.name, [function.name for function in derivation.functions])
     for function in derivation.functions:
         quantities = (*function.inputs, *(output.quantity for output in function.outputs))
         where = f"{derivation.name}.{function.name}"
-        _check_each("input or output", where, [quantity.name for quantity in quantities])
+        _check_each("an input or output", where, [quantity.name for quantity in quantities])
 
 
 def _check_each(what: str, where: str, names: Sequence[str]) -> None:
@@ -91,7 +91,7 @@ def _check_each(what: str, where: str, names: Sequence[str]) -> None:
         if name in names[:place]:
             problem = f"{name!r} is there twice; give each its own name"
         if problem is not None:
-            raise DerivationError(f"{where}: name of a {what}: {problem}")
+            raise DerivationError(f"{where}: name of {what}: {problem}")
 
 
 def _check_size(where: str, output: Output) -> None:
@@ -106,11 +106,10 @@ def _check_size(where: str, output: Output) -> None:
 
 def _check_symbols(where: str, function: Function, output: Output) -> None:
     declared = ", ".join(quantity.name for quantity in function.inputs)
-    shapes = {q.name: q.shape for q in function.inputs}
-    arrays = {s.name: s for s in output.expression.atoms(Symbol, MatrixSymbol)}
-    for name, x in sorted(arrays.items()):
-        columns = (*shapes.get(name, ()), 1)[:2] if isinstance(x, MatrixSymbol) else ()
-        if name not in shapes or (isinstance(x, MatrixSymbol) and tuple(x.shape) != columns):
+    shapes = {q.name: (*q.shape, 1)[:2] if q.shape else () for q in function.inputs}
+    for x in sorted(output.expression.atoms(Symbol, MatrixSymbol), key=str):
+        name = x.name
+        if shapes.get(name) != tuple(getattr(x, "shape", ())):
             raise DerivationError(
                 f"{where}: the matrix level of {output.quantity.name} holds {name}, which is not "
                 f"among the inputs ({declared}) in that shape; declare it as a Quantity"
