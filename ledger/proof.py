@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from sympy.matrices.expressions import ZeroMatrix
 from sympy.polys.domains import QQ
 
 from kousoku.ledger.entry import Check
@@ -149,9 +150,15 @@ def refuted(latex: str, vocabulary: Vocabulary) -> str:
 
 
 def _compared(statement: Statement, sides: list[Value]) -> list[Value]:
-    """Leave out a zero at the end: it states a constraint, not an identity."""
-    ends_in_zero = statement.sides[-1] == Number("0") and len(sides) > 2
-    return sides[:-1] if ends_in_zero else sides
+    """Leave out a zero at the end of a chain: it states a constraint, not an identity.
+
+    A zero that is all that follows is compared, and is as large as what it equals.
+    """
+    if statement.sides[-1] != Number("0"):
+        return sides
+    if len(sides) > 2:
+        return sides[:-1]
+    return [sides[0], ZeroMatrix(*shape(sides[0]))] if shape(sides[0]) else sides
 
 
 def equality(vocabulary: Vocabulary, left: Value, right: Value) -> str:

@@ -101,6 +101,13 @@ def test_a_column_is_not_compared_with_a_matrix() -> None:
         proved(r"u = \tilde{v}", WORDS)
 
 
+def test_a_zero_is_as_large_as_what_it_equals() -> None:
+    assert proved(r"\tilde{u} u = 0", WORDS) == [
+        "sides 1 and 2 of 2: all 3 elements equal, identically"
+    ]
+    assert "element 1 of 3" in refuted(r"\tilde{u} v = 0", WORDS)
+
+
 def test_a_true_formula_is_proved_and_a_false_one_refuted() -> None:
     assert proved(r"\tilde{u} v = -\tilde{v} u", WORDS) == [
         "sides 1 and 2 of 2: all 3 elements equal, identically"
