@@ -57,7 +57,7 @@ def latex_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
     proofs : Mapping
         Proofs by key; an entry without one says that its proof failed.
     """
-    parts = [PREAMBLE + OPENING + "\n\n" + _latex_counts(entries)]
+    parts = [PREAMBLE + OPENING, *([_latex_counts(entries)] if len(entries) > 1 else [])]
     for document in DOCUMENTS:
         own = [entry for entry in entries if entry.document == document]
         if own:
@@ -108,14 +108,9 @@ def _latex_form(entry: Entry, text: str) -> str:
 
 def markdown_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
     """Return the same as Markdown, with formulas as sites that show LaTeX take them."""
-    head = ["| |", "|---|"]
-    head = [line + "".join(cells) for line, cells in zip(head, _markdown_head(), strict=True)]
-    rows = [
-        f"| {name} | " + " | ".join(str(n) for n in numbers.values()) + " |"
-        for name, numbers in _count_rows(entries)
-    ]
     note = "`kousoku ledger --markdown` prints this page."
-    parts = ["# The ledger", "", OPENING, note, "", *head, *rows]
+    parts = ["# The ledger", "", OPENING, note]
+    parts += ["", *_markdown_counts(entries)] if len(entries) > 1 else []
     for document in DOCUMENTS:
         own = [entry for entry in entries if entry.document == document]
         if own:
@@ -125,8 +120,10 @@ def markdown_page(entries: Sequence[Entry], proofs: Mapping[str, Proof]) -> str:
     return "\n".join([*parts, ""])
 
 
-def _markdown_head() -> tuple[list[str], list[str]]:
-    return [f" {verdict} |" for verdict in VERDICTS], ["---|" for _ in VERDICTS]
+def _markdown_counts(entries: Sequence[Entry]) -> list[str]:
+    rows = [["", *VERDICTS], ["---"] * (len(VERDICTS) + 1)]
+    rows += [[name, *(str(n) for n in numbers.values())] for name, numbers in _count_rows(entries)]
+    return [f"| {' | '.join(row)} |" for row in rows]
 
 
 def _markdown_entry(entry: Entry, proof: Proof | None) -> list[str]:

@@ -65,6 +65,7 @@ def typeset(printed: str) -> str:
     body = re.sub(r"(\\\\\s*)+(?=\\end\b|$)", "", body)
     if not is_balanced(body):
         return ""
+    body = body.strip()
     rows, _ = re.subn(r"\\begin\{(\w+)\}.*\\end\{\1\}", "", body)
     if "\\\\" in rows or "&" in rows:
         name = "aligned" if "&" in rows else "gathered"
