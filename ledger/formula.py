@@ -93,13 +93,34 @@ class Call:
 
 
 @dataclass(frozen=True, slots=True)
+class Derivative:
+    """The derivative by a number: ``(d/dα)``, ``(d/dt)``."""
+
+    by: str
+    inner: Node
+
+
+@dataclass(frozen=True, slots=True)
 class Array:
     """Rows of cells in brackets: a matrix, or one of blocks."""
 
     rows: tuple[tuple[Node, ...], ...]
 
 
-Node = Number | Name | Sum | Product | Cross | Quotient | Power | Transposed | Tilde | Call | Array
+Node = (
+    Number
+    | Name
+    | Sum
+    | Product
+    | Cross
+    | Quotient
+    | Power
+    | Transposed
+    | Tilde
+    | Call
+    | Derivative
+    | Array
+)
 
 
 @dataclass(frozen=True, slots=True)

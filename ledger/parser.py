@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from kousoku.ledger.formula import (
     RELATIONS,
     Array,
     Call,
     Cross,
+    Derivative,
     Name,
     Node,
     Number,
@@ -21,11 +24,15 @@ from kousoku.ledger.formula import (
 from kousoku.ledger.tokens import tokens
 from kousoku.model.errors import FormulaError
 
-_FACES = {"\\mathbf", "\\boldsymbol", "\\mathrm", "\\text"}
-_SKIPPED = {"\\,", "\\;", "\\left", "\\right", "\\hline", "\\displaystyle"}
+_FACES = {"\\mathbf", "\\boldsymbol", "\\mathrm"}
+_SKIPPED = {"\\,", "\\;", "\\left", "\\right", "\\hline", "\\displaystyle", "$"}
+#: Where something is taken: at the reference position.
+_PLACES = {"ref."}
 _CLOSING = {"(": ")", "[": "]", "\\{": "\\}", "\\langle": "\\rangle", "{": "}"}
 _ENDS = {*_CLOSING.values(), "&", "\\\\", "⟧", "\\ ", ",", "\\quad", "\\qquad", "\\stackrel"}
 _ENDS |= {"\\underset", *RELATIONS}
+#: Words of prose in a formula: behind a letter part of its name, behind a bracket a remark.
+_WORDS = "\\text"
 #: Accents that stand for a derivative or an arrow, as marks in front of the letter.
 _MARKS = {"\\dot": "d/dt ", "\\ddot": "d²/dt² ", "\\vec": "vec "}
 _FUNCTIONS = {"\\cos": "cos", "\\sin": "sin"}
@@ -43,7 +50,9 @@ def parse(latex: str) -> tuple[Statement, ...]:
     statements = [_statement(stream)]
     while stream.peek() in {",", "\\quad", "\\qquad"}:
         stream.next()
-        if stream.peek() not in {",", "\\quad", "\\qquad", ""}:
+        if [stream.peek(), stream.peek(1)] == ["(", _WORDS]:
+            _remark(stream)
+        elif stream.peek() not in {",", "\\quad", "\\qquad", ""}:
             statements.append(_statement(stream))
     if stream.peek():
         raise FormulaError(f"{stream.peek()!r} stands where the formula should end")
@@ -95,6 +104,14 @@ def _statement(stream: _Stream) -> Statement:
         relations.append(relation)
         sides.append(_sum(stream))
     return Statement(tuple(sides), tuple(relations))
+
+
+def _remark(stream: _Stream) -> None:
+    """Pass over prose in parentheses behind a formula."""
+    stream.expect("(")
+    stream.expect(_WORDS)
+    stream.group()
+    stream.expect(")")
 
 
 def _relation(stream: _Stream) -> str | None:
@@ -150,11 +167,27 @@ def _factor(stream: _Stream) -> Node:
             case "^":
                 stream.next()
                 node = _raised(node, stream.group())
+            case "_":
+                stream.next()
+                if "".join(stream.group()) not in _PLACES:
+                    raise FormulaError("a subscript of a bracket means nothing")
+            case token if token == _WORDS:
+                stream.next()
+                node = _worded(node, "".join(stream.group()))
             case "\\sim":
                 stream.next()
                 node = Tilde(node)
             case _:
                 return node
+
+
+def _worded(node: Node, words: str) -> Node:
+    """Make words behind a letter part of its name; behind anything else they say where it is."""
+    if isinstance(node, Name):
+        return replace(node, letter=node.letter + words)
+    if words not in _PLACES:
+        raise FormulaError(f"the words {words!r} stand behind something that is no symbol")
+    return node
 
 
 def _raised(node: Node, script: list[str]) -> Node:
@@ -170,6 +203,8 @@ def _raised(node: Node, script: list[str]) -> Node:
 
 def _atom(stream: _Stream) -> Node:
     token = stream.peek()
+    if (by := _differential(stream)) is not None:
+        return Derivative(by, _factor(stream))
     if token in _CLOSING:
         return _bracket(stream)
     match token:
@@ -190,6 +225,15 @@ def _atom(stream: _Stream) -> Node:
     if token in _ENDS or token in {"", "^", "_", "'"}:
         raise FormulaError(f"{token or 'the end'!r} stands where a symbol is wanted")
     return _symbol(stream)
+
+
+def _differential(stream: _Stream) -> str | None:
+    """Take ``(d/dt)`` and return ``t``; None where something else follows."""
+    if [stream.peek(k) for k in (0, 1, 2, 3, 5)] != ["(", "d", "/", "d", ")"]:
+        return None
+    by = stream.peek(4)
+    stream.place += 6
+    return by
 
 
 def _bracket(stream: _Stream) -> Node:
@@ -268,9 +312,14 @@ def _symbol(stream: _Stream) -> Node:
     token = stream.next()
     if token in {"δ", "Δ"} or (token == "d" and _is_letter(stream.peek())):
         return _marked(token, _symbol(stream))
-    node: Node = Name(token)
+    if token == "d" and stream.peek() == "^" and _is_letter(stream.peek(2)):
+        stream.next()
+        return _marked(f"d^{stream.next()} ", _symbol(stream))
+    node: Node = Number(token) if token.isdigit() else Name(token)
     if token in {"\\tilde", *_MARKS, *_FACES}:
         inside = _Stream(stream.group())
+        if inside.tokens == ["0"]:  # bold, of a vector or a matrix
+            return Number(inside.next())
         node = _symbol(inside)
         if inside.peek():
             raise FormulaError(f"{token} stands over more than one symbol")

@@ -14,7 +14,7 @@ from sympy.matrices.expressions import ZeroMatrix
 from sympy.polys.domains import QQ
 
 from kousoku.ledger.entry import Check
-from kousoku.ledger.formula import Number
+from kousoku.ledger.formula import Name, Number
 from kousoku.ledger.parser import parse
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import shape
@@ -119,11 +119,12 @@ def proved(latex: str, vocabulary: Vocabulary) -> list[str]:
     """
     lines = []
     for statement in parse(latex):
-        sides = [vocabulary.value(side) for side in statement.sides]
+        sides = _values(statement, vocabulary)
         kept = _compared(statement, sides)
         for k, (left, right) in enumerate(pairwise(kept), 1):
             where = f"sides {k} and {k + 1} of {len(sides)}"
-            lines.append(f"{where}: {equality(vocabulary, left, right)}")
+            compare = order if statement.relations[k - 1] == "\\leq" else equality
+            lines.append(f"{where}: {compare(vocabulary, left, right)}")
     if not lines:
         raise LedgerError("the formula has no two sides to compare")
     return lines
@@ -139,7 +140,7 @@ def refuted(latex: str, vocabulary: Vocabulary) -> str:
     """
     try:
         for statement in parse(latex):
-            sides = _compared(statement, [vocabulary.value(side) for side in statement.sides])
+            sides = _compared(statement, _values(statement, vocabulary))
             for k, (left, right) in enumerate(pairwise(sides), 1):
                 witness = difference(vocabulary, left, right)
                 if witness:
@@ -147,6 +148,14 @@ def refuted(latex: str, vocabulary: Vocabulary) -> str:
     except FormulaError as problem:
         return f"cannot be formed: {problem}"
     raise LedgerError("the printed form holds")
+
+
+def _values(statement: Statement, vocabulary: Vocabulary) -> list[Value]:
+    """Return the values of the sides; of what is replaced, ``x ← …``, the new one."""
+    sides = list(statement.sides)
+    if "\\leftarrow" in statement.relations:
+        sides[0] = Name(f"new {sides[0]}")
+    return [vocabulary.value(side) for side in sides]
 
 
 def _compared(statement: Statement, sides: list[Value]) -> list[Value]:
@@ -182,6 +191,20 @@ def equality(vocabulary: Vocabulary, left: Value, right: Value) -> str:
             raise LedgerError(f"element {k} of {len(pairs)} differs")
     count = "equal" if len(pairs) == 1 else f"all {len(pairs)} elements equal"
     return f"{count}, identically"
+
+
+def order(vocabulary: Vocabulary, left: Value, right: Value) -> str:
+    """Prove that a number is never greater than another, where all quantities are positive.
+
+    Raises
+    ------
+    LedgerError
+        Their difference is no polynomial whose coefficients are all positive.
+    """
+    difference = vocabulary.ring().scalar(right - left)
+    if not difference.under.is_one or any(c < 0 for c in difference.over.coeffs()):
+        raise LedgerError("the left side may be greater")
+    return "never greater, for positive quantities"
 
 
 def difference(vocabulary: Vocabulary, left: Value, right: Value) -> str:

@@ -34,7 +34,8 @@ def tokens(latex: str) -> list[str]:
     r"""Return the tokens of a formula.
 
     Greek letters become letters. ``\begin`` and ``\end`` of an array become ``⟦`` and ``⟧``;
-    environments that only lay out lines vanish, with their ``&`` and ``\\``.
+    environments that only lay out lines vanish, with their ``&`` and ``\\``; ``cases`` states one
+    formula a line, and its ``\\`` become commas.
     """
     result: list[str] = []
     depth: list[str] = []
@@ -60,6 +61,8 @@ def _plain(latex: str, depth: Sequence[str]) -> Iterator[str]:
     for match in _TOKEN.finditer(latex):
         token = match.group()
         if inside_layout and token in {"&", "\\\\"}:
+            if token == "\\\\" and depth and depth[-1] == "cases":
+                yield ","
             continue
         yield _GREEK.get(token[1:], token) if token[0] == "\\" else token
 

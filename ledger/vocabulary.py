@@ -10,11 +10,14 @@ import sympy
 from sympy import Integer, S
 from sympy.matrices.expressions import BlockMatrix, Inverse, ZeroMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
+from sympy.polys.matrices import DomainMatrix
+from sympy.polys.matrices.exceptions import DMNonInvertibleMatrixError
 
 from kousoku.ledger.formula import (
     Array,
     Call,
     Cross,
+    Derivative,
     Name,
     Node,
     Number,
@@ -26,11 +29,19 @@ from kousoku.ledger.formula import (
     Transposed,
 )
 from kousoku.model.errors import FormulaError
-from kousoku.symbolic.matrices import Skew, add, is_zero, mul, neg, transpose
+from kousoku.symbolic.matrices import (
+    Skew,
+    add,
+    coefficient_and_factors,
+    is_zero,
+    mul,
+    neg,
+    transpose,
+)
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.quantity import Quantity
 
@@ -54,12 +65,15 @@ class Vocabulary:
         Component-level elements, row-major, of matrix symbols that are no quantities, such as δA.
     is_unit : bool
         Whether Euler parameters have norm one.
+    derivatives : Mapping
+        By ``t`` or another number: the derivative of the elements that values are made of.
     """
 
     quantities: tuple[Quantity, ...]
     meanings: Mapping[str, Value]
     given: Mapping[str, Sequence[Any]] = field(default_factory=dict)
     is_unit: bool = True
+    derivatives: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)
 
     def knowing(self, meanings: Mapping[str, Value]) -> Vocabulary:
         """Return a vocabulary that knows more symbols, or others by the same names."""
@@ -97,9 +111,20 @@ class Vocabulary:
             case Tilde():
                 return _tilde(self.value(node.inner))
             case Call():
-                return _FUNCTIONS[node.function](_number(self.value(node.argument)))
+                # A double angle has no other sines and cosines than the angle.
+                value = _FUNCTIONS[node.function](_number(self.value(node.argument)))
+                return sympy.expand_trig(value)
+            case Derivative():
+                return self._derivative(node)
             case Array():
                 return _array([[self.value(cell) for cell in row] for row in node.rows])
+
+    def _derivative(self, node: Derivative) -> Value:
+        if node.by not in self.derivatives:
+            raise FormulaError(f"nothing is differentiated by {node.by}")
+        value = self.value(node.inner)
+        change = self.derivatives[node.by]
+        return explicit(value).applyfunc(change) if shape(value) else change(value)
 
     def _symbol(self, name: Name) -> Value:
         if str(name) in self.meanings:
@@ -151,7 +176,32 @@ def _power(value: Value, exponent: int) -> Value:
     rows, columns = shape(value)
     if exponent != -1 or rows != columns:
         raise FormulaError(f"the power {exponent} of a matrix of shape {(rows, columns)}")
-    return Inverse(value)
+    known = explicit(value)
+    return Inverse(value) if known is None else _inverse(known)
+
+
+def explicit(value: Value) -> Value:
+    """Return a product of matrices of formulas as one of them; None where some are symbols."""
+    if any(not isinstance(s, ImmutableDenseMatrix) for s in _factors(value)):
+        return None
+    result, *rest = _factors(value)
+    for factor in rest:
+        result = result * factor
+    return result
+
+
+def _factors(value: Value) -> tuple[Value, ...]:
+    scalar, factors = coefficient_and_factors(value)
+    return (scalar * factors[0], *factors[1:]) if scalar != 1 else factors
+
+
+def _inverse(value: Value) -> Value:
+    """Return the inverse of a matrix of rational functions, fractions reduced."""
+    try:
+        inverse = DomainMatrix.from_Matrix(value).to_field().inv()
+    except DMNonInvertibleMatrixError:
+        raise FormulaError("the inverse of a singular matrix") from None
+    return ImmutableDenseMatrix(inverse.to_Matrix())
 
 
 def _tilde(value: Value) -> Value:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+from sympy import Symbol
 from sympy.matrices.expressions import MatrixSymbol
 
-from kousoku.ledger.formula import Cross, Name, Power, Product, Tilde, Transposed
+from kousoku.ledger.formula import Cross, Derivative, Name, Power, Product, Tilde, Transposed
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import proved, refuted
 from kousoku.ledger.tokens import differ_in_notation_only
@@ -16,7 +19,7 @@ from kousoku.model.quantity import Quantity
 U, V = (Quantity(name, (3,), "", "") for name in "uv")
 WORDS = Vocabulary(
     (U, V, Quantity("k", (), "", "")),
-    {"u": MatrixSymbol("u", 3, 1), "v": MatrixSymbol("v", 3, 1), "2k": 2},
+    {"u": MatrixSymbol("u", 3, 1), "v": MatrixSymbol("v", 3, 1), "k": Symbol("k")},
 )
 
 
@@ -32,6 +35,9 @@ WORDS = Vocabulary(
         (r"\frac{d}{dt}C_{OA}", "d/dt C_OA"),
         (r"\vec f_{12}", "vec f_12"),
         (r"x_{i1}^0", "x_i1^0"),
+        (r"d^2\mathbf{x}", "d^2 x"),
+        (r"d\mathbf{x}^2", "dx^2"),
+        (r"(x \text{ 座標})", "x座標"),
     ],
 )
 def test_a_symbol_keeps_its_marks_primes_and_scripts(latex: str, name: str) -> None:
@@ -56,6 +62,43 @@ def test_tilde_cross_and_times_are_told_apart() -> None:
 def test_minus_one_above_is_the_inverse() -> None:
     ((side,),) = (s.sides for s in parse(r"([D^0][L^1])^{-1}"))
     assert side == Power(Product((Name("D", sup="0"), Name("L", sup="1"))), -1)
+
+
+def test_d_by_dt_differentiates_what_follows() -> None:
+    ((side,),) = (s.sides for s in parse(r"((d/d\alpha)[D^0])_{ref.} b"))
+    assert side == Product((Derivative("α", Name("D", sup="0")), Name("b")))
+    words = replace(WORDS, derivatives={"t": lambda x: 2 * x})
+    assert proved(r"(d/dt)(k + k) = 4k", words)
+    with pytest.raises(FormulaError, match="nothing is differentiated by s"):
+        proved(r"(d/ds) k = 0", words)
+
+
+def test_a_matrix_of_formulas_has_an_inverse_unless_it_is_singular() -> None:
+    regular = r"\begin{bmatrix} k & 1 \\ 0 & 2 \end{bmatrix}"
+    singular = r"\begin{bmatrix} k & k \\ 2 & 2 \end{bmatrix}"
+    one = r"\begin{bmatrix} 1 & 0 \\ 0 & 1 \end{bmatrix}"
+    assert proved(rf"({regular})^{{-1}} {regular} = {one}", WORDS)
+    with pytest.raises(FormulaError, match="singular"):
+        proved(rf"({singular})^{{-1}} = {regular}", WORDS)
+
+
+def test_what_is_replaced_has_a_new_value() -> None:
+    words = WORDS.knowing({"new u": MatrixSymbol("v", 3, 1)})
+    assert proved(r"u \leftarrow v", words)
+    with pytest.raises(LedgerError):
+        proved(r"u \leftarrow u", words)
+
+
+def test_a_side_is_never_greater_where_all_coefficients_of_the_difference_are_positive() -> None:
+    assert len(proved(r"\begin{cases} k \leq 2k \\ k \leq k k + k \end{cases}", WORDS)) == 2
+    with pytest.raises(LedgerError, match="may be greater"):
+        proved(r"2k \leq k", WORDS)
+
+
+def test_prose_behind_a_formula_is_passed_over() -> None:
+    assert proved(r"k = k \quad (\text{リンクの伸び})", WORDS)
+    with pytest.raises(FormulaError, match="stand behind something that is no symbol"):
+        proved(r"(k + k) \text{座標} = k", WORDS)
 
 
 def test_a_formula_has_its_statements_sides_and_relations() -> None:
