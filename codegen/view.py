@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
 from kousoku.codegen.graph import Op
+from kousoku.codegen.passes.trace import without_sharing
 from kousoku.codegen.view_body import (
     Layout,
     layout,
@@ -242,11 +243,7 @@ def _cost(kernel: Kernel) -> tuple[str, ...]:
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
     if not parts:
         return ("no operations",)
-    sizes: list[int] = []
-    for node in kernel.nodes:
-        size = sum(sizes[arg] for arg in node.args) + (1 if node.args else 0)
-        sizes.append(min(size, _COUNTLESS))
-    tree = sum(sizes[node] for result in kernel.results for node in result)
+    tree = without_sharing(kernel)
     before = str(tree) if tree < _COUNTLESS else f"over {_COUNTLESS:.0e}"
     return _wrapped(f"{', '.join(parts)} (before sharing: {before} in all)")
 

@@ -66,6 +66,14 @@ def run_passes(
     return kernel, tuple(records)
 
 
+def without_sharing(kernel: Kernel) -> int:
+    """Return the count of operations if every use of a value computed it again."""
+    sizes: list[int] = []
+    for node in kernel.nodes:
+        sizes.append(sum(sizes[arg] for arg in node.args) + (1 if node.args else 0))
+    return sum(sizes[node] for result in kernel.results for node in result)
+
+
 def most_alive(kernel: Kernel) -> int:
     """Return the largest number of intermediate results that are alive at once.
 
