@@ -1,0 +1,1 @@
+"""Compose the motion of a system from frozen kinds: a program of small kernels on one workspace."""

@@ -1,0 +1,242 @@
+"""A program: kernels that are called one after the other on one flat workspace of doubles.
+
+A place in the workspace is a slot. A task is one call of a kernel: it reads runs of consecutive
+slots and writes runs of consecutive slots. The length of each run belongs to the kernel, so that a
+task is a few numbers, and many tasks of one kernel are a loop over a short table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import EmitError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from fractions import Fraction
+
+    from kousoku.codegen.kernel import Kernel
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A named part of the workspace.
+
+    Parameters
+    ----------
+    name : str
+        ``q``, ``v``, ``C``, ``lam`` … as in :data:`REGIONS`.
+    base, size : int
+        First slot, and count of slots.
+    """
+
+    name: str
+    base: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One call of a kernel.
+
+    Parameters
+    ----------
+    kernel : int
+        Its place in :attr:`Program.kernels`.
+    inputs, outputs : tuple of int
+        First slot of each run, one for each input and output of the kernel. All inputs are read
+        before any output is written.
+    """
+
+    kernel: int
+    inputs: tuple[int, ...]
+    outputs: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """Tasks that run together.
+
+    Parameters
+    ----------
+    name : str
+        ``geometry``, ``position`` … as in :data:`SEGMENTS`.
+    tasks : tuple of Task
+        In an order in which they can run.
+    """
+
+    name: str
+    tasks: tuple[Task, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where one coordinate of a body is.
+
+    Parameters
+    ----------
+    slot : int
+        In the workspace, -1 of a coordinate that does not change.
+    value : float
+        What it is then, and at the start.
+    """
+
+    slot: int
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinates:
+    """Where position and velocity of a body are.
+
+    Parameters
+    ----------
+    body : str
+        As in the scene.
+    r, p, v, omega_b : tuple of Place
+        Centre of mass and its velocity in frame O, Euler parameters, angular velocity in the frame
+        of the body. A point has constant p; in a planar program z, e1 and e2 are constant.
+    """
+
+    body: str
+    r: tuple[Place, ...]
+    p: tuple[Place, ...]
+    v: tuple[Place, ...]
+    omega_b: tuple[Place, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of the constraints that are kept.
+
+    Parameters
+    ----------
+    joint : str
+        As in the scene.
+    instance : int
+        Its place in :attr:`kousoku.model.mechanism.System.constraints`.
+    row : int
+        Its place in the kind.
+    """
+
+    joint: str
+    instance: int
+    row: int
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """What a scene needs to move, and nothing else.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    kernels : tuple of Kernel
+        Each input and each output is one run of slots; names are ``x0``, ``x1`` … and ``y0`` ….
+    segments : tuple of Segment
+        Each slot is written by one task at most. What ``geometry`` leaves in the workspace is read
+        by all others; these share nothing else.
+    regions : tuple of Region
+        By name; the rest of the workspace is scratch.
+    constants : tuple of Fraction
+        The numbers in the region ``constants``: they are put there once.
+    size : int
+        Count of slots.
+    bodies : tuple of Coordinates
+        In the order of the system.
+    rows : tuple of Row
+        In the order of the regions ``C`` and ``lam``.
+    is_planar : bool
+        Whether all bodies move in planes parallel to the xy-plane.
+    """
+
+    name: str
+    kernels: tuple[Kernel, ...]
+    segments: tuple[Segment, ...]
+    regions: tuple[Region, ...]
+    constants: tuple[Fraction, ...]
+    size: int
+    bodies: tuple[Coordinates, ...]
+    rows: tuple[Row, ...]
+    is_planar: bool
+
+    def region(self, name: str) -> Region:
+        """Return a region by its name."""
+        for region in self.regions:
+            if region.name == name:
+                return region
+        known = ", ".join(region.name for region in self.regions)
+        raise EmitError(f"the program of {self.name} has no region {name}; it has {known}")
+
+    def segment(self, name: str) -> Segment:
+        """Return a segment by its name."""
+        for segment in self.segments:
+            if segment.name == name:
+                return segment
+        known = ", ".join(segment.name for segment in self.segments)
+        raise EmitError(f"the program of {self.name} has no segment {name}; it has {known}")
+
+
+#: What the regions hold, in the order of the workspace.
+REGIONS = {
+    "t": "time, s",
+    "q": "r (frame O) and Euler parameters p of each body in turn",
+    "v": "velocity (frame O) and angular velocity (body frame) of each body in turn",
+    "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
+    "q_moved": "q after dq, Euler parameters of norm one",
+    "C": "residuals, joint by joint",
+    "dv": "correction of v",
+    "q_dot": "time derivative of q",
+    "v_dot": "time derivative of v",
+    "lam": "multipliers, in the order of C",
+    "energies": "kinetic and potential energy, J",
+    "constants": "the scene's numbers",
+}
+
+#: What the segments read and write, in the order in which they can run.
+SEGMENTS = {
+    "geometry": "q, t -> C, the Jacobian, and the factors of C_q M^-1 C_q^T",
+    "position": "C -> dq = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 C",
+    "move": "q, dq -> q_moved",
+    "velocity": "v, t -> dv = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 (C_q v - nu)",
+    "acceleration": "v, t -> q_dot, v_dot, lam",
+    "energy": "q, v -> energies",
+}
+
+
+def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:
+    """Yield first slot and length of each run that a task reads."""
+    lengths = (quantity.size for quantity in program.kernels[task.kernel].inputs)
+    return zip(task.inputs, lengths, strict=True)
+
+
+def writes(program: Program, task: Task) -> Iterator[tuple[int, int]]:
+    """Yield first slot and length of each run that a task writes."""
+    lengths = (quantity.size for quantity in program.kernels[task.kernel].outputs)
+    return zip(task.outputs, lengths, strict=True)
+
+
+def levels(program: Program, segment: Segment) -> tuple[tuple[int, ...], ...]:
+    """Return the tasks of a segment by level: those of one level do not need each other.
+
+    Returns
+    -------
+    tuple of tuple of int
+        For each level the places of its tasks in the segment, in the order of the segment.
+    """
+    level_of_slot: dict[int, int] = {}
+    found: list[list[int]] = []
+    for place, task in enumerate(segment.tasks):
+        level = 0
+        for base, length in reads(program, task):
+            for slot in range(base, base + length):
+                level = max(level, level_of_slot.get(slot, 0))
+        for base, length in writes(program, task):
+            for slot in range(base, base + length):
+                level_of_slot[slot] = level + 1
+        if level == len(found):
+            found.append([])
+        found[level].append(place)
+    return tuple(tuple(tasks) for tasks in found)
