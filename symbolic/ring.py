@@ -213,7 +213,7 @@ class Ring:
             return True
         if not self._functions and self._differ_at_a_point(x, y):
             return False
-        difference = Fraction(x.over * y.under - y.over * x.under, self._one)
+        difference = Fraction((x - y).over, self._one)
         return not self._reduced(self._reduced(difference)).over
 
     def _differ_at_a_point(self, x: Fraction, y: Fraction) -> bool:
