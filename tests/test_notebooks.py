@@ -5,7 +5,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+import re
 import warnings
 from pathlib import Path
 from typing import Any
@@ -54,6 +56,20 @@ def clean(notebook: Any) -> None:
     for number, cell in enumerate(notebook.cells):
         cell.metadata = {}
         cell["id"] = f"cell-{number}"
+        if cell.cell_type == "code":
+            cell.outputs = joined(cell.outputs)
+
+
+def joined(outputs: list[Any]) -> list[Any]:
+    """Join what is printed in one cell: Jupyter cuts it where the clock says so."""
+    found: list[Any] = []
+    for output in outputs:
+        last = found[-1] if found else None
+        if output.output_type == "stream" and last and last.get("name") == output.name:
+            last.text += output.text
+        else:
+            found.append(output)
+    return found
 
 
 @pytest.mark.slow
@@ -79,3 +95,43 @@ def test_notebook_holds_outputs_and_no_path_of_a_machine(path: Path) -> None:
     code = [cell for cell in json.loads(text)["cells"] if cell["cell_type"] == "code"]
     assert any(cell["outputs"] for cell in code)
     assert "/home/" not in text and "/tmp/" not in text and "/Users/" not in text
+
+
+def names_used(path: Path) -> list[str]:
+    """Return what the code of a notebook imports, and the attributes that it reads."""
+    cells = nbformat.read(path, as_version=4).cells
+    source = "\n".join(cell.source for cell in cells if cell.cell_type == "code")
+    names: list[str] = []
+    for node in ast.walk(ast.parse(source)):
+        match node:
+            case ast.Attribute(attr=name):
+                names.append(name)
+            case ast.ImportFrom(module=module, names=aliases):
+                names += [*(module or "").split("."), *(alias.name for alias in aliases)]
+            case ast.Import(names=aliases):
+                names += [part for alias in aliases for part in alias.name.split(".")]
+    return names
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_uses_public_names_and_no_clock(path: Path) -> None:
+    names = names_used(path)
+    assert not [name for name in names if re.match(r"_(?!_)", name)]
+    assert not {"time", "timeit", "datetime", "perf_counter"}.intersection(names)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook_shows_formulas_and_pictures(path: Path) -> None:
+    media = [kind for cell in shown(nbformat.read(path, as_version=4)) for kind, _ in cell]
+    assert {"image/svg+xml", "text/latex"} <= set(media)
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_every_picture_of_a_notebook_names_its_axes(path: Path) -> None:
+    notebook = nbformat.read(path, as_version=4)
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    pictures = [o.data["image/svg+xml"] for o in outputs if "image/svg+xml" in o.get("data", {})]
+    for number, picture in enumerate(pictures):
+        text = "".join(picture)
+        units = re.findall(r"\[[^\]<>]+\]", text)
+        assert units, f"picture {number}: no axis has a unit, e.g. 'x [m]'"
