@@ -82,7 +82,7 @@ def draw_counts(counts: Mapping[str, Sequence[int]], names: Sequence[str], *, ti
         Printed above.
     """
     height = 0.8 / len(counts)
-    shades = ("#e9a48d", "#8fbccb", "#1f6f8b", "#d9d9d9")
+    shades = ("#f2c4b3", "#d1603d", "#a8cfdb", "#1f6f8b")
     with mpl.rc_context(_STYLE):
         figure = Figure(figsize=(6.4, 0.9 + 0.9 * len(names)), layout="constrained")
         axes = figure.subplots()
@@ -92,9 +92,9 @@ def draw_counts(counts: Mapping[str, Sequence[int]], names: Sequence[str], *, ti
             axes.bar_label(bars, padding=3, fontsize=8)
         axes.set_yticks(range(len(names)), names)
         axes.invert_yaxis()
-        axes.set_xlabel("operations")
+        axes.set_xlabel("operations [-]")
         axes.margins(x=0.1)
-        figure.legend(frameon=False, loc="outside lower center", ncols=4, fontsize=8)
+        figure.legend(frameon=False, loc="outside lower center", ncols=2, fontsize=8)
         axes.set_title(title)
     return figure
 
@@ -104,13 +104,14 @@ def _draw(axes: Axes, drawing: Drawing) -> None:
     axes.add_collection(LineCollection(lines, colors=_EDGE, linewidths=0.5, zorder=1))
     size = 16 if len(nodes) < 150 else 5
     for label, ops, marker, colour in _LOOKS:
-        places = [(x, depth) for x, depth, op in nodes if op in ops]
-        if places:
-            axes.scatter(
-                *zip(*places, strict=True), s=size, c=colour, marker=marker, label=label, zorder=2
-            )
-    axes.set_axis_off()
+        x = [place for place, _, op in nodes if op in ops]
+        y = [level for _, level, op in nodes if op in ops]
+        if x:
+            axes.scatter(x, y, s=size, c=colour, marker=marker, label=label, zorder=2)
     axes.margins(0.02, 0.06)
+    axes.set_ylabel("operations on top of\none another [-]")
+    axes.spines["bottom"].set_visible(False)
+    axes.set_xticks([])
 
 
 def _heights(kernel: Kernel) -> list[int]:

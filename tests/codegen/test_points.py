@@ -3,12 +3,14 @@
 import math
 
 import pytest
+from sympy import ImmutableDenseMatrix, S
 
 from kousoku.codegen.points import Stream, finite_points, infinite_points, ordinary
 from kousoku.codegen.tape import Tape, record, run
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.derivation import Function
+from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.matrices import elements
 
 
 @pytest.fixture(scope="module")
@@ -89,3 +91,25 @@ def test_points_that_are_not_finite_hold_one_bad_number_each(
     points = infinite_points(tape, function.inputs, Stream("s"))
     bad = [[x for xs in p.inputs.values() for x in xs if not math.isfinite(x)] for p in points]
     assert [str(x) for (x,) in bad] == ["nan", "inf", "-inf"]
+
+
+def test_body_j_comes_close_to_body_i_but_its_directions_keep_apart() -> None:
+    axis, place = (
+        (Quantity(f"{name}_i_b", (3,), unit, ""), Quantity(f"{name}_j_b", (3,), unit, ""))
+        for name, unit in (("hinge", "-"), ("pin", "m"))
+    )
+    jaw = Quantity("x_jaw", (3,), "m", "")
+    inputs = (*axis, *place, Quantity("p_i", (4,), "-", ""), Quantity("p_j", (4,), "-", ""), jaw)
+    names = [(a.name, b.name) for a, b in ((inputs[0], inputs[1]), (inputs[2], inputs[3]))]
+    x = [elements(q)[0] for q in inputs]
+    output = Output(Quantity("f", (), "m", ""), S.Zero, ImmutableDenseMatrix([sum(x, S.Zero)]))
+    tape = record(Function("f", "", "", "", inputs, (output,)))
+    (point,) = (
+        p for p in finite_points(tape, inputs, Stream("s"), 0) if p.label == "nearly coincident"
+    )
+
+    def is_close(one: str, two: str) -> bool:
+        pairs = zip(point.inputs[one], point.inputs[two], strict=True)
+        return all(math.isclose(a, b, rel_tol=1e-8) for a, b in pairs)
+
+    assert [is_close(*pair) for pair in (*names, ("p_i", "p_j"))] == [False, True, True]

@@ -1,0 +1,66 @@
+"""The plots of kernels: every node is there, and the same kernel gives the same bytes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.graph import Graph
+from kousoku.codegen.kernel import Kernel
+from kousoku.codegen.passes.trace import without_sharing
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+graph_plots = pytest.importorskip("kousoku.graph_plots", reason="needs matplotlib")
+plots = pytest.importorskip("kousoku.plots", reason="needs matplotlib")
+
+
+@pytest.fixture
+def kernel() -> Kernel:
+    """Build f = √(x + y) · (x + y): 3 operations, 4 where the sum is not shared."""
+    graph = Graph()
+    inputs = tuple(Quantity(name, (), "m", "") for name in "xy")
+    total = graph.add(graph.input("x", 0), graph.input("y", 0))
+    result = graph.mul(graph.sqrt(total), total)
+    outputs = (Quantity("f", (), "-", ""),)
+    return Kernel("k", "", "", "", inputs, outputs, tuple(graph.nodes), ((result,),))
+
+
+def marks(figure: Figure) -> list[int]:
+    """Return how many nodes each panel shows."""
+    return [
+        sum(np.asarray(item.get_offsets()).shape[0] for item in panel.collections[1:])
+        for panel in figure.axes
+    ]
+
+
+def test_both_graphs_show_every_node_and_count_the_operations(kernel: Kernel) -> None:
+    figure = graph_plots.draw_sharing(kernel, title="k")
+    assert [panel.get_title(loc="left") for panel in figure.axes] == [
+        "not shared: 4 operations",
+        "shared: 3 operations",
+    ]
+    assert without_sharing(kernel) == 4
+    assert marks(figure) == [8, 5]
+    lines = [panel.collections[0].get_segments() for panel in figure.axes]
+    assert [len(segments) for segments in lines] == [7, 5]
+
+
+def test_bars_are_as_long_as_the_counts() -> None:
+    counts = {"before": [12, 30], "after": [8, 29]}
+    figure = graph_plots.draw_counts(counts, ["one", "two"], title="k")
+    (axes,) = figure.axes
+    assert [bar.get_width() for bar in axes.patches] == [12, 30, 8, 29]
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["one", "two"]
+    assert axes.yaxis_inverted()
+
+
+def test_the_same_kernel_gives_the_same_bytes(kernel: Kernel) -> None:
+    first, again = (
+        plots.to_svg(graph_plots.draw_sharing(kernel, title="k")).encode() for _ in range(2)
+    )
+    assert first == again
