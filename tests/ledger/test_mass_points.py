@@ -1,0 +1,173 @@
+"""Three mass points: nothing in a formula can change, and the code's derivation is tied to it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+from kousoku.ledger import mass_words
+from kousoku.ledger.mass_points import ENTRIES
+from kousoku.ledger.mass_words import centred, in_step, one_point, unreadable, words
+from kousoku.ledger.proof import equal, prove, proved, refuted
+from kousoku.model.errors import LedgerError
+from kousoku.symbolic import derive
+from kousoku.symbolic.matrices import neg
+
+if TYPE_CHECKING:
+    from kousoku.ledger.entry import Entry
+    from kousoku.symbolic.derivation import Derivation
+
+BY_KEY = {entry.equation: entry for entry in ENTRIES}
+FORMULAS = [entry for entry in ENTRIES if entry.vocabulary]
+#: What a formula can lose or have wrong; each takes the proof away.
+CHANGES = (
+    ("+", "-"),
+    ("-", "+"),
+    ("=", "= 2 "),
+    ("cross", ""),
+    ("^T", ""),
+    ("_{OA} ", "_{OA}^T "),
+    ("M_A ", ""),
+    ("_1", "_2"),
+    ("_3", "_2"),
+    ("A1", "A2"),
+    ("AG", "A1"),
+    ("_{ij}", "_{ik}"),
+    (" E", ""),
+)
+#: Opposite forces at one point have opposite moments, in any direction.
+STILL_TRUE = {r"\vec r_{A2} \times \vec f_{12} + \vec r_{A2} \times \vec f_{21} = 0"}
+
+
+def changed(form: str) -> list[str]:
+    """Return a formula with one thing in it changed, in all ways and places."""
+    return [
+        form[:place] + new + form[place + len(old) :]
+        for old, new in CHANGES
+        for place in range(len(form))
+        if form.startswith(old, place) and not form[place:].startswith("= 0")
+    ]
+
+
+@pytest.mark.parametrize("entry", FORMULAS, ids=lambda entry: entry.equation)
+def test_a_formula_with_anything_changed_is_refuted(entry: Entry) -> None:
+    assert entry.vocabulary
+    forms = [form for form in changed(entry.true_form) if form not in STILL_TRUE]
+    assert forms
+    for form in forms:
+        assert refuted(form, entry.vocabulary()), form
+
+
+def test_the_misprints_of_the_document() -> None:
+    assert [entry.equation for entry in ENTRIES if entry.verdict != "holds"] == [
+        "cancelling-moments",
+        "point-equation",
+        "first-term",
+        "collected-force-balance",
+        "torque-definition",
+        "point-equation-again",
+        "summary-force-balance",
+        "summary-torque-definition",
+        "matrix-form",
+        "reduced-matrix-form",
+    ]
+    assert {entry.verdict for entry in ENTRIES} == {"holds", "misprint"}
+
+
+@pytest.mark.parametrize(
+    ("key", "formula"),
+    [
+        ("point-equation", r"f_i^O + f_{ij}^O"),
+        ("torque-definition", "C_{OA}"),
+        ("collected-force-balance", "r_{AG}^A"),
+        ("matrix-form", "M_A &"),
+    ],
+)
+def test_what_is_wrong_stands_in_the_printed_form(key: str, formula: str) -> None:
+    entry = BY_KEY[key]
+    assert formula in entry.printed
+    with pytest.raises(LedgerError):
+        prove(replace(entry, verdict="holds", corrected="", refutation=()))
+    with pytest.raises(LedgerError, match=r"the printed form holds|it can be formed"):
+        prove(replace(entry, printed=entry.corrected, refutation=()))
+
+
+def test_one_internal_force_is_not_enough_whichever_it_is() -> None:
+    printed = BY_KEY["point-equation"].printed
+    for only in ("f_{ij}^O", "f_{ik}^O"):
+        assert "differ" in refuted(printed.replace("f_{ij}^O", only), one_point())
+
+
+def test_moments_balance_only_with_the_corrected_torque() -> None:
+    for key in ("moment-sum", "moment-balance", "summary-moment-balance"):
+        (line,) = [x for x in prove(BY_KEY[key]).lines if x.statement.startswith("with N_A as")]
+        assert line.result.startswith("at a rational point element 1 of 3 is ")
+
+
+def test_the_newton_euler_form_takes_the_centre_of_mass() -> None:
+    for key in ("newton-euler-force", "newton-euler-moment", "reduced-matrix-form"):
+        form = BY_KEY[key].true_form
+        assert proved(form, centred())
+        with pytest.raises(LedgerError, match="element 1 of"):
+            proved(form, words())
+
+
+def negative(x: Any) -> Any:
+    return neg(x) if getattr(x, "is_Matrix", False) else -x
+
+
+def altered(package: str) -> Derivation:
+    """Return the code's derivation with the sign of each output and each step turned."""
+    derivation = derive(package)
+    functions = tuple(
+        replace(
+            function,
+            outputs=tuple(replace(o, expression=negative(o.expression)) for o in function.outputs),
+        )
+        for function in derivation.functions
+    )
+    steps = tuple(replace(step, right=negative(step.right)) for step in derivation.steps)
+    return replace(derivation, functions=functions, steps=steps)
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [e for e in ENTRIES if any(check.statement.startswith("the code's") for check in e.checks)],
+    ids=lambda entry: entry.equation,
+)
+def test_an_entry_fails_when_the_code_differs(
+    entry: Entry, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(mass_words, "derive", altered)
+    for check in entry.checks:
+        if check.statement.startswith("the code's"):
+            with pytest.raises(LedgerError, match=r"element|at a rational point"):
+                check.run()
+
+
+def test_a_step_that_the_code_does_not_have_is_named() -> None:
+    with pytest.raises(LedgerError, match="mass_points has no step about v_9"):
+        in_step("mass_points", "v_9", "v_{OA}^O").run()
+
+
+def test_a_formula_that_can_be_formed_is_not_taken_for_one_that_cannot() -> None:
+    with pytest.raises(LedgerError, match="it can be formed"):
+        unreadable("as printed", BY_KEY["torque-definition"].printed).run()
+
+
+def test_internal_forces_are_central_and_external_ones_are_what_newton_leaves() -> None:
+    """What the symbols mean, said once more in other words."""
+    for check in (
+        equal("opposite", words, r"f_{12}^O + f_{21}^O", r"f_{12}^O - f_{12}^O"),
+        equal(
+            "along the line",
+            words,
+            r"cross(f_{13}^O) (r_{O1}^O - r_{O3}^O)",
+            r"f_{12}^O - f_{12}^O",
+        ),
+        equal("Newton", words, r"m_2 a_{O2}^O", r"f_2^O + f_{21}^O + f_{23}^O"),
+        equal("Newton", one_point, r"m_i a_{Oi}^O", r"f_i^O + f_{ij}^O + f_{ik}^O"),
+    ):
+        assert check.run() == "all 3 elements equal, identically"
