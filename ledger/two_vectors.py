@@ -1,0 +1,164 @@
+"""What the symbols of lecture 8.2 mean; its variations are differentiated, not stated.
+
+A letter without a prime is read as the lecture defines it: components in frame O. A letter with a
+prime has components in the frame of its body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+from sympy import Integer
+from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
+from sympy.matrices.immutable import ImmutableDenseMatrix
+
+from kousoku.ledger.formula import Name
+from kousoku.ledger.turning import along, flat, orientation, spatial, turned
+from kousoku.ledger.vocabulary import Value, Vocabulary
+from kousoku.model.quantity import Quantity
+from kousoku.symbolic.bodies import BODIES, CONFIGURATION, SYMBOLS, A
+from kousoku.symbolic.components import cross, dot, plus, subtract
+from kousoku.symbolic.matrices import Orientation, elements, mul, symbol, transpose
+
+QUANTITIES = {q.name: q for q in CONFIGURATION if q.shape}
+#: δr in frame O and δθ′ in the body frame, by body.
+DR = {b: Quantity(f"δr_{b}", (3,), "m", f"virtual displacement of body {b}") for b in BODIES}
+DTHETA_B = {b: Quantity(f"δθ_{b}_b", (3,), "rad", f"virtual rotation of {b}") for b in BODIES}
+#: How the frames at the points B_i and B_j are turned against those of their bodies.
+TURNED = {b: Quantity(f"p_B{b}", (4,), "-", f"frame B_{b} against frame {b}") for b in BODIES}
+
+Scalar = Any
+
+
+def _in_frame_o(letter: str, body: str) -> list[Scalar]:
+    """Return the elements of a vector that is fixed in a body."""
+    return turned(QUANTITIES[f"p_{body}"], elements(QUANTITIES[f"{letter}_{body}_b"]))
+
+
+def _varying() -> dict[str, list[Scalar]]:
+    """Return what varies, frame O, on the component level."""
+    r = {b: elements(QUANTITIES[f"r_{b}"]) for b in BODIES}
+    a, arm = ({b: _in_frame_o(letter, b) for b in BODIES} for letter in "as")
+    d = subtract(plus(r["j"], arm["j"]), plus(r["i"], arm["i"]))
+    return {
+        **{f"A_{b}": flat(orientation(QUANTITIES[f"p_{b}"])) for b in BODIES},
+        **{f"a_{b}": a[b] for b in BODIES},
+        **{f"s_{b}": arm[b] for b in BODIES},
+        "d": d,
+        "C_n1": [dot(a["i"], a["j"])],
+        "C_n2": [dot(a["i"], d)],
+        "C_p1": cross(a["i"], a["j"]),
+        "C_p2": cross(a["i"], d),
+    }
+
+
+def _array(name: str, size: int) -> Value:
+    return MatrixSymbol(name, *((3, 3) if size == 9 else (size, 1)))
+
+
+@cache
+def words() -> Vocabulary:
+    """Return what the symbols of the lecture's equations mean."""
+    varying = _varying()
+    delta = along(
+        *((QUANTITIES[f"r_{b}"], DR[b]) for b in BODIES),
+        *((QUANTITIES[f"p_{b}"], DTHETA_B[b]) for b in BODIES),
+    )
+    given = {
+        **varying,
+        **{f"δ{name}": [delta(x) for x in value] for name, value in varying.items()},
+        **{f"δθ_{b}": spatial(QUANTITIES[f"p_{b}"], DTHETA_B[b]) for b in BODIES},
+    }
+    known = {name: _array(name, len(value)) for name, value in given.items()}
+    meanings: dict[str, Value] = {
+        "d^ij": known["d"],
+        "δd^ij": known["δd"],
+        "vec d^ij": known["d"],
+        "A^ij": mul(transpose(A["i"]), A["j"]),
+    }
+    for kind in ("n1", "n2", "p1", "p2"):
+        meanings |= {f"{mark}C^({kind})": known[f"{mark}C_{kind}"] for mark in ("", "δ")}
+    for body in BODIES:
+        meanings |= _of_body(body, known)
+    quantities = (*QUANTITIES.values(), *DR.values(), *DTHETA_B.values())
+    return Vocabulary(quantities, meanings, given)
+
+
+def _of_body(b: str, known: dict[str, Value]) -> dict[str, Value]:
+    """Return the meanings of one body's symbols; its virtual rotation has two names."""
+    return {
+        f"r^{b}": SYMBOLS[f"r_{b}"],
+        f"vec r^{b}": SYMBOLS[f"r_{b}"],
+        f"δr^{b}": symbol(DR[b]),
+        f"A^O{b}": A[b],
+        f"δA^O{b}": known[f"δA_{b}"],
+        f"a^{b}": known[f"a_{b}"],
+        f"vec a^{b}": known[f"a_{b}"],
+        f"a'^{b}": SYMBOLS[f"a_{b}_b"],
+        f"δa^{b}": known[f"δa_{b}"],
+        f"δa'^{b}": ZeroMatrix(3, 1),
+        f"s_{b}^B": known[f"s_{b}"],
+        f"vec s_{b}^B": known[f"s_{b}"],
+        f"δs_{b}^B": known[f"δs_{b}"],
+        f"s'_{b}^B": SYMBOLS[f"s_{b}_b"],
+        f"δs'_{b}^B": ZeroMatrix(3, 1),
+        **{f"δθ^{index}": known[f"δθ_{b}"] for index in (b, f"O{b}")},
+        **{f"δθ'^{index}": symbol(DTHETA_B[b]) for index in (b, f"O{b}")},
+    }
+
+
+@cache
+def offset() -> Vocabulary:
+    """Return the same words with d as a quantity in place of r^j.
+
+    r^j = d + r^i + s_i − s_j takes every value as d does: what holds identically for one holds
+    for the other, and is shorter here.
+    """
+    known = words()
+    d = Quantity("d", (3,), "m", "vector between the points, frame O")
+    from_i = plus(elements(QUANTITIES["r_i"]), _in_frame_o("s", "i"))
+    given = {name: value for name, value in known.given.items() if name != "d"}
+    given |= {
+        "r_j": subtract(plus(elements(d), from_i), _in_frame_o("s", "j")),
+        "C_p2": cross(_in_frame_o("a", "i"), elements(d)),
+    }
+    quantities = tuple(d if q.name == "r_j" else q for q in known.quantities)
+    return replace(known, quantities=quantities, given=given)
+
+
+@cache
+def frames() -> Vocabulary:
+    """Return what the base vectors mean: their components in frame O, and rows of them."""
+    known = words()
+    given: dict[str, list[Scalar]] = {}
+    meanings: dict[str, Value] = {"e^(O)": Identity(3)}
+    unit = {x: [Integer(k == n) for k in range(3)] for n, x in enumerate("xyz")}
+    for x, e in unit.items():
+        meanings[f"vec e_{x}^(O)"] = ImmutableDenseMatrix(3, 1, e)
+    for body in BODIES:
+        at_point = Orientation(symbol(TURNED[body]))
+        meanings[f"e^({body})"] = transpose(A[body])
+        meanings[f"b^({body})"] = transpose(mul(A[body], at_point))
+        for x, e in unit.items():
+            p = QUANTITIES[f"p_{body}"]
+            for letter, base in (("e", e), ("b", turned(TURNED[body], e))):
+                given[f"{letter}_{x}_{body}"] = turned(p, base)
+                meanings[f"vec {letter}_{x}^({body})"] = _array(f"{letter}_{x}_{body}", 3)
+    return Vocabulary(
+        (*known.quantities, *TURNED.values()),
+        {**known.meanings, **meanings},
+        {**known.given, **given},
+    )
+
+
+def primed(name: Name) -> tuple[Name, ...]:
+    """Return the ways to read a printed symbol: without a prime, and with one if that is known.
+
+    A capital I in front of the superscript is a prime that was misread.
+    """
+    bare = Name(name.letter, "", name.sub, name.sup.removeprefix("I"))
+    ways = (bare, Name(name.letter, "'", name.sub, bare.sup))
+    known = words().meanings
+    return tuple(way for way in ways if str(way) in known) or (name,)
