@@ -41,18 +41,19 @@ def prove(function: Function) -> int:
     DerivationError
         Names the first element that differs.
     """
-    carrier = Ring(function.inputs)
-    count = 0
-    for output in function.outputs:
-        cells = carrier.cells(output.expression)
-        for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
-            if not carrier.is_equal(cell, carrier.scalar(component)):
-                raise DerivationError(
-                    f"{function.name}: the two levels differ in {output.quantity.name}, element "
-                    f"{k} of {output.quantity.size}; correct the derivation of one of them"
-                )
-            count += 1
-    return count
+    # At one rational point first: a mistake is then found at once, however large the polynomials.
+    for point in (_point(function.inputs, is_unit=False), None):
+        carrier = Ring(function.inputs, at=point)
+        for output in function.outputs:
+            cells = carrier.cells(output.expression)
+            for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
+                if not carrier.is_equal(cell, carrier.scalar(component)):
+                    raise DerivationError(
+                        f"{function.name}: the two levels differ in {output.quantity.name}, "
+                        f"element {k} of {output.quantity.size}; correct the derivation of one of "
+                        "them"
+                    )
+    return sum(output.quantity.size for output in function.outputs)
 
 
 def prove_steps(derivation: Derivation) -> int:

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -22,9 +26,7 @@ from kousoku.symbolic.constraint import Constraint, derive_constraint
 from kousoku.symbolic.derivation import Derivation, Function, Output
 from kousoku.symbolic.matrices import add, elements, mul, neg, symbol, transpose
 
-if TYPE_CHECKING:
-    from pathlib import Path
-
+ROOT = Path(__file__).parents[2]
 COSINE = Quantity("cos_theta", (), "-", "cosine of the given angle")
 AXES = {body: mul(A[body], SYMBOLS[f"a_{body}_b"]) for body in "ij"}
 TURNED = [rotate(COMPONENTS[f"p_{body}"], COMPONENTS[f"a_{body}_b"]) for body in "ij"]
@@ -239,3 +241,13 @@ def test_points_where_a_root_is_not_real_are_left_out(tmp_path: Path) -> None:
 def test_a_root_that_is_never_real_is_refused() -> None:
     with pytest.raises(DerivationError, match="no real root at every point"):
         generate(root(-(Symbol("x") ** 2) - Symbol("y") ** 2 - 1))
+
+
+def test_the_file_that_the_document_shows_runs_as_it_stands(tmp_path: Path) -> None:
+    document = (ROOT / "docs" / "own_kind.md").read_text(encoding="utf-8")
+    (program,) = re.findall(r"```python\n(.*?)```", document, re.DOTALL)
+    (tmp_path / "angle.py").write_text(program, encoding="utf-8")
+    command = [sys.executable, "angle.py"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert run.stdout.startswith("[0.] [[")
+    assert (tmp_path / "angle" / "kernels.h").exists()
