@@ -83,8 +83,8 @@ def digest(package: Package, solver: object = None) -> str:
     if solver is not None:
         total.update(repr(solver).encode())
     for name in sorted(_TEMPLATES.list_templates()):
-        if name.startswith("linkage/") and solver is None:
-            continue
+        if name.startswith("dynamics/") or (name.startswith("linkage/") and solver is None):
+            continue  # not what this package is made of
         text, _, _ = _TEMPLATES.get_source(environment(), name)
         total.update(f"\n{name}\n{text}".encode())
     return total.hexdigest()

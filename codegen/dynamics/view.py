@@ -1,0 +1,220 @@
+"""From a program to what the templates of its solver fill in."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import groupby
+from textwrap import fill
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.program import SEGMENTS
+from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
+from kousoku.codegen.graph import literal
+from kousoku.codegen.printers import C
+from kousoku.codegen.view_body import layout, output_text, straight_line
+from kousoku.codegen.view_names import Namer
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kousoku.codegen.dynamics.program import Program, Task
+    from kousoku.codegen.kernel import Kernel
+
+
+@dataclass(frozen=True, slots=True)
+class KernelText:
+    """A kernel as a C function of runs of slots.
+
+    Parameters
+    ----------
+    name : str
+        ``kernel_3``.
+    parameters : str
+        ``const double *restrict x0, …, double *restrict y0, …``.
+    operations : int
+        What one call costs.
+    statements : tuple of (str, str)
+        Name and text of each intermediate value.
+    results : tuple of (str, str)
+        Element of an output, and its text.
+    call : str
+        The arguments, taken from the slots ``s`` of a task on the workspace ``w``.
+    slots : int
+        How many slots a task of it lists.
+    """
+
+    name: str
+    parameters: str
+    operations: int
+    statements: tuple[tuple[str, str], ...]
+    results: tuple[tuple[str, str], ...]
+    call: str
+    slots: int
+
+
+@dataclass(frozen=True, slots=True)
+class SegmentText:
+    """The tasks of a segment as a table: kernel, count, then the slots of each task.
+
+    Parameters
+    ----------
+    name, meaning : str
+        As in ``SEGMENTS``.
+    table : str
+        The numbers, in lines.
+    length : int
+        Count of numbers.
+    """
+
+    name: str
+    meaning: str
+    table: str
+    length: int
+
+
+@dataclass(frozen=True, slots=True)
+class MethodText:
+    """A Runge-Kutta method as C arrays."""
+
+    name: str
+    order: int
+    stages: int
+    all: int
+    dense_rows: int
+    arrays: tuple[tuple[str, str], ...]
+    has_second_error: bool
+
+
+@dataclass(frozen=True, slots=True)
+class DynamicsView:
+    """All that the solver's text is made of.
+
+    Parameters
+    ----------
+    name : str
+        The scene; names begin with ``kousoku_<name>``.
+    sizes : tuple of (str, int)
+        Constants of the text: ``NQ``, ``W_Q`` ….
+    kernels, segments, methods : tuple
+        In order.
+    constants : str
+        The numbers of the scene, in lines.
+    is_length : str
+        For each velocity 1 where it moves, 0 where it turns.
+    floors : str
+        For each component of the state what its error is compared with when it is zero.
+    length : str
+        A length of the scene [m].
+    """
+
+    name: str
+    sizes: tuple[tuple[str, int], ...]
+    kernels: tuple[KernelText, ...]
+    segments: tuple[SegmentText, ...]
+    methods: tuple[MethodText, ...]
+    constants: str
+    is_length: str
+    floors: str
+    length: str
+
+
+def kernel_text(number: int, kernel: Kernel) -> KernelText:
+    """Return a kernel as C."""
+    names = [quantity.name for quantity in (*kernel.inputs, *kernel.outputs)]
+    leaves = {(q.name, k): f"{q.name}[{k}]" for q in kernel.inputs for k in range(q.size)}
+    namer = Namer()
+    for name in names:
+        namer.keep(name)
+    plan = layout(kernel, tuple(range(len(kernel.outputs))), leaves)
+    statements, texts = straight_line(plan, C, leaves, namer)
+    results = []
+    for k, quantity in enumerate(kernel.outputs):
+        elements = output_text(kernel, k, quantity.name, texts).elements
+        results += [(f"{quantity.name}[{n}]", text) for n, text in enumerate(elements)]
+    reads = [f"const double *restrict {quantity.name}" for quantity in kernel.inputs]
+    writes = [f"double *restrict {quantity.name}" for quantity in kernel.outputs]
+    return KernelText(
+        name=f"kernel_{number}",
+        parameters=_lines(f"{item}," for item in reads + writes).rstrip(","),
+        operations=kernel.operations.total(),
+        statements=tuple((s.name, s.text) for s in statements),
+        results=tuple(results),
+        call=_lines(f"w + s[{k}]," for k in range(len(names))).rstrip(","),
+        slots=len(names),
+    )
+
+
+def task_table(tasks: Sequence[Task]) -> list[int]:
+    """Return tasks as numbers: for each run of one kernel its number, the count, the slots."""
+    numbers: list[int] = []
+    for kernel, run in groupby(tasks, key=lambda task: task.kernel):
+        same = list(run)
+        numbers += [kernel, len(same)]
+        for task in same:
+            numbers += [*task.inputs, *task.outputs]
+    return numbers
+
+
+def dynamics_view(
+    program: Program, is_length: Sequence[bool], floors: Sequence[float], length: float
+) -> DynamicsView:
+    """Return what the templates get.
+
+    Parameters
+    ----------
+    program : Program
+        Task lists, or what inlining made of them.
+    is_length : sequence of bool
+        For each element of ``v`` whether it is a velocity, not an angular velocity.
+    floors : sequence of float
+        For each element of ``q`` and ``v`` the size below which errors are not relative.
+    length : float [m]
+        A length of the scene, to which corrections are compared.
+    """
+    sizes = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
+    counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
+    sizes += [(name, program.region(region).size) for name, region in counts.items()]
+    sizes.append(("W_SIZE", program.size))
+    tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
+    return DynamicsView(
+        name=program.name,
+        sizes=tuple(sizes),
+        kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(program.kernels)),
+        segments=tuple(
+            SegmentText(name, SEGMENTS[name], _numbers(table), len(table))
+            for name, table in tables.items()
+        ),
+        methods=tuple(map(_method, METHODS.values())),
+        constants=_numbers(literal(value) for value in program.constants),
+        is_length=_numbers(int(flag) for flag in is_length),
+        floors=_numbers(map(repr, floors)),
+        length=repr(length),
+    )
+
+
+def _method(method: Method) -> MethodText:
+    flat = {
+        "c": method.c,
+        "a": [x for row in method.a for x in row],
+        "error": method.errors[0],
+        "dense": [x for row in method.dense for x in row],
+    }
+    if len(method.errors) > 1:
+        flat["error_2"] = method.errors[1]
+    return MethodText(
+        name=method.name,
+        order=method.order,
+        stages=method.stages,
+        all=len(method.a),
+        dense_rows=len(method.dense),
+        arrays=tuple((name, _numbers(map(repr, row))) for name, row in flat.items()),
+        has_second_error=len(method.errors) > 1,
+    )
+
+
+def _numbers(items: Iterable[object]) -> str:
+    return _lines(f"{item}," for item in items) or "0,"
+
+
+def _lines(items: Iterable[str]) -> str:
+    return fill(" ".join(items), 96, break_long_words=False, break_on_hyphens=False)
