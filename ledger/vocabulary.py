@@ -66,14 +66,14 @@ class Vocabulary:
     is_unit : bool
         Whether Euler parameters have norm one.
     derivatives : Mapping
-        By ``t`` or another number: the derivative of the elements that values are made of.
+        By ``t`` or another number: what gives the derivative of a value.
     """
 
     quantities: tuple[Quantity, ...]
     meanings: Mapping[str, Value]
     given: Mapping[str, Sequence[Any]] = field(default_factory=dict)
     is_unit: bool = True
-    derivatives: Mapping[str, Callable[[Any], Any]] = field(default_factory=dict)
+    derivatives: Mapping[str, Callable[[Value], Value]] = field(default_factory=dict)
 
     def knowing(self, meanings: Mapping[str, Value]) -> Vocabulary:
         """Return a vocabulary that knows more symbols, or others by the same names."""
@@ -122,9 +122,7 @@ class Vocabulary:
     def _derivative(self, node: Derivative) -> Value:
         if node.by not in self.derivatives:
             raise FormulaError(f"nothing is differentiated by {node.by}")
-        value = self.value(node.inner)
-        change = self.derivatives[node.by]
-        return explicit(value).applyfunc(change) if shape(value) else change(value)
+        return self.derivatives[node.by](self.value(node.inner))
 
     def _symbol(self, name: Name) -> Value:
         if str(name) in self.meanings:
