@@ -21,9 +21,10 @@ __all__ = ["entries", "find", "keys", "prove"]
 @cache
 def entries() -> tuple[Entry, ...]:
     """Return all entries, document by document, in the order of reading."""
-    from kousoku.ledger import lecture_7_1
+    from kousoku.ledger import lecture_7_1, link_element, mass_points
 
-    return (*lecture_7_1.ENTRIES,)
+    parts = (lecture_7_1, link_element, mass_points)
+    return tuple(entry for part in parts for entry in part.ENTRIES)
 
 
 @cache
