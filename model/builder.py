@@ -102,6 +102,11 @@ class SceneBuilder:
         """Add a joint with the keys of :class:`kousoku.model.spatial.Joint`."""
         return self._add("joints", name, **keys)
 
+    def gravity(self, x: float, y: float, z: float) -> Self:
+        """Set the acceleration of free fall, in frame O, in the unit of the scene per s²."""
+        self._tree["gravity"] = (x, y, z)
+        return self
+
     def outputs(self, *names: str) -> Self:
         """Say what is wanted beside positions, instead of the default."""
         self._tree["outputs"] = names

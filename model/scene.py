@@ -9,7 +9,7 @@ from typing import Literal
 import msgspec
 
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
-from kousoku.model.spatial import Body, Joint
+from kousoku.model.spatial import Body, Joint, Vector
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal["positions", "velocities", "accelerations", "angles"]
@@ -38,7 +38,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     nodes, links, rigid, sliders : mapping of str to element
         The planar linkage.
     bodies, joints : mapping of str to element
-        The spatial mechanism: validated today, solved by a later version.
+        The spatial mechanism.
+    gravity : (3,) [unit of the scene per s²]
+        Acceleration of free fall, in frame O; of a spatial mechanism only.
     inputs : mapping of str to Input
         Prescribed motions; they all take their division k at the same time.
     divisions : int
@@ -59,6 +61,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     sliders: Mapping[str, Slider] = {}
     bodies: Mapping[str, Body] = {}
     joints: Mapping[str, Joint] = {}
+    gravity: Vector = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")

@@ -15,6 +15,7 @@ import msgspec
 
 from kousoku.model import planar, spatial
 from kousoku.model.decode import LARGEST
+from kousoku.model.joints import NAMES
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
 from kousoku.model.validate import LONGEST_TITLE, MOST_DIVISIONS, MOST_ITERATIONS
@@ -32,7 +33,12 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
         "iterations": {"minimum": 1, "maximum": MOST_ITERATIONS},
     },
     "Body": {"mass": {"exclusiveMinimum": 0}},
+    "Joint": {"type": {"enum": list(NAMES)}, "length": {"exclusiveMinimum": 0}},
     "MassPoint": {"mass": {"exclusiveMinimum": 0}},
+    "Box": {"mass": {"exclusiveMinimum": 0}},
+    "Rod": {"mass": {"exclusiveMinimum": 0}},
+    "Cylinder": {"mass": {"exclusiveMinimum": 0}, "radius": {"exclusiveMinimum": 0}},
+    "Sphere": {"mass": {"exclusiveMinimum": 0}, "radius": {"exclusiveMinimum": 0}},
 }
 """Limits of single values that the types do not say, by record and key."""
 

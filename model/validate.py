@@ -44,6 +44,10 @@ def check(scene: Scene) -> tuple[str, ...]:
     if scene.is_spatial:
         check_spatial(scene)
     else:
+        if any(scene.gravity):
+            raise SceneError(
+                "belongs to bodies; a linkage of nodes and links has no masses", key="gravity"
+            )
         check_planar(scene)
     check_inputs(scene)
     if scene.is_spatial:

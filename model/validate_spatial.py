@@ -7,11 +7,18 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.spatial import GROUND, JOINTS_WITH_AXES
+from kousoku.model.joints import JOINTS, LATER, NAMES
+from kousoku.model.orientation import check_orientation
+from kousoku.model.spatial import GROUND
+from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
+    from kousoku.model.joints import JointKind
     from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Body, Inertia, Joint
+    from kousoku.model.spatial import Body, Joint
+
+ROTATION_KEYS = ("orientation", "angular_velocity", "angular_velocity_b")
+"""Keys of a body that a point does not have."""
 
 
 def check_spatial(scene: Scene) -> None:
@@ -39,54 +46,27 @@ def check_spatial(scene: Scene) -> None:
         _check_body(body, f"bodies.{name}")
     for name, joint in scene.joints.items():
         _check_joint(scene, joint, f"joints.{name}")
-    connected = {body for joint in scene.joints.values() for body in joint.bodies}
-    for name in scene.bodies:
-        if name not in connected:
-            raise SceneError("no joint connects this body", key=f"bodies.{name}")
 
 
 def _check_body(body: Body, key: str) -> None:
-    if body.orientation is not None and not hypot(*body.orientation.quaternion) >= 1 / LARGEST:
+    if body.point:
+        for name in ROTATION_KEYS:
+            if getattr(body, name) is not None:
+                raise SceneError("a point does not turn; leave it out", key=f"{key}.{name}")
+    elif body.angular_velocity is not None and body.angular_velocity_b is not None:
         raise SceneError(
-            "has zero length; wanted Euler parameters of a rotation",
-            key=f"{key}.orientation.quaternion",
+            "is given in frame O too, as angular_velocity; wanted one of them",
+            key=f"{key}.angular_velocity_b",
         )
-    direct = [of for of in ("mass", "center", "inertia") if getattr(body, of) is not None]
-    if direct and body.mass_points:
-        raise SceneError(
-            f"has mass_points and {' and '.join(direct)}; wanted one description of the mass",
-            key=key,
-        )
-    if direct and body.mass is None:
-        raise SceneError(f"is missing, but {direct[0]} is given", key=f"{key}.mass")
-    if body.mass is not None:
-        _check_mass(body.mass, f"{key}.mass")
-    for index, point in enumerate(body.mass_points):
-        _check_mass(point.mass, f"{key}.mass_points[{index}].mass")
-    if body.inertia is not None:
-        _check_inertia(body.inertia, f"{key}.inertia")
-
-
-def _check_mass(mass: float, key: str) -> None:
-    if not 0 < mass <= LARGEST:
-        raise SceneError(f"a mass of {mass!r} kg; wanted a positive mass", key=key)
-
-
-def _check_inertia(inertia: Inertia, key: str) -> None:
-    """Refuse moments that no body has: the sum of two is never less than the third."""
-    moments = (inertia.xx, inertia.yy, inertia.zz)
-    largest = max(moments)
-    if min(moments) < 0 or largest > (sum(moments) - largest) * (1 + 1e-9):
-        raise SceneError(
-            "no body has these moments: each is positive, and the sum of two is at least the third",
-            key=key,
-        )
+    if body.orientation is not None:
+        check_orientation(body.orientation, f"{key}.orientation")
+    check_mass(body, key)
 
 
 def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
-    known = (*scene.bodies, GROUND)
     for index, body in enumerate(joint.bodies):
-        if body not in known:
+        if body != GROUND and body not in scene.bodies:
+            known = (*scene.bodies, GROUND)
             raise SceneError(
                 unknown(f"body {body[:40]!r}", body, known), key=f"{key}.bodies[{index}]"
             )
@@ -95,13 +75,103 @@ def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
             f"connects {joint.bodies[0]} to itself; wanted two different bodies",
             key=f"{key}.bodies",
         )
-    if joint.type in JOINTS_WITH_AXES:
-        if joint.axes is None:
+    kind = _kind(joint, key)
+    _check_point(scene, joint, kind, key)
+    _check_axes(joint, kind, key)
+    _check_length(joint, key)
+    for index, name in enumerate(joint.bodies):
+        if name != GROUND and scene.bodies[name].point and kind.turns(index):
             raise SceneError(
-                f"is missing; a {joint.type} joint wants an axis in each body", key=f"{key}.axes"
+                f"{name} is a point, which has no orientation that a {joint.type} joint could "
+                "keep; wanted a body that is no point",
+                key=f"{key}.bodies[{index}]",
             )
-        for index, axis in enumerate(joint.axes):
-            if not hypot(*axis) >= 1 / LARGEST:
-                raise SceneError("has zero length; wanted an axis", key=f"{key}.axes[{index}]")
-    elif joint.axes is not None:
-        raise SceneError(f"a {joint.type} joint has no axis; leave it out", key=f"{key}.axes")
+
+
+def _kind(joint: Joint, key: str) -> JointKind:
+    name = joint.type
+    if name in LATER:
+        raise SceneError(
+            f"a {name} joint is not composed yet: it wants {LATER[name]}; take another joint",
+            key=f"{key}.type",
+        )
+    if name not in NAMES:
+        raise SceneError(unknown(f"joint {name[:40]!r}", name, tuple(NAMES)), key=f"{key}.type")
+    return JOINTS[NAMES[name]]
+
+
+def _check_point(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
+    """Check that a joint has its point once, and that a point body is met where it is."""
+    if not kind.has_point:
+        for name in ("points", "at"):
+            if getattr(joint, name) is not None:
+                raise SceneError(
+                    f"a {joint.type} joint has no point; leave it out", key=f"{key}.{name}"
+                )
+        return
+    if joint.at is not None and (joint.points is not None or NAMES[joint.type] == "rod"):
+        problem = (
+            "its two points are apart; wanted points, one in each body"
+            if joint.points is None
+            else "has points too; wanted one of them"
+        )
+        raise SceneError(problem, key=f"{key}.at")
+    if joint.points is None and joint.at is None:
+        raise SceneError(
+            f"is missing; a {joint.type} joint wants its point in each body, or once in frame O "
+            "as 'at'",
+            key=f"{key}.points",
+        )
+    for index, (name, point) in enumerate(zip(joint.bodies, joint.points or (), strict=False)):
+        if name != GROUND and scene.bodies[name].point and any(point):
+            raise SceneError(
+                f"{name} is a point; wanted [0, 0, 0], its only point",
+                key=f"{key}.points[{index}]",
+            )
+
+
+def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
+    given = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
+    if not kind.axes:
+        for name in given:
+            raise SceneError(f"a {joint.type} joint has no axis; leave it out", key=f"{key}.{name}")
+        return
+    if not given:
+        raise SceneError(
+            f"is missing; a {joint.type} joint wants an axis in each body, or in frame O as 'axis'",
+            key=f"{key}.axes",
+        )
+    if joint.axes is not None and len(given) > 1:
+        raise SceneError("has axes too; wanted one of them", key=f"{key}.{given[1]}")
+    if joint.axes is None and joint.axis is None:
+        raise SceneError("is missing; wanted the axis of body i", key=f"{key}.axis")
+    if kind.axes == 2 and joint.axes is None and joint.second_axis is None:
+        raise SceneError("is missing; wanted the axis of body j", key=f"{key}.second_axis")
+    if kind.axes == 1 and joint.second_axis is not None:
+        raise SceneError(
+            f"a {joint.type} joint has one axis; leave it out", key=f"{key}.second_axis"
+        )
+    for index, axis in enumerate(joint.axes or ()):
+        _check_axis(axis, f"{key}.axes[{index}]")
+    if joint.axis is not None:
+        _check_axis(joint.axis, f"{key}.axis")
+    if joint.second_axis is not None:
+        _check_axis(joint.second_axis, f"{key}.second_axis")
+
+
+def _check_axis(axis: tuple[float, float, float], key: str) -> None:
+    if not hypot(*axis) >= 1 / LARGEST:
+        raise SceneError("has zero length; wanted an axis", key=key)
+
+
+def _check_length(joint: Joint, key: str) -> None:
+    if joint.length is None:
+        return
+    if not NAMES[joint.type] == "rod":
+        raise SceneError(f"a {joint.type} joint has no length; leave it out", key=f"{key}.length")
+    if not joint.length >= 1 / LARGEST:
+        raise SceneError(
+            f"a length of {joint.length!r}; wanted a positive length: where two points coincide, "
+            "take a spherical joint",
+            key=f"{key}.length",
+        )

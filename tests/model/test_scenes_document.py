@@ -12,6 +12,8 @@ import pytest
 
 from kousoku.model import planar, spatial
 from kousoku.model.errors import SceneError
+from kousoku.model.joints import JOINTS, LATER
+from kousoku.model.orientation import Orientation
 from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.model.scene import TABLES, Scene, Unit
 
@@ -78,15 +80,31 @@ def test_the_shown_message_is_the_one_that_comes() -> None:
         planar.Method,
         spatial.Body,
         spatial.Joint,
+        Orientation,
     ],
 )
 def test_every_key_is_in_a_table(record: type[msgspec.Struct]) -> None:
     for field in msgspec.structs.fields(record):
         name = field.encode_name
-        shown = rf"^\| `{name}`|^\| `link`, `{name}`|^### `\[{name}\]`|joint = "
+        shown = (
+            rf"^\| `{name}`|^\| `\w+` \| .*`{name}`|^\| `link`, `{name}`|^### `\[{name}\]`|joint = "
+        )
         assert re.search(shown, TEXT, re.M), name
 
 
 def test_every_unit_is_listed() -> None:
     for unit in get_args(Unit):
         assert f'`"{unit}"`' in TEXT
+
+
+@pytest.mark.parametrize("name", JOINTS)
+def test_the_table_of_joints_is_the_one_of_the_code(name: str) -> None:
+    joint = JOINTS[name]
+    aliases = ", ".join(f"`{alias}`" for alias in joint.aliases)
+    kinds = ", ".join(part.kind for part in joint.parts)
+    row = f"| `{name}` | {aliases} | {kinds} | {joint.rows} |"
+    assert row.replace("|  |", "| |") in TEXT
+
+
+def test_joints_that_come_later_are_named() -> None:
+    assert all(f"`{name}`" in TEXT for name in LATER)

@@ -1,0 +1,140 @@
+"""Every joint as a composition of the lecture's kinds: the one table that code and documents share.
+
+A joint has a frame in each of its two bodies: an axis, a direction across it, and a third that is
+perpendicular to both. A row of the table says which kind keeps which of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+ROWS_OF = {"point": 3, "distance": 1, "n1": 1, "n2": 1, "p1": 2, "p2": 2}
+"""Equations of each kind that joints are made of."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """One kind in a joint.
+
+    Parameters
+    ----------
+    kind : str
+        ``point``, ``distance``, ``n1``, ``n2``, ``p1`` or ``p2``.
+    i, j : {"axis", "across", "third"}
+        Which vectors of the joint frames are a_i and a_j, where the kind has them.
+    """
+
+    kind: str
+    i: str = "axis"
+    j: str = "axis"
+
+
+@dataclass(frozen=True, slots=True)
+class JointKind:
+    """One line of the table of joints.
+
+    Parameters
+    ----------
+    title : str
+        What the joint allows, in one line.
+    parts : tuple of Part
+        What it is composed of, in the order of its rows.
+    axes : int
+        Axes that a scene gives: none, 1 that is the same in both bodies, or 2.
+    has_point : bool
+        Whether a scene gives a point.
+    aliases : tuple of str
+        Other names that are accepted.
+    """
+
+    title: str
+    parts: tuple[Part, ...]
+    axes: int
+    has_point: bool = True
+    aliases: tuple[str, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Count of equations, the freedoms that the joint takes away."""
+        return sum(ROWS_OF[part.kind] for part in self.parts)
+
+    def turns(self, body: int) -> bool:
+        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        needs = {"n1": (True, True), "p1": (True, True), "n2": (True, False), "p2": (True, False)}
+        return any(needs.get(part.kind, (False, False))[body] for part in self.parts)
+
+
+_POINT, _PARALLEL, _ON_LINE, _ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
+_NO_TURN = Part("n1", "across", "third")
+
+JOINTS: dict[str, JointKind] = {
+    "fixed": JointKind(
+        "no relative motion", (_POINT, _PARALLEL, _NO_TURN), 0, aliases=("weld", "rigid")
+    ),
+    "revolute": JointKind("a turn about an axis", (_POINT, _PARALLEL), 1, aliases=("hinge", "pin")),
+    "prismatic": JointKind(
+        "a displacement along an axis",
+        (_PARALLEL, _ON_LINE, _NO_TURN),
+        1,
+        aliases=("slider", "translational"),
+    ),
+    "cylindrical": JointKind(
+        "a turn about an axis and a displacement along it", (_PARALLEL, _ON_LINE), 1
+    ),
+    "spherical": JointKind("all turns about a point", (_POINT,), 0, aliases=("ball",)),
+    "universal": JointKind(
+        "turns about the two arms of a cross",
+        (_POINT, Part("n1")),
+        2,
+        aliases=("hooke", "cardan"),
+    ),
+    "planar": JointKind(
+        "displacements in a plane and a turn about its normal", (_PARALLEL, _ON_PLANE), 1
+    ),
+    "rod": JointKind(
+        "all that keeps the distance of two points",
+        (Part("distance"),),
+        0,
+        aliases=("distance", "spherical_spherical"),
+    ),
+    "point_on_line": JointKind(
+        "all turns, and a displacement of the point of j on the line through the point of i",
+        (_ON_LINE,),
+        1,
+        aliases=("inline",),
+    ),
+    "point_on_plane": JointKind(
+        "all turns, and displacements of the point of j in the plane through the point of i",
+        (_ON_PLANE,),
+        1,
+        aliases=("inplane",),
+    ),
+    "parallel_axes": JointKind(
+        "all displacements, and a turn about two axes that stay parallel",
+        (_PARALLEL,),
+        1,
+        has_point=False,
+        aliases=("parallel",),
+    ),
+    "perpendicular_axes": JointKind(
+        "all that keeps two axes perpendicular",
+        (Part("n1"),),
+        2,
+        has_point=False,
+        aliases=("perpendicular",),
+    ),
+}
+"""All joints by name."""
+
+LATER = {
+    "screw": "the angle about a common axis, and a linear combination of coordinates",
+    "gear": "the angle about a common axis, and a linear combination of coordinates",
+    "rack_and_pinion": "the angle about a common axis, and a linear combination of coordinates",
+    "constant_velocity": "a linear combination of rows: n1 of x_i and y_j less n1 of y_i and x_j",
+}
+"""Joints that are known but cannot be composed yet, and the kinds that they wait for."""
+
+NAMES: dict[str, str] = {
+    name: joint for joint, entry in JOINTS.items() for name in (joint, *entry.aliases)
+}
+"""The joint that each accepted name stands for."""

@@ -1,0 +1,190 @@
+"""Mass properties of a body: what it is made of summed, centre of mass, principal axes.
+
+All in 50 digits and in the units of the scene; :mod:`kousoku.model.system` rounds once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Triple
+from kousoku.model.quaternions import quaternion
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from kousoku.model.solids import Box, Cylinder, Inertia
+    from kousoku.model.spatial import Body
+
+#: A part of a body: mass, centre, inertia tensor about the centre in the axes of the body frame.
+Part = tuple[High, Triple, Square]
+
+SAME = CONTEXT.mpf(2) ** -53
+"""Elements of a tensor below this part of its largest moment are zero: doubles do not show them."""
+
+
+@dataclass(frozen=True, slots=True)
+class MassProperties:
+    """Mass properties of a body in its principal frame.
+
+    Parameters
+    ----------
+    mass : [kg]
+        Zero where the scene gives none.
+    center : (3,) [unit of the scene]
+        Centre of mass in the body frame.
+    moments : (3,) [kg unit²]
+        Principal moments of inertia about the centre of mass.
+    axes : (4,)
+        Euler parameters, of any length, that take components in the body frame to components in the
+        principal frame.
+    """
+
+    mass: High
+    center: Triple
+    moments: Triple
+    axes: Quadruple
+
+
+@lru_cache(maxsize=4096)
+def mass_properties(body: Body) -> MassProperties:
+    """Return the mass properties of a body that was checked, summed over all that it is made of.
+
+    The principal axes are those that are nearest to the axes of the body: where its tensor is
+    diagonal they are the axes of the body themselves.
+    """
+    parts = list(_parts(body))
+    mass = sum((part[0] for part in parts), CONTEXT.mpf(0))
+    if mass == 0:
+        center = ZERO if body.center is None else precise.triple(body.center)
+        return MassProperties(mass, center, ZERO, precise.IDENTITY)
+    center = ZERO
+    for part_mass, at, _ in parts:
+        center = precise.add(center, precise.scale(part_mass / mass, at))
+    total = [[CONTEXT.mpf(0)] * 3 for _ in range(3)]
+    for part_mass, at, tensor in parts:
+        moved = steiner(part_mass, precise.subtract(at, center))
+        for i in range(3):
+            for j in range(3):
+                total[i][j] += tensor[i][j] + moved[i][j]
+    moments, axes = principal(total)
+    return MassProperties(mass, center, moments, axes)
+
+
+def steiner(mass: High, d: Triple) -> Square:
+    """Return mass · (|d|² I − d dᵀ), the inertia tensor of a mass at d about the origin."""
+    square = precise.dot(d, d)
+    return _symmetric(
+        lambda i, j: mass * (int(i == j) * square - d[i] * d[j]),
+    )
+
+
+def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
+    """Return principal moments of a symmetric tensor, and the rotation to its principal axes.
+
+    Jacobi's method: each rotation by at most 45 degrees clears one element, so that zeros which
+    keep an axis of the body a principal axis stay zeros.
+    """
+    a = [list(row) for row in tensor]
+    axes = [[CONTEXT.mpf(int(i == j)) for j in range(3)] for i in range(3)]
+    limit = SAME * max(abs(a[i][i]) for i in range(3))
+    for i, j in ((0, 1), (0, 2), (1, 2)):
+        if abs(a[i][j]) <= limit:
+            a[i][j] = a[j][i] = CONTEXT.mpf(0)
+    limit *= precise.NOISE
+    while max(abs(a[0][1]), abs(a[0][2]), abs(a[1][2])) > limit:
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            if abs(a[i][j]) > limit:
+                _clear(a, axes, i, j)
+    (x, y, z) = ((row[0], row[1], row[2]) for row in axes)
+    return (a[0][0], a[1][1], a[2][2]), precise.quaternion_of((x, y, z))
+
+
+def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
+    """Turn rows and columns i and j of a, and rows of ``axes``, until a_ij is zero."""
+    theta = (a[j][j] - a[i][i]) / (2 * a[i][j])
+    root = abs(theta) + CONTEXT.sqrt(theta * theta + 1)
+    t = 1 / root if theta >= 0 else -1 / root
+    c = 1 / CONTEXT.sqrt(t * t + 1)
+    s = t * c
+    for rows in (a, axes):
+        first, second = rows[i], rows[j]
+        rows[i] = [c * x - s * y for x, y in zip(first, second, strict=True)]
+        rows[j] = [s * x + c * y for x, y in zip(first, second, strict=True)]
+    for row in a:
+        row[i], row[j] = c * row[i] - s * row[j], s * row[i] + c * row[j]
+    a[i][j] = a[j][i] = CONTEXT.mpf(0)
+
+
+def _parts(body: Body) -> Iterator[Part]:
+    """Yield all that a body is made of, in the order of its keys."""
+    if body.mass is not None:
+        mass = CONTEXT.mpf(body.mass)
+        center = ZERO if body.center is None else precise.triple(body.center)
+        yield mass, center, _about_center(mass, center, body.inertia)
+    for point in body.mass_points:
+        yield CONTEXT.mpf(point.mass), precise.triple(point.at), _diagonal(ZERO)
+    for box in body.boxes:
+        yield CONTEXT.mpf(box.mass), precise.triple(box.at), _box(box)
+    for rod in body.rods:
+        start, end = map(precise.triple, rod.ends)
+        mass = CONTEXT.mpf(rod.mass)
+        yield mass, _middle(start, end), steiner(mass / 12, precise.subtract(end, start))
+    for cylinder in body.cylinders:
+        start, end = map(precise.triple, cylinder.ends)
+        yield CONTEXT.mpf(cylinder.mass), _middle(start, end), _cylinder(cylinder)
+    for sphere in body.spheres:
+        mass, radius = CONTEXT.mpf(sphere.mass), CONTEXT.mpf(sphere.radius)
+        moment = 2 * mass * radius**2 / 5
+        yield mass, precise.triple(sphere.at), _diagonal((moment, moment, moment))
+
+
+def _about_center(mass: High, center: Triple, inertia: Inertia | None) -> Square:
+    """Return a tensor that is given about any point, about the centre of mass."""
+    if inertia is None:
+        return _diagonal(ZERO)
+    (xx, yy, zz) = precise.triple((inertia.xx, inertia.yy, inertia.zz))
+    (xy, yz, zx) = precise.triple((inertia.xy, inertia.yz, inertia.zx))
+    given = ((xx, xy, zx), (xy, yy, yz), (zx, yz, zz))
+    if inertia.about is None:
+        return given
+    moved = steiner(mass, precise.subtract(center, precise.triple(inertia.about)))
+    return _symmetric(lambda i, j: given[i][j] - moved[i][j])
+
+
+def _box(box: Box) -> Square:
+    mass = CONTEXT.mpf(box.mass)
+    a, b, c = (CONTEXT.mpf(edge) ** 2 for edge in box.size)
+    own = (mass * (b + c) / 12, mass * (c + a) / 12, mass * (a + b) / 12)
+    if box.orientation is None:
+        return _diagonal(own)
+    p = quaternion(box.orientation)
+    axes = [precise.rotate(p, precise.triple(row)) for row in ((1, 0, 0), (0, 1, 0), (0, 0, 1))]
+    return _symmetric(lambda i, j: sum(own[k] * axes[k][i] * axes[k][j] for k in range(3)))
+
+
+def _cylinder(cylinder: Cylinder) -> Square:
+    """Return I_t I + (I_a − I_t) u uᵀ, with I_a = m R²/2, I_t = m (3 R² + L²)/12 and u = l/L."""
+    mass, square = CONTEXT.mpf(cylinder.mass), CONTEXT.mpf(cylinder.radius) ** 2
+    start, end = map(precise.triple, cylinder.ends)
+    along = precise.subtract(end, start)
+    length = precise.dot(along, along)
+    transverse = mass * (3 * square + length) / 12
+    less = (mass * square / 2 - transverse) / length
+    return _symmetric(lambda i, j: int(i == j) * transverse + less * along[i] * along[j])
+
+
+def _middle(start: Triple, end: Triple) -> Triple:
+    return precise.scale(CONTEXT.mpf(1) / 2, precise.add(start, end))
+
+
+def _diagonal(moments: Triple) -> Square:
+    return _symmetric(lambda i, j: moments[i] if i == j else CONTEXT.mpf(0))
+
+
+def _symmetric(element: Callable[[int, int], High]) -> Square:
+    (x, y, z) = ((element(i, 0), element(i, 1), element(i, 2)) for i in range(3))
+    return x, y, z

@@ -1,0 +1,106 @@
+"""The system that a spatial scene is turned into: numbered bodies, instances of kinds, forces.
+
+Everything is in SI units. The frame of a body has its origin at the centre of mass and principal
+axes, so that the mass matrix is constant and diagonal; the user's own frame is kept beside it.
+The ground is body :data:`GROUND_INDEX`; its frame is frame O and it has no coordinates.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+Vector = tuple[float, float, float]
+Quaternion = tuple[float, float, float, float]
+
+GROUND_INDEX = -1
+
+
+@dataclass(frozen=True, slots=True)
+class MovingBody:
+    """A rigid body, or a point.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    mass : float [kg]
+        Its mass; zero where the scene gives none.
+    inertia : (3,) [kg m²]
+        Principal moments about the centre of mass; zeros of a point, and one zero of a rod without
+        thickness.
+    is_point : bool
+        Whether it has a position only.
+    r : (3,) [m]
+        Centre of mass at the start, frame O.
+    p : (4,)
+        Euler parameters of the principal frame at the start, of norm one, scalar first.
+    v : (3,) [m/s]
+        Velocity of the centre of mass at the start, frame O.
+    omega_b : (3,) [rad/s]
+        Angular velocity at the start, principal frame.
+    origin_b : (3,) [m]
+        Origin of the user's body frame, in the principal frame.
+    axes_b : (4,)
+        Euler parameters that take components in the user's body frame to the principal frame.
+    """
+
+    name: str
+    mass: float
+    inertia: Vector
+    is_point: bool
+    r: Vector
+    p: Quaternion
+    v: Vector
+    omega_b: Vector
+    origin_b: Vector
+    axes_b: Quaternion
+
+
+@dataclass(frozen=True, slots=True)
+class Instance:
+    """A constraint of a kind between two bodies.
+
+    Parameters
+    ----------
+    joint : str
+        The joint that it belongs to, as in the scene.
+    kind : str
+        A shipped package such as ``point``, ``n1``, ``p1_z``: its kernels ``constraint``, ``rates``
+        and ``reaction`` are specialised.
+    i, j : int
+        Indices of the bodies, :data:`GROUND_INDEX` for the ground.
+    constants : tuple of (str, tuple of float)
+        The inputs of the kernels that are fixed: ``a_i_b``, ``s_i_b``, ``a_j_b``, ``s_j_b`` in the
+        principal frames (frame O for the ground), ``length``. Axes have norm one.
+    """
+
+    joint: str
+    kind: str
+    i: int
+    j: int
+    constants: tuple[tuple[str, tuple[float, ...]], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class System:
+    """A spatial scene, ready to be specialised.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    unit : float [m]
+        Length of the scene's unit; results are given in it.
+    bodies : tuple of MovingBody
+        In the order of the scene; their coordinates stand in this order.
+    constraints : tuple of Instance
+        Joint by joint, in the order of the scene.
+    gravity : (3,) [m/s²]
+        Acceleration of free fall, frame O.
+    """
+
+    name: str
+    unit: float
+    bodies: tuple[MovingBody, ...]
+    constraints: tuple[Instance, ...]
+    gravity: Vector = field(default=(0.0, 0.0, 0.0))

@@ -1,0 +1,152 @@
+"""Vectors and rotations in 50 digits: what is fixed while a scene is read is rounded only once.
+
+Quaternions are Euler parameters with the scalar first and of any length but zero: a rotation
+divides by their square, so that the numbers of a scene stay exact as long as they can.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+High = Any  # a number of the context below: mpmath is untyped
+Triple = tuple[High, High, High]
+Quadruple = tuple[High, High, High, High]
+Square = tuple[Triple, Triple, Triple]
+
+#: mpmath with 50 digits, apart from the context that other code may set.
+CONTEXT = mpmath.mp.clone()
+CONTEXT.dps = 50
+
+ZERO: Triple = (CONTEXT.mpf(0),) * 3
+IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
+NOISE = CONTEXT.mpf(10) ** -40
+"""What is smaller than this part of the numbers it came from is a rounded zero."""
+
+
+def number(value: float | Fraction) -> High:
+    """Return a double without rounding, or a fraction rounded to 50 digits."""
+    if isinstance(value, Fraction):
+        return CONTEXT.mpf(value.numerator) / value.denominator
+    return CONTEXT.mpf(value)
+
+
+def triple(values: Iterable[float]) -> Triple:
+    """Return three doubles as numbers of 50 digits."""
+    x, y, z = values
+    return CONTEXT.mpf(x), CONTEXT.mpf(y), CONTEXT.mpf(z)
+
+
+def add(a: Triple, b: Triple) -> Triple:
+    """Return a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def subtract(a: Triple, b: Triple) -> Triple:
+    """Return a − b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+def scale(factor: High, a: Triple) -> Triple:
+    """Return factor · a."""
+    return factor * a[0], factor * a[1], factor * a[2]
+
+
+def dot(a: Triple, b: Triple) -> High:
+    """Return a · b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+def cross(a: Triple, b: Triple) -> Triple:
+    """Return a × b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+def length(a: Sequence[High]) -> High:
+    """Return |a|, of a vector or of a quaternion."""
+    return CONTEXT.sqrt(sum(x * x for x in a))
+
+
+def unit(a: Triple) -> Triple:
+    """Return a / |a|; a is not zero."""
+    size = length(a)
+    return a[0] / size, a[1] / size, a[2] / size
+
+
+def across(axis: Triple) -> Triple:
+    """Return a unit vector that is perpendicular to a unit vector.
+
+    It lies near the coordinate axis that is furthest from ``axis``, the first of equals, and on it
+    where it can: zeros of the axis stay zeros.
+    """
+    k = min(range(3), key=lambda index: abs(axis[index]))
+    along = tuple(CONTEXT.mpf(int(index == k)) for index in range(3))
+    return unit(without((along[0], along[1], along[2]), axis))
+
+
+def without(a: Triple, axis: Triple) -> Triple:
+    """Return a less its part along a unit vector."""
+    return subtract(a, scale(dot(a, axis), axis))
+
+
+def rotate(p: Quadruple, a: Triple) -> Triple:
+    """Return A(p) a / (p·p), the vector turned by the quaternion p of any length."""
+    scalar, e = p[0], (p[1], p[2], p[3])
+    if not any(e):
+        return a
+    square = scalar * scalar + dot(e, e)
+    turned = cross(e, add(scale(scalar, a), cross(e, a)))
+    return add(a, scale(2 / square, turned))
+
+
+def rotate_back(p: Quadruple, a: Triple) -> Triple:
+    """Return A(p)ᵀ a / (p·p)."""
+    return rotate(conjugate(p), a)
+
+
+def conjugate(p: Quadruple) -> Quadruple:
+    """Return the quaternion that turns back."""
+    return p[0], -p[1], -p[2], -p[3]
+
+
+def compose(p: Quadruple, q: Quadruple) -> Quadruple:
+    """Return p ∘ q: A(p ∘ q) = A(p) A(q)."""
+    e, f = (p[1], p[2], p[3]), (q[1], q[2], q[3])
+    vector = add(add(scale(p[0], f), scale(q[0], e)), cross(e, f))
+    return (p[0] * q[0] - dot(e, f), *vector)
+
+
+def quaternion_of(matrix: Square) -> Quadruple:
+    """Return Euler parameters of a rotation matrix, of any length.
+
+    Of the four candidates the one that divides by the largest is taken.
+    """
+    (a, b, c), (d, e, f), (g, h, i) = matrix
+    candidates = (
+        (1 + a + e + i, h - f, c - g, d - b),
+        (h - f, 1 + a - e - i, b + d, c + g),
+        (c - g, b + d, 1 - a + e - i, f + h),
+        (d - b, c + g, f + h, 1 - a - e + i),
+    )
+    return max(
+        enumerate(candidates), key=lambda numbered: (abs(numbered[1][numbered[0]]), -numbered[0])
+    )[1]
+
+
+def rounded(values: Sequence[High], size: High = 0) -> tuple[float, ...]:
+    """Return numbers rounded to doubles, with rounded zeros as zeros.
+
+    Parameters
+    ----------
+    values : sequence
+        Components of a vector or a quaternion.
+    size : number
+        The largest of the numbers that they came from; their own largest when that is more.
+    """
+    limit = NOISE * max(size, *(abs(value) for value in values))
+    return tuple(0.0 if abs(value) <= limit else float(value) for value in values)
