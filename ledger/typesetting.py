@@ -54,6 +54,12 @@ _SPECIAL = {c: f"\\{c}" for c in "%&#_{}$"} | {
     "~": "\\textasciitilde{}",
 }
 _ACCENTS = {"\u0303": "\\tilde", "\u0307": "\\dot", "\u0308": "\\ddot", "\u20d7": "\\vec"}
+#: A letter with an accent, a letter with an index, a long number that may be broken, or a sign.
+_PIECE = re.compile(
+    f"(?P<accented>\\S[{''.join(_ACCENTS)}])"
+    r"|(?P<indexed>(?<![\w.])[A-Za-zα-ωΑ-Ω]_[A-Za-z0-9]+)|(?P<digits>\d{16,})|.",
+    re.DOTALL,
+)
 
 
 def typeset(printed: str) -> str:
@@ -103,18 +109,20 @@ def _closes(braces: list[str]) -> bool:
 
 def in_words(text: str) -> str:
     """Return plain text for LaTeX: special characters escaped, letters and signs in math mode."""
-    pieces = re.split(f"(\\S[{''.join(_ACCENTS)}])", text)
-    return "".join(
-        f"${_ACCENTS[piece[1]]}{{{_math(piece[0])}}}$"
-        if len(piece) == 2 and piece[1] in _ACCENTS
-        else "".join(_letter(letter) for letter in piece)
-        for piece in pieces
-    )
+    return _PIECE.sub(_piece, text)
 
 
-def _letter(letter: str) -> str:
-    math = _math(letter)
-    return _SPECIAL.get(letter, letter) if math == letter else f"${math}$"
+def _piece(match: re.Match[str]) -> str:
+    piece = match[0]
+    if match["accented"]:
+        return f"${_ACCENTS[piece[1]]}{{{_math(piece[0])}}}$"
+    if match["indexed"]:
+        letter, _, index = piece.partition("_")
+        return f"${_math(letter)}_{{{index}}}$"
+    if match["digits"]:
+        return "\\allowbreak ".join(re.findall(r"\d{1,8}", piece))
+    math = _math(piece)
+    return _SPECIAL.get(piece, piece) if math == piece else f"${math}$"
 
 
 def _math(letter: str) -> str:
@@ -146,13 +154,14 @@ def _bare(run: str) -> str:
     """Return a run of text; what spells a formula without dollar signs becomes one."""
     plain = re.sub(r"</?sup>", "", run)
     if re.search(r"(?<![\\\w])[A-Za-z]{4,}", plain):  # words, so that formulas end at blanks
-        return " ".join(_formula_or_words(word) for word in plain.split(" "))
+        return " ".join(_formula_or_words(word, r"[\\{]") for word in plain.split(" "))
     core = plain.strip()
-    return plain.replace(core, _formula_or_words(core)) if core else plain
+    return plain.replace(core, _formula_or_words(core, r"[\\{_^]")) if core else plain
 
 
-def _formula_or_words(text: str) -> str:
-    is_formula = re.search(r"[\\_^]", text) and is_balanced(text)
+def _formula_or_words(text: str, signs: str) -> str:
+    """Return a text in math mode where it holds one of the signs of a formula."""
+    is_formula = re.search(signs, text) and is_balanced(text)
     return f"${text}$" if is_formula else in_words(text)
 
 
