@@ -7,7 +7,7 @@ TESTS ?= tests
 # Each stamp remembers one set of extras; a changed pyproject.toml installs them again.
 installed = $(VENV)/.has-$(1)
 
-.PHONY: demo test quick lint types generate-check notebooks bench compiler clean
+.PHONY: demo test quick lint types generate-check notebooks ledger bench compiler clean
 .NOTPARALLEL:
 
 demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of the 1981 paper, draw
@@ -34,6 +34,12 @@ generate-check: $(call installed,plot)  ## the committed generated/ is what the 
 
 notebooks: $(call installed,test)  ## execute the notebooks again and compare their outputs
 	$(BIN)/python -m pytest --quiet tests/test_notebooks.py
+
+ledger: $(call installed,test)  ## write the ledger's index and pages anew, after its entries
+	$(BIN)/python -m kousoku.ledger.index
+	$(KOUSOKU) ledger --latex >docs/ledger.tex
+	$(KOUSOKU) ledger --markdown >docs/ledger.md
+	$(BIN)/python -m pytest --quiet --update-golden tests/ledger/test_proofs.py
 
 bench: $(call installed,bench)  ## the speed of a kernel, beside CasADi, heyoka, SymForce and lambdify
 	$(BIN)/python benchmarks/kernels.py
