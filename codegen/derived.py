@@ -80,7 +80,9 @@ def derive_package(name: str) -> Derived:
     return freeze_derivation(derivation, f"kousoku generate {derivation.name}")
 
 
-def freeze_derivation(derivation: Derivation, regenerate: str) -> Derived:
+def freeze_derivation(
+    derivation: Derivation, regenerate: str, *, is_thorough: bool = False
+) -> Derived:
     """Freeze and optimise the functions of a derivation, and compute their references.
 
     Parameters
@@ -89,6 +91,8 @@ def freeze_derivation(derivation: Derivation, regenerate: str) -> Derived:
         Of a kind that kousoku ships or of any other.
     regenerate : str
         The command that makes the package again.
+    is_thorough : bool
+        As :func:`kousoku.codegen.reference.references` takes it.
 
     Raises
     ------
@@ -105,7 +109,7 @@ def freeze_derivation(derivation: Derivation, regenerate: str) -> Derived:
         regenerate=regenerate,
         kernels=kernels,
     )
-    return Derived(package, references(package, derivation.functions))
+    return Derived(package, references(package, derivation.functions, is_thorough=is_thorough))
 
 
 def recall_or_derive(name: str) -> Derived:

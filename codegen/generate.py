@@ -86,7 +86,7 @@ def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
         prove(function)
     prove_steps(derivation)
     command = regenerate or f"run the program that derives {derivation.name}"
-    return _emitted(freeze_derivation(derivation, command))
+    return _emitted(freeze_derivation(derivation, command, is_thorough=True))
 
 
 def _emitted(derived: Derived) -> SourceTree:

@@ -46,9 +46,13 @@ WORKING_DIGITS = 600
 #: Numbers of reference that one kernel brings at most, unless one turn of points is more.
 MOST_NUMBERS = 600
 MOST_TURNS = 2
+#: The same where each input shall have a turn, as it is scaled, vanishes and is subnormal.
+MOST_NUMBERS_OF_ALL_TURNS = 2400
 
 
-def references(package: Package, functions: Sequence[Function]) -> str:
+def references(
+    package: Package, functions: Sequence[Function], *, is_thorough: bool = False
+) -> str:
     """Return the text of ``reference.json``.
 
     Parameters
@@ -57,6 +61,8 @@ def references(package: Package, functions: Sequence[Function]) -> str:
         The frozen kernels; they say which elements are identically zero.
     functions : sequence of Function
         What the kernels were frozen from, in the same order.
+    is_thorough : bool
+        Whether each input of a kernel has a turn, where that is not too many numbers.
 
     Returns
     -------
@@ -73,15 +79,17 @@ def references(package: Package, functions: Sequence[Function]) -> str:
         The frozen kernel has a zero where the component level has none.
     """
     with HIGH_CONTEXT.workdps(WORKING_DIGITS):
-        kernels = _kernels(package, functions)
+        kernels = _kernels(package, functions, is_thorough)
     return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
 
 
-def _kernels(package: Package, functions: Sequence[Function]) -> list[dict[str, object]]:
+def _kernels(
+    package: Package, functions: Sequence[Function], is_thorough: bool
+) -> list[dict[str, object]]:
     tapes = [record(function) for function in functions]
     kernels: list[dict[str, object]] = []
     for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
-        points = _points(function, tape, list(zip(functions, tapes, strict=True)))
+        points = _points(function, tape, list(zip(functions, tapes, strict=True)), is_thorough)
         found = [(point, _values(kernel, tape, point)) for point in points]
         known = [(point, values) for point, values in found if values is not None]
         if not any(_is_finite(point) for point, _ in known):
@@ -98,13 +106,16 @@ def _is_finite(point: Point) -> bool:
 
 
 def _points(
-    function: Function, tape: Tape, package: Sequence[tuple[Function, Tape]]
+    function: Function, tape: Tape, package: Sequence[tuple[Function, Tape]], is_thorough: bool
 ) -> list[Point]:
     """Return the points of one function, fewer of them where it has many outputs."""
     stream = Stream(function.name)
-    turns = MOST_NUMBERS // (10 * sum(output.quantity.size for output in function.outputs))
+    numbers = 10 * sum(output.quantity.size for output in function.outputs)
+    turns = min(MOST_TURNS, MOST_NUMBERS // numbers)
+    if is_thorough:
+        turns = min(len(function.inputs), MOST_NUMBERS_OF_ALL_TURNS // numbers)
     points: list[Point] = []
-    for turn in range(max(1, min(MOST_TURNS, turns))):
+    for turn in range(max(1, turns)):
         points += finite_points(tape, function.inputs, stream, turn)
         points += _manifold_points(function, package, stream)
     return points + infinite_points(tape, function.inputs, stream)

@@ -96,7 +96,7 @@ def test_references_of_an_own_kind_hold_its_own_input_and_all_sorts_of_points(
     for label in (
         *("ordinary", "badly scaled arrays", "badly scaled elements", "nearly coincident"),
         *("near half a turn, near an axis", "on the manifold", "near the manifold"),
-        *("p not normalised", "subnormal", "is nan"),
+        *("p not normalised", "cos_theta is zero", "subnormal cos_theta", "is nan"),
     ):
         assert label in text
     assert '"cos_theta":' in text
