@@ -156,8 +156,8 @@ def test_lengths_become_metres() -> None:
         assert other.r == pytest.approx([x / 1e3 for x in one.r], rel=4e-16)
         assert other.inertia == pytest.approx([x / 1e6 for x in one.inertia], rel=4e-16)
         assert other.p == one.p
-    (one,), (other,) = (dict(s.constraints[0].constants)["length"] for s in (metres, millimetres))
-    assert other == pytest.approx(one / 1e3, rel=4e-16)
+    (long,), (short,) = (dict(s.constraints[0].constants)["length"] for s in (metres, millimetres))
+    assert short == pytest.approx(long / 1e3, rel=4e-16)
 
 
 def test_a_rod_has_the_length_that_is_given_else_that_of_the_positions() -> None:

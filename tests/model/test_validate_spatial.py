@@ -88,3 +88,91 @@ def test_a_quaternion_is_given_with_its_order(
 ) -> None:
     bar["bodies"]["bar"]["orientation"] = orientation
     refused(bar, f"bodies.bar.orientation{key}", says)
+
+
+@pytest.mark.parametrize(
+    ("name", "waits_for"),
+    [
+        ("screw", "the angle about a common axis"),
+        ("gear", "a linear combination of coordinates"),
+        ("rack_and_pinion", "a linear combination of coordinates"),
+        ("constant_velocity", "a linear combination of rows"),
+    ],
+)
+def test_joints_that_cannot_be_composed_yet_are_refused_by_name(
+    bar: Tree, name: str, waits_for: str
+) -> None:
+    refused(put(bar, "joints.a.type", name), "joints.a.type", waits_for)
+
+
+def joint(kind: str, **keys: object) -> Tree:
+    """Return a joint between the ground and the bar."""
+    return {"type": kind, "bodies": ["ground", "bar"], **keys}
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "says"),
+    [
+        (joint("revolute", axis=[0, 0, 1]), ".points", "is missing; a revolute joint wants"),
+        (joint("ball", at=[0, 0, 0], points=[[0] * 3] * 2), ".at", "has points too"),
+        (joint("rod", at=[0, 0, 0]), ".at", "its two points are apart"),
+        (joint("parallel", at=[0, 0, 0], axis=[0, 0, 1]), ".at", "has no point; leave it out"),
+        (joint("hinge", at=[0, 0, 0], axis=[0, 0, 0]), ".axis", "has zero length"),
+        (
+            joint("hinge", at=[0, 0, 0], axis=[0, 0, 1], axes=[[0, 0, 1]] * 2),
+            ".axis",
+            "has axes too; wanted one of them",
+        ),
+        (joint("hinge", at=[0, 0, 0], second_axis=[0, 0, 1]), ".axis", "is missing"),
+        (
+            joint("hinge", at=[0, 0, 0], axis=[0, 0, 1], second_axis=[0, 0, 1]),
+            ".second_axis",
+            "a hinge joint has one axis",
+        ),
+        (joint("hooke", at=[0, 0, 0], axis=[0, 0, 1]), ".second_axis", "wanted the axis of body j"),
+        (joint("ball", at=[0, 0, 0], length=1), ".length", "a ball joint has no length"),
+        (joint("rod", points=[[0] * 3] * 2, length=0), ".length", "take a spherical joint"),
+    ],
+)
+def test_a_joint_has_the_keys_of_its_type(bar: Tree, given: Tree, key: str, says: str) -> None:
+    refused(put(bar, "joints.a", given), f"joints.a{key}", says)
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "says"),
+    [
+        (joint("revolute", at=[0, 0, 0], axis=[0, 0, 1]), ".bodies[1]", "bar is a point, which"),
+        (joint("ball", points=[[0, 0, 0], [1, 0, 0]]), ".points[1]", "wanted [0, 0, 0]"),
+        (
+            {**joint("inline", at=[0, 0, 0], axis=[0, 0, 1]), "bodies": ["bar", "ground"]},
+            ".bodies[0]",
+            "bar is a point",
+        ),
+    ],
+)
+def test_a_point_keeps_no_orientation(bar: Tree, given: Tree, key: str, says: str) -> None:
+    bar["bodies"]["bar"] = {"position": [0, 0, 0], "point": True, "mass": 1}
+    refused(put(bar, "joints.a", given), f"joints.a{key}", says)
+
+
+def test_a_point_moves_on_a_line_or_in_a_plane(bar: Tree) -> None:
+    bar["bodies"]["bar"] = {"position": [0, 0, 0], "point": True, "mass": 1}
+    for kind in ("inline", "inplane"):
+        bar["joints"]["a"] = joint(kind, at=[0, 0, 0], axis=[0, 0, 1])
+        assert scene_from_dict(bar).joints["a"].type == kind
+
+
+@pytest.mark.parametrize("key", ["orientation", "angular_velocity", "angular_velocity_b"])
+def test_a_point_does_not_turn(bar: Tree, key: str) -> None:
+    value = {"rotation_vector": [0, 0, 1]} if key == "orientation" else [0, 0, 1]
+    bar["bodies"]["bar"] = {"position": [0, 0, 0], "point": True, key: value}
+    refused(bar, f"bodies.bar.{key}", "a point does not turn")
+
+
+def test_an_angular_velocity_is_given_once(bar: Tree) -> None:
+    bar["bodies"]["bar"] |= {"angular_velocity": [0, 0, 1], "angular_velocity_b": [0, 0, 1]}
+    refused(bar, "bodies.bar.angular_velocity_b", "wanted one of them")
+
+
+def test_a_linkage_of_nodes_and_links_has_no_gravity(lever: Tree) -> None:
+    refused(lever | {"gravity": [0, -9.81, 0]}, "gravity", "has no masses")
