@@ -20,6 +20,8 @@ _ARRAYS = {"array", "bmatrix", "pmatrix", "matrix"}
 _FACES = {"\\mathbf", "\\boldsymbol", "\\mathrm", "\\text", "\\left", "\\right", "\\,", "\\;"}
 _FACES |= {"\\quad", "\\qquad", "\\hline", "\\displaystyle"}
 _BRACKETS = {*"()[]", "\\{", "\\}", "\\langle", "\\rangle", "\\vec"}
+#: What stands between two terms.
+_PARTING = {"+", "-", "=", "\\equiv", ","}
 _GREEK = dict(
     zip(
         ("alpha", "beta", "gamma", "delta", "epsilon", "zeta", "theta", "lambda", "psi", "omega"),
@@ -67,18 +69,19 @@ def _plain(latex: str, depth: Sequence[str]) -> Iterator[str]:
         yield _GREEK.get(token[1:], token) if token[0] == "\\" else token
 
 
-def essence(latex: str) -> tuple[list[str], Counter[str]]:
+def essence(latex: str) -> tuple[list[str], list[Counter[str]]]:
     """Return what a formula says beyond its notation.
 
     Returns
     -------
     list of str
         The tokens in order, without brackets, arrows, faces, primes and scripts.
-    Counter of str
-        The tokens of all scripts, without primes: where they are placed does not count.
+    list of Counter of str
+        The tokens of the scripts of each term, without primes: where in the term they are placed
+        does not count.
     """
     body: list[str] = []
-    scripts: Counter[str] = Counter()
+    scripts: list[Counter[str]] = [Counter()]
     stream = tokens(latex)
     place = 0
     while place < len(stream):
@@ -88,10 +91,12 @@ def essence(latex: str) -> tuple[list[str], Counter[str]]:
             place = _group_end(stream, place)
         elif token in {"^", "_"}:
             end = _group_end(stream, place)
-            scripts.update(t for t in stream[place:end] if t not in _FACES | {*"{}'"})
+            scripts[-1].update(t for t in stream[place:end] if t not in _FACES | {*"{}'"})
             place = end
         elif token not in _FACES | _BRACKETS | {*"{}'"}:
             body.append(token)
+            if token in _PARTING:
+                scripts.append(Counter())
     return body, scripts
 
 

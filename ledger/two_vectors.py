@@ -111,20 +111,26 @@ def _of_body(b: str, known: dict[str, Value]) -> dict[str, Value]:
 
 @cache
 def offset() -> Vocabulary:
-    """Return the same words with d as a quantity in place of r^j.
+    """Return the same words with d and δd as quantities in place of r^j and δr^j.
 
-    r^j = d + r^i + s_i − s_j takes every value as d does: what holds identically for one holds
-    for the other, and is shorter here.
+    r^j = d + r^i + s_i − s_j takes every value as d does, and δr^j as δd does: what holds
+    identically for one holds for the other, and is shorter here.
     """
     known = words()
     d = Quantity("d", (3,), "m", "vector between the points, frame O")
-    from_i = plus(elements(QUANTITIES["r_i"]), _in_frame_o("s", "i"))
-    given = {name: value for name, value in known.given.items() if name != "d"}
-    given |= {
-        "r_j": subtract(plus(elements(d), from_i), _in_frame_o("s", "j")),
-        "C_p2": cross(_in_frame_o("a", "i"), elements(d)),
-    }
-    quantities = tuple(d if q.name == "r_j" else q for q in known.quantities)
+    change = Quantity("δd", (3,), "m", "its variation")
+    a = _in_frame_o("a", "i")
+    values = {"C_n2": [dot(a, elements(d))], "C_p2": cross(a, elements(d))}
+    delta = along((d, change), (QUANTITIES["p_i"], DTHETA_B["i"]))
+    given = {name: x for name, x in known.given.items() if name not in {"d", "δd"}}
+    given |= values
+    given |= {f"δ{name}": [delta(x) for x in value] for name, value in values.items()}
+    for mark, origin, free in (("", QUANTITIES["r_i"], d), ("δ", DR["i"], change)):
+        arms = [known.given[f"{mark}s_{b}"] for b in BODIES]
+        from_i = plus(elements(origin), arms[0])
+        given[f"{mark}r_j"] = subtract(plus(elements(free), from_i), arms[1])
+    instead = {"r_j": d, "δr_j": change}
+    quantities = tuple(instead.get(q.name, q) for q in known.quantities)
     return replace(known, quantities=quantities, given=given)
 
 

@@ -19,13 +19,18 @@ from kousoku.symbolic.variation import coefficient
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Check
     from kousoku.ledger.vocabulary import Value
+    from kousoku.symbolic.derivation import Output
 
 
 @cache
+def outputs(package: str) -> dict[str, Output]:
+    """Return what the code derives of a constraint: ``C`` and ``C_q``, on both levels."""
+    return {o.quantity.name: o for o in derive(package).functions[0].outputs}
+
+
 def derived(package: str, output: str) -> Value:
     """Return ``C`` or ``C_q`` as the code derives it, on the matrix level."""
-    outputs = derive(package).functions[0].outputs
-    return next(o.expression for o in outputs if o.quantity.name == output)
+    return outputs(package)[output].expression
 
 
 def packages(kind: str) -> tuple[tuple[str, str], ...]:

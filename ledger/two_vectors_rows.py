@@ -17,10 +17,9 @@ from sympy.matrices.expressions import ZeroMatrix
 from kousoku.ledger.entry import Check
 from kousoku.ledger.proof import equal
 from kousoku.ledger.two_vectors import offset
-from kousoku.ledger.two_vectors_code import derived, packages, selection
+from kousoku.ledger.two_vectors_code import derived, outputs, packages, selection
 from kousoku.model.errors import LedgerError
 from kousoku.model.rows import ROWS, variant
-from kousoku.symbolic import derive
 from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A, unit_flows
 from kousoku.symbolic.components import cross, dot, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.matrices import elements, mul, neg, skew, transpose
@@ -28,7 +27,7 @@ from kousoku.symbolic.matrices import elements, mul, neg, skew, transpose
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.ledger.vocabulary import Vocabulary
+    from kousoku.ledger.vocabulary import Value, Vocabulary
 
 Scalar = Any
 
@@ -119,7 +118,7 @@ def counted(kind: str, count: int) -> Check:
 
 def _code_rank(package: str, kind: str) -> int:
     """Return the rank of the code's C_q, from its component level, where the constraint holds."""
-    output = derive(package).functions[0].outputs[1]
+    output = outputs(package)["C_q"]
     jacobian = output.components.reshape(output.quantity.shape[0], 12)
     return int(jacobian.xreplace(_holding(kind)).rank())
 
@@ -267,9 +266,6 @@ def at_zero_offset() -> tuple[Check, ...]:
     a = SYMBOLS["a_i_b"]
     row = mul(transpose(a), transpose(A["i"]))
 
-    def block(place: int) -> Any:
-        return derived("n2", "C_q").blocks[0, place]
-
     return (
         equal(
             "where d = 0, C = 0 in any attitude",
@@ -277,8 +273,8 @@ def at_zero_offset() -> tuple[Check, ...]:
             partial(derived, "n2", "C"),
             lambda: ZeroMatrix(1, 1),
         ),
-        equal("there the block of δr^j is aᵀ", together, partial(block, 2), lambda: row),
-        equal("and that of δr^i is −aᵀ", together, partial(block, 0), lambda: neg(row)),
+        equal("there the block of δr^j is aᵀ", together, partial(_block, "n2", 2), lambda: row),
+        equal("and that of δr^i is −aᵀ", together, partial(_block, "n2", 0), lambda: neg(row)),
         equal(
             "|aᵀ|² = a′·a′, so that the rank of C_q is 1",
             together,
@@ -303,8 +299,12 @@ def blocks_with_minors(kind: str) -> tuple[Check, ...]:
         equal(
             f"the code's {package}: the block of {text}",
             offset,
-            lambda package=package: derived(package, "C_q").blocks[0, place],
-            lambda axis=axis: mul(selection(axis), skew(a), right),
+            partial(_block, package, place),
+            partial(mul, selection(axis), skew(a), right),
         )
         for package, axis in packages(kind)
     )
+
+
+def _block(package: str, place: int) -> Value:
+    return derived(package, "C_q").blocks[0, place]

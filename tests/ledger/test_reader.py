@@ -170,6 +170,7 @@ def test_a_true_formula_is_proved_and_a_false_one_refuted() -> None:
         (r"dx^2/dt", r"d^2x/dt", True),
         (r"\tilde{a} b", r"a b", False),
         (r"a^{Oi} b", r"a^{Oj} b", False),
+        (r"a^i b + a^j c", r"a^j b + a^i c", False),
         (r"a - b", r"a + b", False),
         (r"a^T b", r"a b", False),
     ],
