@@ -21,9 +21,23 @@ __all__ = ["entries", "find", "keys", "prove"]
 @cache
 def entries() -> tuple[Entry, ...]:
     """Return all entries, document by document, in the order of reading."""
-    from kousoku.ledger import lecture_7_1, link_element, mass_points
+    from kousoku.ledger import (
+        lecture_7_1,
+        lecture_8_2,
+        lecture_8_2_parallel,
+        link_element,
+        link_method,
+        mass_points,
+    )
 
-    parts = (lecture_7_1, link_element, mass_points)
+    parts = (
+        lecture_7_1,
+        lecture_8_2,
+        lecture_8_2_parallel,
+        link_element,
+        link_method,
+        mass_points,
+    )
     return tuple(entry for part in parts for entry in part.ENTRIES)
 
 
