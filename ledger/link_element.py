@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from kousoku.ledger import link_checks as checks
+from kousoku.ledger import link_steps as steps
 from kousoku.ledger.entry import LINK_PAPER, Check, Entry
 from kousoku.ledger.link_words import derived, words
 from kousoku.ledger.proof import equal
@@ -40,6 +41,19 @@ def _reference_has_no_deformation() -> dict[str, bool]:
 
 
 ENTRIES: tuple[Entry, ...] = (
+    _entry(
+        "link-one-degree-of-freedom",
+        "holds",
+        r"リンク機構の基本構成要素である1自由度を有するピストンクランク機構と、"
+        r"テークラック機構の2つを例にとり",
+        reason="Where the crank stands, all else is determined: as many equations as unknowns, and"
+        " their matrix is regular for every angle of the crank.",
+        checks=(
+            checks.numbers("the piston crank", steps.pistons_freedom),
+            checks.numbers("the lever crank", steps.levers_freedom),
+        ),
+        is_sentence=True,
+    ),
     _entry(
         "link-displacement",
         "holds",

@@ -48,12 +48,8 @@ ENTRIES: tuple[Entry, ...] = (
         "holds",
         r"ここでは、1自由度のみが独立であるようなリンク機構を考えることとし、"
         r"独立変数を α (通常はクランクの回転角をとる) として",
-        reason="With the crank's angle every coordinate of both mechanisms is determined, so that"
-        " derivatives by α say how it moves.",
-        checks=(
-            numbers("the piston crank", steps.pistons_freedom),
-            numbers("the lever crank", steps.levers_freedom),
-        ),
+        reason="The crank's angle alone is prescribed, so that derivatives by it say all.",
+        checks=(Check("of the piston crank's known coordinates", steps.rod_keeps_its_length),),
         is_sentence=True,
     ),
     _entry(
