@@ -159,7 +159,7 @@ def _turned(body: str) -> Entry:
 
 ENTRIES: tuple[Entry, ...] = (
     _entry(
-        "points-fixed",
+        "points-of-bodies",
         "holds",
         r"$B_i$  は物体  $i$  に、 $B_j$  は物体  $j$  に固定されているとする。",
         reason="What (8.13) and (8.17) rest on: s′ is constant, and s varies with A alone.",
