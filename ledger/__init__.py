@@ -26,6 +26,7 @@ def entries() -> tuple[Entry, ...]:
         lecture_8_2,
         lecture_8_2_parallel,
         link_element,
+        link_examples,
         link_method,
         mass_points,
     )
@@ -36,6 +37,7 @@ def entries() -> tuple[Entry, ...]:
         lecture_8_2_parallel,
         link_element,
         link_method,
+        link_examples,
         mass_points,
     )
     return tuple(entry for part in parts for entry in part.ENTRIES)

@@ -16,6 +16,7 @@ from kousoku.ledger.link_words import (
     U,
     angle,
     at,
+    code,
     column,
     derived,
     displaced,
@@ -29,7 +30,6 @@ from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic import derive
 from kousoku.symbolic.link_element import LENGTH, OFFSET, X
 from kousoku.symbolic.matrices import elements
 
@@ -234,7 +234,7 @@ def is_variation() -> str:
 def is_jacobian() -> str:
     """Compare the code's D with (15), at the reference, and its D anywhere with ∂ε/∂u."""
     words_of_code = replace(words(), given=at(reference()))
-    (output,) = (o for f in derive("link").functions for o in f.outputs if o.quantity.name == "D")
+    (output,) = (o for f in code().functions for o in f.outputs if o.quantity.name == "D")
     names = {Symbol("length"): length(reference())}
     seen = equality(words_of_code, output.expression.xreplace(names), matrix())
     rows = ImmutableDenseMatrix([[sympy.diff(e, u) for u in elements(U)] for e in epsilon()])
@@ -246,7 +246,7 @@ def are_wrapped(k: int) -> Callable[[], str]:
     """Return the check that the code's angle, found by atan2, is that of end k from the link."""
 
     def run() -> str:
-        functions = {f.name: f for f in derive("link").functions}
+        functions = {f.name: f for f in code().functions}
         cell = functions["deformation"].outputs[0].components[k]
         x = displaced(elements(U))
         values = dict(zip(elements(X), x, strict=True)) | dict.fromkeys(elements(OFFSET), S.Zero)

@@ -67,23 +67,24 @@ def run(name: str, *, renews: bool = False) -> Run:
     """
     mechanism = {"piston": PISTON_CRANK, "lever": LEVER_CRANK}[name]
     x = _start(mechanism)
-    states, counts, left = [(x, *_transfer(mechanism, x))], [], MP.mpf(0)
+    inverse = _inverse(mechanism, x)
+    states, counts, left = [(x, *_transfer(mechanism, x, inverse))], [], MP.mpf(0)
     for _ in range(DIVISIONS):
-        x, count, residual = _step(mechanism, states[-1], renews=renews)
+        x, count, residual = _step(mechanism, states[-1], inverse, renews=renews)
+        inverse = _inverse(mechanism, x)
         counts.append(count)
         left = max(left, residual)
-        states.append((x, *_transfer(mechanism, x)))
+        states.append((x, *_transfer(mechanism, x, inverse)))
     return Run(tuple(counts), float(left), tuple(states))
 
 
 def _step(
-    mechanism: Mechanism, state: tuple[Vector, Vector, Vector], *, renews: bool
+    mechanism: Mechanism, state: tuple[Vector, Vector, Vector], inverse: Any, *, renews: bool
 ) -> tuple[Vector, int, Number]:
     """Go on by one division; return the position, how many corrections, and the residual."""
     x, first, second = state
     first = list(first)
     step = 2 * MP.pi / DIVISIONS
-    inverse = _inverse(mechanism, x)
     count = 0
     while True:
         moved = [a + step * b + step**2 * c / 2 for a, b, c in zip(x, first, second, strict=True)]
@@ -98,9 +99,8 @@ def _step(
         count += 1
 
 
-def _transfer(mechanism: Mechanism, x: Vector) -> tuple[Vector, Vector]:
+def _transfer(mechanism: Mechanism, x: Vector, inverse: Any) -> tuple[Vector, Vector]:
     """Return x′ and x″ by (22) and (23)."""
-    inverse = _inverse(mechanism, x)
     crank = mechanism.names.index("ψ_11")
     first = [MP.mpf(0)] * len(x)
     first[crank] = MP.mpf(1)

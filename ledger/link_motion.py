@@ -81,7 +81,7 @@ def _derivative(direction: dict[Scalar, Scalar]) -> Callable[[Value], Value]:
     flow = Flow(direction, ())
 
     def cell(x: Scalar) -> Scalar:
-        return sympy.cancel(flow(x))
+        return sympy.cancel(change) if (change := flow(x)) != 0 else change
 
     def derivative(value: Value) -> Value:
         is_matrix = getattr(value, "is_Matrix", False)
@@ -94,12 +94,10 @@ def _derivative(direction: dict[Scalar, Scalar]) -> Callable[[Value], Value]:
 BY_ALPHA, BY_TIME = _derivative(_ALONG), _derivative(_IN_TIME)
 
 
+@cache
 def motion(order: int) -> ImmutableDenseMatrix:
     """Return the position, or its first, second, third derivative by α."""
-    x = column(POSITION)
-    for _ in range(order):
-        x = BY_ALPHA(x)
-    return x
+    return BY_ALPHA(motion(order - 1)) if order else column(POSITION)
 
 
 @cache

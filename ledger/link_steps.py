@@ -24,11 +24,11 @@ from kousoku.ledger.link_motion import (
     reference_matrix,
     words,
 )
+from kousoku.ledger.link_words import code
 from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.vocabulary import Value, Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic import derive
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -74,7 +74,7 @@ def in_code(left: str, formula: str) -> Check:
     """Return the check that the code's step is the formula, symbol by symbol."""
 
     def run() -> str:
-        (right,) = (s.right for s in derive("link").steps if str(s.left) == left)
+        (right,) = (s.right for s in code().steps if str(s.left) == left)
         if _sized(right) != value_of(formula, symbols()):
             raise LedgerError(f"the code says {right}")
         return "the same, symbol by symbol"
@@ -86,7 +86,7 @@ def is_substituted(formula: str) -> Callable[[], str]:
     """Return the check that the code's step (20) is the formula, both multiplied out."""
 
     def run() -> str:
-        (left,) = (s.left for s in derive("link").steps if s.source == "20")
+        (left,) = (s.left for s in code().steps if s.source == "20")
         sizes = dict(zip(SIZES, (2, 3, 1), strict=True))
         step = left.xreplace(sizes)
         arrays = sorted(step.atoms(MatrixSymbol), key=str)

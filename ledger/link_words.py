@@ -21,6 +21,8 @@ from kousoku.symbolic.matrices import elements
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kousoku.symbolic.derivation import Derivation
+
 #: Where the ends are at the reference, and how far they and their rotations are displaced.
 PLACE = Quantity("place", (4,), "m", "x1 y1 x2 y2 at the reference position")
 U = Quantity("displacement", (6,), "m, rad", "u1 v1 ψ1 u2 v2 ψ2")
@@ -76,10 +78,16 @@ def at(x: Sequence[Scalar]) -> dict[str, Sequence[Scalar]]:
     return {"x": x, "offset": [S.Zero, S.Zero]}
 
 
+@cache
+def code() -> Derivation:
+    """Return the code's derivation of the link."""
+    return derive("link")
+
+
 def derived(left: str) -> Any:
     """Return what the last step of the code's derivation that is about ``left`` says it is."""
     symbols = {Symbol("length"): length(reference()), Symbol("beta"): angle(elements_of_x())}
-    found = {str(step.left): step.right for step in derive("link").steps}
+    found = {str(step.left): step.right for step in code().steps}
     return found[left].xreplace(symbols)
 
 
