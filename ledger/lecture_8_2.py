@@ -10,6 +10,7 @@ from kousoku.ledger.proof import different, equal
 from kousoku.ledger.two_vectors import frames, offset, primed, words
 from kousoku.ledger.two_vectors_code import in_code, varied_in_code
 from kousoku.ledger.two_vectors_rows import at_zero_offset, counted
+from kousoku.symbolic.pairs import D
 
 _entry = partial(Entry, LECTURE_8_2)
 _primes = partial(only_with, vocabulary=words, ways=primed)
@@ -197,7 +198,10 @@ ENTRIES: tuple[Entry, ...] = (
         _8_8.replace("^{IB}", "'^{B}"),
         "The prime of s′ is printed as I.",
         vocabulary=words,
-        checks=(_primes(1, _8_8, 1),),
+        checks=(
+            _primes(1, _8_8, 1),
+            equal("the code's d is this", words, lambda: D, r"\mathbf{d}^{ij}"),
+        ),
     ),
     _entry(
         "known-components",
