@@ -1,0 +1,123 @@
+"""The joints of a system: instances between the same two bodies, with the rows that matter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import groupby
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations import COLUMNS, Part, frozen
+from kousoku.codegen.dynamics.recorder import Block, column, pattern_of
+from kousoku.codegen.dynamics.traces import Trace
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.recorder import Pattern, Recorder
+    from kousoku.model.mechanism import Instance, System
+
+
+@dataclass(slots=True)
+class JointBlocks:
+    """A joint in the workspace; the Jacobians are put in when the geometry is recorded.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    i, j : int
+        Its bodies.
+    instances : tuple of int
+        Places in the system.
+    parts : tuple of Part
+        The rows of each instance.
+    constants : tuple of Block
+        What the parts need, part by part.
+    first, count : int
+        Its rows.
+    jacobian, scaled : dict of int to Block
+        C_q and C_q M⁻¹ by body.
+    own : Block
+        C_q M⁻¹ C_qᵀ.
+    """
+
+    name: str
+    i: int
+    j: int
+    instances: tuple[int, ...]
+    parts: tuple[Part, ...]
+    constants: tuple[Block, ...]
+    first: int
+    count: int
+    jacobian: dict[int, Block] = field(default_factory=dict)
+    scaled: dict[int, Block] = field(default_factory=dict)
+    own: Block = field(default_factory=lambda: column(()))
+
+
+def joints_of(
+    system: System,
+    recorder: Recorder,
+    rows: Mapping[int, Sequence[int]],
+    body: Callable[[int], BodyBlocks],
+) -> list[JointBlocks]:
+    """Return the joints that have rows left; rows that are structurally zero are not kept."""
+    found = []
+    first = 0
+    numbered = list(enumerate(system.constraints))
+    for (name, i, j), group in groupby(numbered, lambda x: (x[1].joint, x[1].i, x[1].j)):
+        kept = []
+        for place, instance in group:
+            blocks = [recorder.constant(values) for _, values in instance.constants]
+            live = live_rows(instance, blocks, body(i), body(j))
+            chosen = tuple(row for row in live if row in rows.get(place, live))
+            if chosen:
+                names = tuple(name for name, _ in instance.constants)
+                kept.append((place, Part(instance.kind, chosen, names), blocks))
+        count = sum(len(part.rows) for _, part, _ in kept)
+        if count:
+            found.append(
+                JointBlocks(
+                    name=name,
+                    i=i,
+                    j=j,
+                    instances=tuple(place for place, _, _ in kept),
+                    parts=tuple(part for _, part, _ in kept),
+                    constants=tuple(block for _, _, blocks in kept for block in blocks),
+                    first=first,
+                    count=count,
+                )
+            )
+        first += count
+    return found
+
+
+def live_rows(
+    instance: Instance, constants: Sequence[Block], i: BodyBlocks, j: BodyBlocks
+) -> tuple[int, ...]:
+    """Return the rows of an instance whose Jacobian is not structurally zero."""
+    pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
+    columns = (*i.columns, *(COLUMNS + k for k in j.columns))
+    names = tuple(name for name, _ in instance.constants)
+    return _live_rows(instance.kind, names, pattern, tuple(lengths), columns)
+
+
+@cache
+def _live_rows(
+    kind: str,
+    names: tuple[str, ...],
+    pattern: Pattern,
+    lengths: tuple[int, ...],
+    columns: tuple[int, ...],
+) -> tuple[int, ...]:
+    trace = Trace(lengths)
+    nodes = [trace.matrix(*block).flat for block in pattern]
+    inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
+    jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
+    width = 2 * COLUMNS
+    return tuple(
+        row
+        for row in range(len(jacobian) // width)
+        if any(trace.graph.value(jacobian[row * width + k]) != 0 for k in columns)
+    )

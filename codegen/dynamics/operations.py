@@ -1,0 +1,289 @@
+"""What joints and bodies contribute: operations on the blocks of two bodies, from the frozen kinds.
+
+Each operation is a frozen record, so that equal operations on equal patterns share a kernel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.matrix import Matrix, square, stack
+from kousoku.codegen.store import load_frozen
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.traces import Trace
+    from kousoku.codegen.kernel import Kernel
+
+#: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
+COLUMNS = 6
+
+
+@cache
+def frozen(package: str, name: str) -> Kernel:
+    """Return a kernel of a kind that is shipped."""
+    return next(kernel for kernel in load_frozen(package).kernels if kernel.name == name)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The rows of one instance in a joint.
+
+    Parameters
+    ----------
+    kind : str
+        The package of its kind.
+    rows : tuple of int
+        The rows that are kept.
+    constants : tuple of str
+        Names of the inputs that are fixed; their blocks follow those of the bodies.
+    """
+
+    kind: str
+    rows: tuple[int, ...]
+    constants: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Orientation:
+    """A of one body. Blocks: p."""
+
+    title: str = "orientation"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return A (3, 3)."""
+        return (_orientation(trace, blocks[0]),)
+
+
+def _orientation(trace: Trace, p: Matrix) -> Matrix:
+    nodes = trace.inline(frozen("rotation", "orientation"), {"p": p.flat})["A"]
+    return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
+
+
+def _share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
+    """Let A be read where a kind computes it from p."""
+    trace.is_known(_orientation(trace, p).flat, orientation.flat)
+
+
+def _title(parts: Sequence[Part]) -> str:
+    return " + ".join(part.kind for part in parts)
+
+
+def _evaluate(
+    trace: Trace, parts: Sequence[Part], kernel: str, state: Mapping[str, Matrix], *rest: Matrix
+) -> list[tuple[Part, dict[str, list[int]]]]:
+    """Inline one kernel of each part; ``rest`` are the constants, part by part."""
+    constants = iter(rest)
+    found = []
+    for part in parts:
+        inputs = {name: block.flat for name, block in state.items()}
+        inputs |= {name: next(constants).flat for name in part.constants}
+        found.append((part, trace.inline(frozen(part.kind, kernel), inputs)))
+    return found
+
+
+def _pick(trace: Trace, nodes: Sequence[int], part: Part, width: int) -> Matrix:
+    """Return the kept rows of an output."""
+    rows = tuple(tuple(nodes[row * width : (row + 1) * width]) for row in part.rows)
+    return Matrix(trace.graph, rows, width)
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """Residual, Jacobian, and the joint's own block of the Schur complement.
+
+    Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, and the constants.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        What the joint is composed of.
+    columns_i, columns_j : tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    """
+
+    parts: tuple[Part, ...]
+    columns_i: tuple[int, ...]
+    columns_j: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """Name the kinds."""
+        return f"joint {_title(self.parts)}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return C (n,), C_q of i and of j, C_q M⁻¹ of i and of j, and C_q M⁻¹ C_qᵀ (n, n)."""
+        r_i, p_i, a_i, weights_i, r_j, p_j, a_j, weights_j, *constants = blocks
+        _share(trace, p_i, a_i)
+        _share(trace, p_j, a_j)
+        state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
+        found = _evaluate(trace, self.parts, "constraint", state, *constants)
+        residual = stack(trace.graph, (_pick(trace, x["C"], part, 1) for part, x in found), 1)
+        width = 2 * COLUMNS
+        jacobian = stack(
+            trace.graph, (_pick(trace, x["C_q"], part, width) for part, x in found), width
+        )
+        left = jacobian.columns(self.columns_i)
+        right = jacobian.columns([COLUMNS + k for k in self.columns_j])
+        scaled_left, scaled_right = left.scaled(weights_i), right.scaled(weights_j)
+        graph, n = trace.graph, len(jacobian.rows)
+        lower = [
+            [
+                graph.add(_dot(scaled_left, left, i, j), _dot(scaled_right, right, i, j))
+                for j in range(i + 1)
+            ]
+            for i in range(n)
+        ]
+        return residual, left, right, scaled_left, scaled_right, square(lower, graph)
+
+
+def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
+    graph = a.graph
+    return graph.sum(graph.mul(x, y) for x, y in zip(a.rows[i], b.rows[j], strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """What a joint asks of velocities or accelerations.
+
+    Blocks: p, A, v and ω′ of body i, then what is multiplied by its Jacobian, and the Jacobian;
+    the same of body j; then r of both, and the constants.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        What the joint is composed of.
+    output : str
+        ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ.
+    """
+
+    parts: tuple[Part, ...]
+    output: str
+
+    @property
+    def title(self) -> str:
+        """Name the output and the kinds."""
+        return f"{self.output} {_title(self.parts)}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the difference (n,)."""
+        p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
+        r_i, r_j, *constants = blocks[12:]
+        _share(trace, p_i, a_i)
+        _share(trace, p_j, a_j)
+        state = {"r_i": r_i, "p_i": p_i, "v_i": v_i, "omega_i_b": omega_i}
+        state |= {"r_j": r_j, "p_j": p_j, "v_j": v_j, "omega_j_b": omega_j}
+        found = _evaluate(trace, self.parts, "rates", state, *constants)
+        rates = stack(trace.graph, (_pick(trace, x[self.output], part, 1) for part, x in found), 1)
+        return (left @ x_i + right @ x_j - rates,)
+
+
+@dataclass(frozen=True, slots=True)
+class FreeAcceleration:
+    """M⁻¹f of a body under gravity. Blocks: gravity, ω′, and (I₂ − I₃)/I₁ and its like.
+
+    Parameters
+    ----------
+    columns : tuple of int
+        The body's coordinates.
+    """
+
+    columns: tuple[int, ...]
+    title: str = "free acceleration"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the acceleration of each coordinate, with I dω′/dt = −ω′ × I ω′."""
+        gravity, omega, ratios = (block.flat for block in blocks)
+        mul = trace.graph.mul
+        spin = [
+            mul(ratios[k], mul(omega[(k + 1) % 3], omega[(k + 2) % 3])) for k in range(len(omega))
+        ]
+        rows = [(x,) for x in (*gravity, *spin)]
+        return (Matrix(trace.graph, tuple(rows[k] for k in self.columns), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Time derivative of the coordinates. Blocks: p, v, ω′, as far as there are any.
+
+    Parameters
+    ----------
+    coordinates : tuple of int
+        Places in (r, p) that are coordinates.
+    """
+
+    coordinates: tuple[int, ...]
+    title: str = "motion"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return (v, ½ p ∘ (0, ω′)) at the coordinates."""
+        p, v, omega = blocks
+        rates = trace.inline(
+            frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": omega.flat}
+        )
+        rows = [(x,) for x in (*v.flat, *rates["p_dot"])]
+        return (Matrix(trace.graph, tuple(rows[k] for k in self.coordinates), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Coordinates after a correction. Blocks: r, p, δr, δθ′.
+
+    Parameters
+    ----------
+    coordinates : tuple of int
+        Places in (r, p) that are coordinates.
+    """
+
+    coordinates: tuple[int, ...]
+    title: str = "move"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return r + δr and w/|w|, w = p ∘ (1, ½ δθ′)."""
+        r, p, dr, dtheta = blocks
+        graph = trace.graph
+        moved = list((r + dr).flat)
+        if any(place > 2 for place in self.coordinates):
+            change = trace.inline(
+                frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": dtheta.flat}
+            )["p_dot"]
+            w = [graph.add(a, b) for a, b in zip(p.flat, change, strict=True)]
+            norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in w))
+            factor = graph.div(graph.const(1), norm)
+            moved += [graph.mul(x, factor) for x in w]
+        rows = tuple((moved[k],) for k in self.coordinates)
+        return (Matrix(graph, rows, 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Energy of a body. Blocks: r, v, ω′, half the mass and moments, and minus the weight."""
+
+    title: str = "energy"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return kinetic and potential energy (2,): ½ m v·v + ½ ω′·I ω′, −m g·r."""
+        r, v, omega, halves, weight = (block.flat for block in blocks)
+        graph = trace.graph
+        kinetic = graph.sum(
+            graph.mul(half, graph.mul(x, x)) for half, x in zip(halves, (*v, *omega), strict=True)
+        )
+        potential = graph.sum(graph.mul(a, b) for a, b in zip(weight, r, strict=True))
+        return (Matrix(graph, ((kinetic,), (potential,)), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """Add vectors. Blocks: the vectors."""
+
+    title: str = "sum"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the sum."""
+        total, *rest = blocks
+        for block in rest:
+            total += block
+        return (total,)

@@ -1,0 +1,60 @@
+"""The order in which joints are eliminated, and the fill-in that follows from it."""
+
+from __future__ import annotations
+
+import heapq
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+@dataclass(frozen=True, slots=True)
+class Pivot:
+    """One step of the elimination.
+
+    Parameters
+    ----------
+    joint : int
+        What is eliminated.
+    neighbours : tuple of int
+        What is coupled with it and still there, in the order in which it will be eliminated.
+    """
+
+    joint: int
+    neighbours: tuple[int, ...]
+
+
+def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot, ...]:
+    """Return the order that eliminates what has the fewest neighbours; of equals the first.
+
+    Parameters
+    ----------
+    count : int
+        Count of joints, numbered from 0.
+    pairs : iterable of (int, int)
+        Which are coupled.
+    """
+    beside: list[dict[int, None]] = [{} for _ in range(count)]
+    for a, b in pairs:
+        beside[a][b] = beside[b][a] = None
+    queue = [(len(neighbours), joint) for joint, neighbours in enumerate(beside)]
+    heapq.heapify(queue)
+    order: list[tuple[int, tuple[int, ...]]] = []
+    place: dict[int, int] = {}
+    while queue:
+        degree, joint = heapq.heappop(queue)
+        if joint in place or degree != len(beside[joint]):
+            continue
+        place[joint] = len(order)
+        neighbours = tuple(beside[joint])
+        order.append((joint, neighbours))
+        for a in neighbours:
+            del beside[a][joint]
+            beside[a].update((b, None) for b in neighbours if b != a)
+            heapq.heappush(queue, (len(beside[a]), a))
+    return tuple(
+        Pivot(joint, tuple(sorted(neighbours, key=place.__getitem__)))
+        for joint, neighbours in order
+    )

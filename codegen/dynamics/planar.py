@@ -1,0 +1,144 @@
+"""Whether all bodies of a system stay in planes parallel to the xy-plane, with the proof.
+
+The kinds are evaluated with e1 = e2 = 0 and z constant. A row without a structural derivative by
+x, y and θ_z is constant on such motions. If all of these vanish at the start, they vanish for good
+and are dropped. What is left determines the planar motion. It is the motion of the system if for
+each joint
+
+- no row that is left has a derivative by z, θ_x or θ_y: its reactions stay in the plane; or
+- both its bodies are held to the ground in z, θ_x and θ_y by rows that were dropped, whose
+  reactions balance whatever leads out of the plane.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.codegen.dynamics.bodies import (
+    GROUND,
+    NO_TURN,
+    body_blocks,
+    sizes,
+    start,
+)
+from kousoku.codegen.dynamics.joints import live_rows
+from kousoku.codegen.dynamics.operations import COLUMNS, frozen
+from kousoku.codegen.dynamics.recorder import Recorder
+from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import Instance, MovingBody, System
+
+#: Largest residual of a dropped row, in metres or radians: what rounding leaves.
+RESIDUAL = 1e-12
+#: Columns of one body that lead out of the plane.
+OUT = (2, 3, 4)
+#: Smallest singular value of rows that hold a body in the plane.
+HOLDS = 1e-6
+ALONG_Z = {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
+
+
+def is_planar(system: System) -> bool:
+    """Return whether all bodies move in planes parallel to the xy-plane."""
+    if not all(_starts_in_plane(body) for body in system.bodies):
+        return False
+    recorder = Recorder()
+    q, v = (recorder.region("", size) for size in sizes(system, is_planar=True))
+    bodies = body_blocks(system, recorder, q, v, is_planar=True)
+    joints: dict[tuple[str, int, int], _Joint] = {}
+    for instance in system.constraints:
+        ends = [GROUND if k == GROUND_INDEX else bodies[k] for k in (instance.i, instance.j)]
+        constants = [recorder.constant(values) for _, values in instance.constants]
+        live = live_rows(instance, constants, ends[0], ends[1])
+        residual, jacobian = _at_start(system, instance)
+        dropped = [row for row in range(len(residual)) if row not in live]
+        if any(abs(residual[row]) > RESIDUAL for row in dropped):
+            return False
+        joint = joints.setdefault((instance.joint, instance.i, instance.j), _Joint())
+        joint.live.append(jacobian[list(live)])
+        joint.dropped.append(jacobian[dropped])
+        axes = [value for name, value in instance.constants if name.startswith("a_")]
+        joint.turns_about_z &= all(axis in ALONG_Z for axis in axes)
+    held = _held(system, joints)
+    is_pushed = system.gravity[2] != 0 and not all(held)
+    return not is_pushed and all(
+        joint.stays_in_plane or all(held[k] for k in (i, j) if k != GROUND_INDEX)
+        for (_, i, j), joint in joints.items()
+    )
+
+
+@dataclass(slots=True)
+class _Joint:
+    """Derivatives of a joint at the start: (rows, 12) of each instance.
+
+    Parameters
+    ----------
+    live, dropped : list of array
+        Of the rows that are left, and of those that are not.
+    turns_about_z : bool
+        Whether all its axes are along z. Then the rows that are dropped are, for any planar motion,
+        those of the start, each block turned about z, and their rank does not change.
+    """
+
+    live: list[Any] = field(default_factory=list)
+    dropped: list[Any] = field(default_factory=list)
+    turns_about_z: bool = True
+
+    @property
+    def stays_in_plane(self) -> bool:
+        """Whether no reaction that is left leads out of the plane."""
+        return not any(np.any(self._out(rows, side)) for rows in self.live for side in (0, 1))
+
+    def holds(self, side: int) -> bool:
+        """Whether the body on one side cannot leave the plane while the other stays."""
+        rows = np.vstack([self._out(rows, side) for rows in self.dropped])
+        if not self.turns_about_z or len(rows) < len(OUT):
+            return False
+        return bool(np.linalg.svd(rows, compute_uv=False)[-1] > HOLDS)
+
+    @staticmethod
+    def _out(rows: Any, side: int) -> Any:
+        return rows[:, [side * COLUMNS + k for k in OUT]]
+
+
+def _starts_in_plane(body: MovingBody) -> bool:
+    (*_, e1, e2, _), (_, _, v_z, *omega) = start(body)
+    return e1 == e2 == v_z == omega[0] == omega[1] == 0
+
+
+def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]:
+    """Return residuals and Jacobian (rows, 12) of an instance at the start."""
+    inputs: dict[str, Sequence[float]] = dict(instance.constants)
+    for end, index in (("i", instance.i), ("j", instance.j)):
+        position = (
+            (0.0, 0.0, 0.0, *NO_TURN) if index == GROUND_INDEX else start(system.bodies[index])[0]
+        )
+        inputs |= {f"r_{end}": position[:3], f"p_{end}": position[3:]}
+    found = evaluate(frozen(instance.kind, "constraint"), inputs, FLOAT)
+    return found["C"], np.reshape(found["C_q"], (-1, 2 * COLUMNS))
+
+
+def _held(system: System, joints: dict[tuple[str, int, int], _Joint]) -> list[bool]:
+    """Return for each body whether joints hold it to the ground in the plane, one after another."""
+    held = [False] * len(system.bodies)
+    beside: list[list[int]] = [[] for _ in system.bodies]
+    waiting: list[int] = []
+    for (_, i, j), joint in joints.items():
+        for side, (body, other) in enumerate(((i, j), (j, i))):
+            if body != GROUND_INDEX and joint.holds(side):
+                if other == GROUND_INDEX:
+                    waiting.append(body)
+                else:
+                    beside[other].append(body)
+    while waiting:
+        body = waiting.pop()
+        if not held[body]:
+            held[body] = True
+            waiting.extend(beside[body])
+    return held

@@ -1,0 +1,259 @@
+"""The recorder: operations on blocks of slots become kernels and tasks.
+
+An operation is traced once for each *pattern* of its blocks: which entries are 0 or ±1, which are
+the same slot, and where a run of consecutive slots ends. All further calls with that pattern are
+looked up, so that a thousand equal joints cost one trace.
+
+An entry of a block is coded as one number: 0, 1 and −1 are themselves, s + 2 is what is in slot s,
+and −(s + 2) is its negative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Protocol
+
+from kousoku.codegen.dynamics.program import Region, Segment, Task
+from kousoku.codegen.dynamics.traces import Trace, traced_kernel
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.matrix import Matrix
+    from kousoku.codegen.dynamics.traces import Codes
+    from kousoku.codegen.kernel import Kernel
+
+    #: For each block its entries, coded with leaves instead of slots, and its shape.
+    Pattern = tuple[tuple[tuple[int, ...], int, int], ...]
+
+#: Slots of constants are counted from here while the rest of the workspace grows.
+CONSTANTS = 1 << 40
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A matrix of entries of the workspace.
+
+    Parameters
+    ----------
+    entries : tuple of int
+        Coded as in :mod:`kousoku.codegen.dynamics.recorder`, row by row.
+    height, width : int
+        Count of rows and columns.
+    """
+
+    entries: tuple[int, ...]
+    height: int
+    width: int
+
+    @property
+    def T(self) -> Block:
+        """The transpose."""
+        entries = tuple(x for k in range(self.width) for x in self.entries[k :: self.width])
+        return Block(entries, self.width, self.height)
+
+    def part(self, start: int, count: int) -> Block:
+        """Return some entries of a column, one after the other."""
+        return Block(self.entries[start : start + count], count, 1)
+
+
+def column(entries: Sequence[int]) -> Block:
+    """Return entries as one column."""
+    return Block(tuple(entries), len(entries), 1)
+
+
+def zeros(height: int, width: int) -> Block:
+    """Return a block of structural zeros."""
+    return Block((0,) * (height * width), height, width)
+
+
+class Operation(Protocol):
+    """What can be traced: hashable, so that equal operations share their kernels."""
+
+    @property
+    def title(self) -> str:
+        """What it computes, in one line; kernels and counts are named after it."""
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the results in terms of the nodes of ``blocks``."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Traced:
+    """A kernel, and how the results of a call are made of its slots."""
+
+    kernel: int
+    fresh: int
+    results: tuple[Codes, ...]
+
+
+class Recorder:
+    """A program while it grows."""
+
+    def __init__(self) -> None:
+        self.kernels: list[Kernel] = []
+        self.segments: list[tuple[str, list[Task]]] = []
+        self.regions: list[Region] = []
+        self.constants: list[Fraction] = []
+        self._size = 0
+        self._pool: dict[tuple[Fraction, ...], int] = {}
+        self._traced: dict[object, _Traced] = {}
+        self._kernel_ids: dict[object, int] = {}
+
+    def region(self, name: str, size: int) -> Block:
+        """Set aside a named part of the workspace; return it as a column."""
+        base = self._allocate(size)
+        self.regions.append(Region(name, base, size))
+        return column(range(base + 2, base + size + 2))
+
+    def begin(self, name: str) -> None:
+        """Begin a segment; tasks are recorded into it from now on."""
+        self.segments.append((name, []))
+
+    def constant(self, values: Sequence[Fraction | float | int]) -> Block:
+        """Return numbers as a column; equal columns of numbers are stored once."""
+        exact = [Fraction(value) for value in values]
+        stored = tuple(value for value in exact if abs(value) not in {0, 1})
+        if stored not in self._pool:
+            self._pool[stored] = CONSTANTS + len(self.constants)
+            self.constants.extend(stored)
+        slot = self._pool[stored]
+        entries = []
+        for value in exact:
+            if abs(value) in {0, 1}:
+                entries.append(int(value))
+            else:
+                entries.append(slot + 2)
+                slot += 1
+        return column(entries)
+
+    def call(
+        self, operation: Operation, *blocks: Block, into: Sequence[Block | None] = ()
+    ) -> tuple[Block, ...]:
+        """Record a call of an operation.
+
+        Parameters
+        ----------
+        operation : Operation
+            What is computed.
+        *blocks : Block
+            What it takes.
+        into : sequence of Block or None
+            For each result the consecutive slots where it must be written, or None where any
+            place will do; results beyond the last go to any place.
+
+        Returns
+        -------
+        tuple of Block
+            The results. Entries that are 0, ±1, or an entry of the input up to its sign have no
+            slot of their own.
+        """
+        pattern, leaves, bases, lengths = pattern_of(blocks)
+        pinned = tuple(block is not None for block in into)
+        key = (operation, pattern, tuple(lengths), pinned)
+        known = self._traced.get(key)
+        if known is None:
+            known = self._traced[key] = self._trace(operation, pattern, lengths, pinned)
+        base = self._allocate(known.fresh)
+        outputs = [base] if known.fresh else []
+        outputs += [block.entries[0] - 2 for block in into if block is not None and block.entries]
+        if outputs:
+            self.segments[-1][1].append(Task(known.kernel, tuple(bases), tuple(outputs)))
+        results = [
+            Block(tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width)
+            for entries, height, width in known.results
+        ]
+        for place, block in enumerate(into):
+            if block is not None:
+                results[place] = block
+        return tuple(results)
+
+    def finish(self) -> tuple[list[Segment], list[Region], int]:
+        """Return segments and regions with the constants behind all else, and the size."""
+        offset = self._size - CONSTANTS
+        segments = [
+            Segment(
+                name,
+                tuple(
+                    replace(
+                        task,
+                        inputs=tuple(x + offset if x >= CONSTANTS else x for x in task.inputs),
+                    )
+                    for task in tasks
+                ),
+            )
+            for name, tasks in self.segments
+        ]
+        constants = Region("constants", self._size, len(self.constants))
+        return segments, [*self.regions, constants], self._size + len(self.constants)
+
+    def _allocate(self, count: int) -> int:
+        base = self._size
+        self._size += count
+        return base
+
+    def _entry(self, kind: str, x: int, leaves: Sequence[int], base: int) -> int:
+        """Return the code of a result: x is a code over leaves, fresh slots or constants."""
+        if kind == "number" or not x:
+            return x
+        sign, place = (1, x - 1) if x > 0 else (-1, -x - 1)
+        slot = leaves[place] if kind == "leaf" else base + place
+        return sign * (slot + 2)
+
+    def _trace(
+        self,
+        operation: Operation,
+        pattern: Pattern,
+        lengths: Sequence[int],
+        pinned: Sequence[bool],
+    ) -> _Traced:
+        trace = Trace(lengths)
+        results = operation(trace, *(trace.matrix(*block) for block in pattern))
+        kernel, fresh, codes = traced_kernel(trace, operation.title, results, pinned)
+        return _Traced(self._kernel_id(kernel), fresh, codes)
+
+    def _kernel_id(self, kernel: Kernel) -> int:
+        key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)
+        if key not in self._kernel_ids:
+            self._kernel_ids[key] = len(self.kernels)
+            self.kernels.append(replace(kernel, name=f"k{len(self.kernels)}"))
+        return self._kernel_ids[key]
+
+
+def pattern_of(blocks: Sequence[Block]) -> tuple[Pattern, list[int], list[int], list[int]]:
+    """Return what decides a trace, and what differs between its calls.
+
+    Returns
+    -------
+    pattern : tuple
+        For each block its entries, coded with leaves instead of slots, and its shape.
+    leaves : list of int
+        The slots by first occurrence.
+    bases, lengths : list of int
+        The runs that these slots form; no run goes from one block into the next.
+    """
+    numbers: dict[int, int] = {}
+    bases: list[int] = []
+    lengths: list[int] = []
+    pattern = []
+    for block in blocks:
+        previous = -2
+        codes = []
+        for x in block.entries:
+            if -1 <= x <= 1:
+                codes.append(x)
+                continue
+            slot = abs(x) - 2
+            number = numbers.get(slot)
+            if number is None:
+                number = numbers[slot] = len(numbers)
+                if slot == previous + 1:
+                    lengths[-1] += 1
+                else:
+                    bases.append(slot)
+                    lengths.append(1)
+                previous = slot
+            codes.append(number + 2 if x > 0 else -number - 2)
+        pattern.append((tuple(codes), block.height, block.width))
+    return tuple(pattern), list(numbers), bases, lengths
