@@ -83,6 +83,7 @@ def _derivative(direction: dict[Scalar, Scalar]) -> Callable[[Value], Value]:
     def cell(x: Scalar) -> Scalar:
         return sympy.cancel(change) if (change := flow(x)) != 0 else change
 
+    @cache
     def derivative(value: Value) -> Value:
         is_matrix = getattr(value, "is_Matrix", False)
         return explicit(value).applyfunc(cell) if is_matrix else cell(value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -193,6 +194,7 @@ def _factors(value: Value) -> tuple[Value, ...]:
     return (scalar * factors[0], *factors[1:]) if scalar != 1 else factors
 
 
+@cache
 def _inverse(value: Value) -> Value:
     """Return the inverse of a matrix of rational functions, fractions reduced."""
     try:
