@@ -30,10 +30,17 @@ class Op(enum.Enum):
     SIN = "sin"
     COS = "cos"
     ATAN2 = "atan2"
+    EXP = "exp"
+    LOG = "log"
+    ABS = "abs"
+    MAX = "max"
 
 
 #: Operations that IEEE 754 rounds correctly: targets agree on them bit for bit.
-EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT})
+EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT, Op.ABS})
+
+#: Operations of two operands.
+BINARY_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.ATAN2, Op.MAX})
 
 
 @dataclass(frozen=True, slots=True)
@@ -194,6 +201,30 @@ class Graph:
     def atan2(self, y: int, x: int) -> int:
         """Return the angle of the vector (x, y), in (−π, π]."""
         return self._intern(Node(Op.ATAN2, (y, x)))
+
+    def exp(self, a: int) -> int:
+        """Return e to the power a."""
+        return self.const(1) if self.value(a) == 0 else self._intern(Node(Op.EXP, (a,)))
+
+    def log(self, a: int) -> int:
+        """Return the natural logarithm of a."""
+        return self.const(0) if self.value(a) == 1 else self._intern(Node(Op.LOG, (a,)))
+
+    def abs(self, a: int) -> int:
+        """Return |a|."""
+        value, node = self.value(a), self._nodes[a]
+        if value is not None:
+            return self.const(abs(value))
+        if node.op is Op.NEG:
+            return self.abs(node.args[0])
+        return a if node.op is Op.ABS else self._intern(Node(Op.ABS, (a,)))
+
+    def max(self, a: int, b: int) -> int:
+        """Return the larger of a and b, and the other one where one of them is NaN."""
+        va, vb = self.value(a), self.value(b)
+        if va is not None and vb is not None:
+            return self.const(max(va, vb))
+        return a if a == b else self._intern(Node(Op.MAX, (min(a, b), max(a, b))))
 
     def sum(self, terms: Iterable[int]) -> int:
         """Return the sum from left to right."""

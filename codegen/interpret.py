@@ -34,7 +34,7 @@ class Arithmetic(Generic[Number]):
     ----------
     number : callable
         Turns the exact value of a constant into a number, rounding once.
-    sqrt, sin, cos, atan2 : callable
+    sqrt, sin, cos, atan2, exp, log, abs, max : callable
         The functions of the graph; angles in radians.
     """
 
@@ -43,6 +43,10 @@ class Arithmetic(Generic[Number]):
     sin: Callable[[Number], Number]
     cos: Callable[[Number], Number]
     atan2: Callable[[Number, Number], Number]
+    exp: Callable[[Number], Number]
+    log: Callable[[Number], Number]
+    abs: Callable[[Number], Number]
+    max: Callable[[Number, Number], Number]
 
 
 def _exact_sqrt(value: Fraction) -> Fraction:
@@ -53,20 +57,38 @@ def _exact_sqrt(value: Fraction) -> Fraction:
 
 
 def _not_rational(*_: Fraction) -> Fraction:
-    raise ArithmeticError("angle functions are not rational")
+    raise ArithmeticError("angle functions, powers of e and logarithms are not rational")
 
 
 #: Python floats; a division by zero raises, as it does in Python.
-FLOAT: Arithmetic[float] = Arithmetic(float, math.sqrt, math.sin, math.cos, math.atan2)
+FLOAT: Arithmetic[float] = Arithmetic(
+    float, math.sqrt, math.sin, math.cos, math.atan2, math.exp, math.log, abs, max
+)
 
 #: NumPy arrays and NumPy doubles, elementwise, with the infinities and NaNs of IEEE 754.
 ARRAY: Arithmetic[Any] = Arithmetic(
-    lambda value: np.float64(float(value)), np.sqrt, np.sin, np.cos, np.arctan2
+    lambda value: np.float64(float(value)),
+    np.sqrt,
+    np.sin,
+    np.cos,
+    np.arctan2,
+    np.exp,
+    np.log,
+    np.abs,
+    np.fmax,
 )
 
 #: Exact fractions; a root of what is not a square raises.
 EXACT: Arithmetic[Fraction] = Arithmetic(
-    Fraction, _exact_sqrt, _not_rational, _not_rational, _not_rational
+    Fraction,
+    _exact_sqrt,
+    _not_rational,
+    _not_rational,
+    _not_rational,
+    _not_rational,
+    _not_rational,
+    abs,
+    max,
 )
 
 #: Numbers of :data:`HIGH_CONTEXT`, 50 digits.
@@ -76,6 +98,10 @@ HIGH: Arithmetic[Any] = Arithmetic(
     HIGH_CONTEXT.sin,
     HIGH_CONTEXT.cos,
     HIGH_CONTEXT.atan2,
+    HIGH_CONTEXT.exp,
+    HIGH_CONTEXT.log,
+    abs,
+    max,
 )
 
 

@@ -84,5 +84,22 @@ def _atan2(y: Dual, x: Dual) -> Dual:
     return chain(angle, (y, x.value / square), (x, -y.value / square))
 
 
+def _exp(x: Dual) -> Dual:
+    value = HIGH.exp(x.value)
+    return chain(value, (x, value))
+
+
+def _log(x: Dual) -> Dual:
+    return chain(HIGH.log(x.value), (x, 1 / x.value))
+
+
+def _abs(x: Dual) -> Dual:
+    return -x if x.value < 0 else x
+
+
+def _max(x: Dual, y: Dual) -> Dual:
+    return x if x.value > y.value else y
+
+
 #: Arithmetic of :class:`Dual`.
-DUAL: Arithmetic[Dual] = Arithmetic(_constant, _sqrt, _sin, _cos, _atan2)
+DUAL: Arithmetic[Dual] = Arithmetic(_constant, _sqrt, _sin, _cos, _atan2, _exp, _log, _abs, _max)

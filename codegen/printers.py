@@ -103,11 +103,32 @@ _OPERATORS = {
 }
 
 #: One lane or many: in C a vector is written as a number is, and functions are statements.
-C = Printer(_OPERATORS, {Op.SQRT: "sqrt", Op.SIN: "sin", Op.COS: "cos", Op.ATAN2: "atan2"})
+C = Printer(
+    _OPERATORS,
+    {
+        Op.SQRT: "sqrt",
+        Op.SIN: "sin",
+        Op.COS: "cos",
+        Op.ATAN2: "atan2",
+        Op.EXP: "exp",
+        Op.LOG: "log",
+        Op.ABS: "fabs",
+        Op.MAX: "fmax",
+    },
+)
 
 NUMPY = Printer(
     _OPERATORS,
-    {Op.SQRT: "np.sqrt", Op.SIN: "np.sin", Op.COS: "np.cos", Op.ATAN2: "np.arctan2"},
+    {
+        Op.SQRT: "np.sqrt",
+        Op.SIN: "np.sin",
+        Op.COS: "np.cos",
+        Op.ATAN2: "np.arctan2",
+        Op.EXP: "np.exp",
+        Op.LOG: "np.log",
+        Op.ABS: "np.abs",
+        Op.MAX: "np.fmax",
+    },
 )
 
 #: The operations that every target calls by name.

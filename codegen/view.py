@@ -8,7 +8,7 @@ from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
-from kousoku.codegen.graph import Op
+from kousoku.codegen.graph import BINARY_OPS, Op
 from kousoku.codegen.passes.trace import without_sharing
 from kousoku.codegen.view_body import (
     Layout,
@@ -58,7 +58,7 @@ def package_view(package: Package, version: str, digest: str) -> PackageView:
         loads=tuple(map(load_view, sorted({q.size for k in kernels for q in k.inputs}))),
         stores=tuple(map(store_view, sorted({q.size for k in kernels for q in k.outputs}))),
         functions=tuple(
-            (printers.C.functions[op], 2 if op is Op.ATAN2 else 1) for op in Op if op in called
+            (printers.C.functions[op], 2 if op in BINARY_OPS else 1) for op in Op if op in called
         ),
     )
 

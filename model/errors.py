@@ -25,6 +25,23 @@ class SceneError(KousokuError):
         super().__init__(": ".join(part for part in (file, key, problem) if part))
 
 
+class ExpressionError(KousokuError):
+    """A formula cannot be read.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong, and what was wanted.
+    column : int
+        Where in the formula, counted from 1.
+    """
+
+    def __init__(self, problem: str, *, column: int) -> None:
+        self.problem = problem
+        self.column = column
+        super().__init__(f"column {column}: {problem}")
+
+
 class DerivationError(KousokuError):
     """A kind is unknown, or its derivation does not end in a linear form."""
 

@@ -77,7 +77,8 @@ def called() -> Kernel:
     length = graph.sqrt(graph.add(graph.mul(x, x), graph.mul(y, y)))
     angle = graph.atan2(y, x)
     around = (graph.sin(angle), graph.neg(graph.cos(graph.const(Fraction(1, 2)))), angle)
-    inverse = (graph.div(x, length), graph.div(graph.const(1), y))
+    decay = (graph.exp(graph.neg(graph.abs(y))), graph.log(length), graph.max(x, y))
+    inverse = (graph.div(x, length), graph.div(graph.const(1), y), *decay)
     return Kernel(
         name="called",
         title="functions of the math library",
@@ -90,7 +91,7 @@ def called() -> Kernel:
         outputs=(
             Quantity("length", (), "m", "distance of the point"),
             Quantity("around", (3,), "-", "sine, a number, angle"),
-            Quantity("inverse", (2,), "-", "quotients"),
+            Quantity("inverse", (5,), "-", "quotients, exponential, logarithm, maximum"),
         ),
         nodes=tuple(graph.nodes),
         results=((length,), around, inverse),

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from kousoku.codegen.graph import Graph, Op, literal
+from kousoku.codegen.graph import BINARY_OPS, Graph, Op, literal
 
 
 @pytest.fixture
@@ -27,6 +27,17 @@ def test_zero_and_one_fold_away(graph: Graph) -> None:
     assert graph.mul(x, graph.const(-1)) == graph.neg(x)
     assert graph.sin(zero) == zero
     assert graph.cos(zero) == one
+
+
+def test_absolute_values_and_extremes_fold(graph: Graph) -> None:
+    x, y, minus = graph.input("x", 0), graph.input("y", 0), graph.const(-3)
+    assert graph.abs(graph.neg(x)) == graph.abs(x) == graph.abs(graph.abs(x))
+    assert graph.value(graph.abs(minus)) == 3
+    assert graph.max(x, y) == graph.max(y, x)
+    assert graph.max(x, x) == x
+    assert graph.value(graph.max(minus, graph.const(2))) == 2
+    assert graph.value(graph.exp(graph.const(0))) == 1
+    assert graph.value(graph.log(graph.const(1))) == 0
 
 
 def test_constants_fold_exactly_and_round_once(graph: Graph) -> None:
@@ -58,7 +69,7 @@ def test_every_operation_can_be_rebuilt_by_name(graph: Graph) -> None:
     for op in Op:
         if op in {Op.CONST, Op.INPUT}:
             continue
-        args = (x, y) if op in {Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.ATAN2} else (x,)
+        args = (x, y) if op in BINARY_OPS else (x,)
         assert graph.nodes[graph.apply(op, args)].op is op
 
 

@@ -1,0 +1,127 @@
+"""From the formulas of a scene to nodes of the graph."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.model.errors import FreezeError
+from kousoku.model.terms import Apply, Function, Name, Number, ordered
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.graph import Graph
+    from kousoku.model.terms import Expression
+
+LARGEST_EXPONENT = 64
+"""Whole and half exponents up to it become products; beyond, exp and log cost less."""
+
+LARGEST_BITS = 8192
+"""Bits of the largest exact constant; one with more is rounded to a double."""
+
+
+def to_graph(expression: Expression, graph: Graph, leaves: Mapping[str, int]) -> int:
+    """Return the node of a formula.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    graph : Graph
+        Where its operations go.
+    leaves : mapping of str to int
+        The node of each name that it depends on.
+
+    Raises
+    ------
+    FreezeError
+        A name has no node, or a constant is no double.
+    """
+    known: dict[int, int] = {}
+    for part in ordered(expression):
+        match part:
+            case Number(value):
+                node = graph.const(value)
+            case Name(name):
+                if name not in leaves:
+                    known_names = ", ".join(leaves) or "none"
+                    raise FreezeError(f"the name {name} has no node; there are {known_names}")
+                node = leaves[name]
+            case Apply(function, args):
+                node = _apply(graph, function, [known[id(arg)] for arg in args])
+        known[id(part)] = _bounded(graph, node)
+    return known[id(expression)]
+
+
+def _apply(graph: Graph, function: Function, args: Sequence[int]) -> int:
+    """Return the node of a function; what the graph does not have is composed."""
+    match function:
+        case Function.ADD:
+            return graph.sum(args)
+        case Function.POW:
+            return _power(graph, *args)
+        case Function.MIN:
+            return graph.neg(graph.max(*(graph.neg(arg) for arg in args)))
+        case Function.MUL | Function.DIV | Function.ATAN2 | Function.MAX:
+            return int(getattr(graph, function.value)(*args))
+        case _:
+            return _of_one(graph, function, args[0])
+
+
+def _of_one(graph: Graph, function: Function, x: int) -> int:
+    one = graph.const(1)
+    match function:
+        case Function.TAN:
+            return graph.div(graph.sin(x), graph.cos(x))
+        case Function.ASIN:
+            return graph.atan2(x, _arc(graph, x))
+        case Function.ACOS:
+            return graph.atan2(_arc(graph, x), x)
+        case Function.ATAN:
+            return graph.atan2(x, one)
+        case Function.SIGN:
+            # Exactly ±1, and 0 at 0: no double but zero is smaller than the one it divides by.
+            smallest = graph.const(SMALLEST_SUBNORMAL)
+            return graph.div(x, graph.max(graph.abs(x), smallest))
+        case _:
+            return int(getattr(graph, function.value)(x))
+
+
+def _arc(graph: Graph, x: int) -> int:
+    """Return √(1 − x²), as a product that keeps its digits near ±1."""
+    one = graph.const(1)
+    return graph.sqrt(graph.mul(graph.sub(one, x), graph.add(one, x)))
+
+
+def _power(graph: Graph, a: int, b: int) -> int:
+    exponent = graph.value(b)
+    if exponent is None or exponent.denominator > 2 or abs(exponent) > LARGEST_EXPONENT:
+        return graph.exp(graph.mul(b, graph.log(a)))
+    root = graph.const(1) if exponent.denominator == 1 else graph.sqrt(a)
+    product = graph.mul(_repeated(graph, a, int(abs(exponent))), root)
+    return product if exponent > 0 else graph.div(graph.const(1), product)
+
+
+def _repeated(graph: Graph, a: int, count: int) -> int:
+    """Return the product of `count` equal factors, by squaring."""
+    product = graph.const(1)
+    while count:
+        if count % 2:
+            product = graph.mul(product, a)
+        count //= 2
+        if count:
+            a = _bounded(graph, graph.mul(a, a))
+    return product
+
+
+def _bounded(graph: Graph, node: int) -> int:
+    """Return a node, rounded to a double if it is a constant of very many digits."""
+    value = graph.value(node)
+    if value is None or max(map(int.bit_length, value.as_integer_ratio())) <= LARGEST_BITS:
+        return node
+    try:
+        return graph.const(Fraction(float(value)))
+    except OverflowError:
+        raise FreezeError("a constant in a formula is too large for a double") from None

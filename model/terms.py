@@ -1,0 +1,206 @@
+"""Formulas as trees: numbers, names, and functions of formulas; the builders fold what is known.
+
+Nothing here evaluates text: :mod:`kousoku.model.expression` reads a formula into these records, and
+the code that is generated from them computes it. Numbers are exact.
+"""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459")
+
+LARGEST_BITS = 4096
+"""Bits of the largest numerator or denominator: a longer number is left as a formula."""
+
+
+class Function(enum.Enum):
+    """What a formula may apply to others; ``ADD`` takes two or more.
+
+    A power whose exponent is a whole number is a product, one with a half in it a square root of
+    one; any other is exp(b log a) and wants a positive a. ``SIGN`` is −1, 0 or 1.
+    """
+
+    ADD = "add"
+    MUL = "mul"
+    DIV = "div"
+    NEG = "neg"
+    POW = "pow"
+    SIN = "sin"
+    COS = "cos"
+    TAN = "tan"
+    ASIN = "asin"
+    ACOS = "acos"
+    ATAN = "atan"
+    ATAN2 = "atan2"
+    SQRT = "sqrt"
+    EXP = "exp"
+    LOG = "log"
+    ABS = "abs"
+    SIGN = "sign"
+    MIN = "min"
+    MAX = "max"
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """An exact number."""
+
+    value: Fraction
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """A quantity that changes, such as ``t``."""
+
+    name: str
+
+
+@dataclass(frozen=True, slots=True)
+class Apply:
+    """A function of formulas.
+
+    Parameters
+    ----------
+    function : Function
+        What is applied.
+    args : tuple of Expression
+        To what. Parts may be shared: a tree is walked with :func:`ordered`, never by recursion.
+    """
+
+    function: Function
+    args: tuple[Expression, ...]
+
+
+Expression = Number | Name | Apply
+
+ZERO, ONE = Number(Fraction(0)), Number(Fraction(1))
+
+
+def number(value: Fraction | int) -> Number:
+    """Return an exact number."""
+    return Number(Fraction(value))
+
+
+def add(*terms: Expression) -> Expression:
+    """Return the sum of formulas; zeros are left out, and numbers that meet are added."""
+    kept: list[Expression] = []
+    for term in terms:
+        if kept and (sum_ := _folded(kept[-1], term, "+")) is not None:
+            kept[-1] = sum_
+        else:
+            kept.append(term)
+    kept = [term for term in kept if term != ZERO]
+    if not kept:
+        return ZERO
+    return kept[0] if len(kept) == 1 else Apply(Function.ADD, tuple(kept))
+
+
+def mul(*factors: Expression) -> Expression:
+    """Return the product of formulas, from left to right; zeros and ones fold away."""
+    product: Expression = ONE
+    for factor in factors:
+        if ZERO in (product, factor):
+            return ZERO
+        if ONE in (product, factor):
+            product = factor if product == ONE else product
+        else:
+            folded = _folded(product, factor, "*")
+            product = Apply(Function.MUL, (product, factor)) if folded is None else folded
+    return product
+
+
+def div(a: Expression, b: Expression) -> Expression:
+    """Return a / b; b is not the number zero."""
+    if a == ZERO or b == ONE:
+        return a
+    quotient = _folded(a, b, "/")
+    return Apply(Function.DIV, (a, b)) if quotient is None else quotient
+
+
+def neg(a: Expression) -> Expression:
+    """Return −a."""
+    if isinstance(a, Number):
+        return Number(-a.value)
+    if isinstance(a, Apply) and a.function is Function.NEG:
+        return a.args[0]
+    return Apply(Function.NEG, (a,))
+
+
+def power(a: Expression, b: Expression) -> Expression:
+    """Return a to the power b."""
+    if b == ZERO:
+        return ONE
+    if b == ONE:
+        return a
+    if isinstance(a, Number) and isinstance(b, Number) and b.value.denominator == 1 and a.value:
+        exponent = int(b.value)
+        if abs(exponent) * _bits(a.value) <= LARGEST_BITS:
+            return Number(a.value**exponent)
+    return Apply(Function.POW, (a, b))
+
+
+def apply(function: Function, *args: Expression) -> Expression:
+    """Return a function of formulas, through its builder where it has one."""
+    match function:
+        case Function.ADD:
+            return add(*args)
+        case Function.MUL:
+            return mul(*args)
+        case Function.DIV:
+            return div(*args)
+        case Function.NEG:
+            return neg(*args)
+        case Function.POW:
+            return power(*args)
+        case _:
+            return Apply(function, args)
+
+
+def ordered(expression: Expression) -> tuple[Expression, ...]:
+    """Return all parts of a formula, each once and after its own parts, the formula last.
+
+    Parts are told apart by identity: a formula that is shared is one part.
+    """
+    done: dict[int, Expression] = {}
+    stack = [expression]
+    while stack:
+        part = stack[-1]
+        args: Iterable[Expression] = part.args if isinstance(part, Apply) else ()
+        missing = [arg for arg in args if id(arg) not in done]
+        if missing:
+            stack.extend(reversed(missing))
+        else:
+            done[id(stack.pop())] = part
+    return tuple(done.values())
+
+
+def names_of(expression: Expression) -> tuple[str, ...]:
+    """Return the names that a formula depends on, in the order of the text."""
+    names = (part.name for part in ordered(expression) if isinstance(part, Name))
+    return tuple(dict.fromkeys(names))
+
+
+def _folded(a: Expression, b: Expression, sign: str) -> Number | None:
+    """Return the number that two numbers make, unless it has too many digits."""
+    if not isinstance(a, Number) or not isinstance(b, Number):
+        return None
+    if _bits(a.value) + _bits(b.value) > LARGEST_BITS:
+        return None
+    match sign:
+        case "+":
+            return Number(a.value + b.value)
+        case "*":
+            return Number(a.value * b.value)
+        case _:
+            return Number(a.value / b.value)
+
+
+def _bits(value: Fraction) -> int:
+    return max(value.numerator.bit_length(), value.denominator.bit_length())
