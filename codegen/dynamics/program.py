@@ -136,8 +136,8 @@ class Program:
     kernels : tuple of Kernel
         Each input and each output is one run of slots; names are ``x0``, ``x1`` … and ``y0`` ….
     segments : tuple of Segment
-        Each slot is written by one task at most. What ``geometry`` leaves in the workspace is read
-        by all others; these share nothing else.
+        No two tasks of a segment write the same slot. What ``geometry`` leaves in the workspace is
+        read by those in :data:`AFTER_GEOMETRY`; segments share nothing else but the regions.
     regions : tuple of Region
         By name; the rest of the workspace is scratch.
     constants : tuple of Fraction
@@ -204,6 +204,9 @@ SEGMENTS = {
     "acceleration": "v, t -> q_dot, v_dot, lam",
     "energy": "q, v -> energies",
 }
+
+#: The segments that read what ``geometry`` left; the others need regions only.
+AFTER_GEOMETRY = frozenset({"position", "velocity", "acceleration"})
 
 
 def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:
