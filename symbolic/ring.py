@@ -8,7 +8,6 @@ evaluated at points, and nothing is rounded.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -27,6 +26,7 @@ from sympy.polys.domains import QQ
 from sympy.polys.rings import ring
 
 from kousoku.model.errors import DerivationError
+from kousoku.symbolic.fractions import Fraction, Norm, Polynomial
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
@@ -44,48 +44,10 @@ if TYPE_CHECKING:
 
     from kousoku.model.quantity import Quantity
 
-Polynomial = Any
-Rows = list[list["Fraction"]]
+Rows = list[list[Fraction]]
 
 #: Generators kept ready for square roots, sines, cosines and angles.
 SPARE = 16
-
-
-@dataclass(frozen=True, slots=True)
-class Fraction:
-    """A fraction of two polynomials; common factors stay."""
-
-    over: Polynomial
-    under: Polynomial
-
-    def __add__(self, other: Fraction) -> Fraction:
-        if self.under == other.under:
-            return Fraction(self.over + other.over, self.under)
-        if not self.over:
-            return other
-        if not other.over:
-            return self
-        for one, two in ((self, other), (other, self)):
-            times, rest = one.under.div(two.under)
-            if not rest:  # powers of one norm, say
-                return Fraction(one.over + two.over * times, one.under)
-        return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
-
-    def cancelled(self) -> Fraction:
-        """Return the same number without its denominator where that divides."""
-        if self.under == self.under.ring.one:
-            return self
-        quotient, rest = self.over.div(self.under)
-        return self if rest else Fraction(quotient, self.under.ring.one)
-
-    def __sub__(self, other: Fraction) -> Fraction:
-        return self + Fraction(-other.over, other.under)
-
-    def __mul__(self, other: Fraction) -> Fraction:
-        return Fraction(self.over * other.over, self.under * other.under)
-
-    def __rmul__(self, number: int) -> Fraction:
-        return Fraction(number * self.over, self.under)
 
 
 class Ring:
@@ -126,6 +88,7 @@ class Ring:
         }
         self._functions: list[tuple[str, tuple[Fraction, ...], Fraction]] = []
         self._squares: list[tuple[Polynomial, Polynomial, Polynomial]] = []
+        self._norms: list[Norm] = []
         self._quantities = {q.name: q for q in quantities}
         self._given = dict(matrices or {})
         self._memo: dict[Any, Rows] = {}
@@ -152,7 +115,9 @@ class Ring:
             case Dot() if self._is_unit and x.args[0] == x.args[1] and x.args[0].shape == (4, 1):
                 return self.scalar(sympy.S.One)
             case Dot():
-                ((value,),) = _product(_transposed(self.matrix(x.args[0])), self.matrix(x.args[1]))
+                ((value,),) = _product(
+                    _transposed(self.matrix(x.args[0])), self.matrix(x.args[1]), self._norms
+                )
                 return value
             case sympy.Add():
                 return _sum([self.scalar(arg) for arg in x.args])
@@ -282,6 +247,9 @@ class Ring:
         if not self._is_unit:
             return form
         square = _sum([e * e for e in p])
+        if p[0].over.is_generator:
+            place = self._ring.gens.index(p[0].over)
+            self._norms.append(Norm(place, square.over - p[0].over ** 2))
         return [[Fraction(cell.over, square.over) for cell in row] for row in form]
 
     def cells(self, x: Any) -> list[Fraction]:
@@ -305,9 +273,9 @@ class Ring:
         matrices = [self.matrix(factor) for factor in factors]
         while len(matrices) > 1:  # start at the narrow end
             if len(matrices[-1][0]) <= len(matrices[0]):
-                matrices[-2:] = [_product(matrices[-2], matrices[-1])]
+                matrices[-2:] = [_product(matrices[-2], matrices[-1], self._norms)]
             else:
-                matrices[:2] = [_product(matrices[0], matrices[1])]
+                matrices[:2] = [_product(matrices[0], matrices[1], self._norms)]
         value = self.scalar(scalar)
         return [[self._reduced(value * cell) for cell in row] for row in matrices[0]]
 
@@ -353,14 +321,14 @@ def _transposed(rows: Rows) -> Rows:
     return [list(column) for column in zip(*rows, strict=True)]
 
 
-def _product(left: Rows, right: Rows) -> Rows:
+def _product(left: Rows, right: Rows, norms: Sequence[Norm]) -> Rows:
     columns = _transposed(right)
     return [
         [
             _sum(
                 [a * b for a, b in zip(row, column, strict=True) if a.over and b.over]
                 or [row[0] - row[0]]
-            ).cancelled()
+            ).cancelled(norms)
             for column in columns
         ]
         for row in left

@@ -1,0 +1,82 @@
+"""Fractions of polynomials, and the norms that are divided out of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+Polynomial = Any
+
+
+@dataclass(frozen=True, slots=True)
+class Fraction:
+    """A fraction of two polynomials; common factors stay."""
+
+    over: Polynomial
+    under: Polynomial
+
+    def __add__(self, other: Fraction) -> Fraction:
+        if self.under == other.under:
+            return Fraction(self.over + other.over, self.under)
+        if not self.over:
+            return other
+        if not other.over:
+            return self
+        for one, two in ((self, other), (other, self)):
+            times, rest = one.under.div(two.under)
+            if not rest:  # powers of one norm, say
+                return Fraction(one.over + two.over * times, one.under)
+        return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
+
+    def cancelled(self, norms: Sequence[Norm]) -> Fraction:
+        """Return the same number without norms that divide both parts.
+
+        Where there are none, without its denominator if that divides.
+        """
+        if not norms and self.under != self.under.ring.one:
+            quotient, rest = self.over.div(self.under)
+            return self if rest else Fraction(quotient, self.under.ring.one)
+        over, under = self.over, self.under
+        for norm in norms:
+            while under != under.ring.one:
+                less = norm.divide(under)
+                quotient = None if less is None else norm.divide(over)
+                if less is None or quotient is None:
+                    break
+                over, under = quotient, less
+        return Fraction(over, under)
+
+    def __sub__(self, other: Fraction) -> Fraction:
+        return self + Fraction(-other.over, other.under)
+
+    def __mul__(self, other: Fraction) -> Fraction:
+        return Fraction(self.over * other.over, self.under * other.under)
+
+    def __rmul__(self, number: int) -> Fraction:
+        return Fraction(number * self.over, self.under)
+
+
+@dataclass(frozen=True, slots=True)
+class Norm:
+    """A polynomial g² + s, g a generator that s does not hold, such as p·p."""
+
+    place: int
+    rest: Polynomial
+
+    def divide(self, x: Polynomial) -> Polynomial | None:
+        """Return x / (g² + s), or None where that is no polynomial: long division in g."""
+        parts: dict[int, Polynomial] = {}
+        for powers, value in x.terms():
+            k = powers[self.place]
+            part = parts.setdefault(k, x.ring.zero)
+            part[(*powers[: self.place], 0, *powers[self.place + 1 :])] = value
+        quotient = x.ring.zero
+        for k in range(max(parts, default=0), 1, -1):
+            part = parts.get(k)
+            if part:
+                parts[k - 2] = parts.get(k - 2, x.ring.zero) - self.rest * part
+                quotient += part * x.ring.gens[self.place] ** (k - 2)
+        return None if parts.get(0) or parts.get(1) else quotient
