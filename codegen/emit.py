@@ -85,9 +85,14 @@ def digest(package: Package, solver: object = None) -> str:
     for name in sorted(_TEMPLATES.list_templates()):
         if name.startswith("dynamics/") or (name.startswith("linkage/") and solver is None):
             continue  # not what this package is made of
-        text, _, _ = _TEMPLATES.get_source(environment(), name)
-        total.update(f"\n{name}\n{text}".encode())
+        total.update(template(name).encode())
     return total.hexdigest()
+
+
+def template(name: str) -> str:
+    """Return the name and the text of a template, as digests count them."""
+    text, _, _ = _TEMPLATES.get_source(environment(), name)
+    return f"\n{name}\n{text}"
 
 
 def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:

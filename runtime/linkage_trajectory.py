@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.cache import write_atomically
-from kousoku.model.errors import SolveError
+from kousoku.runtime.tables import save_columns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,9 +16,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     Array = npt.NDArray[np.float64]
-
-#: Suffixes that :meth:`Trajectory.save` knows.
-SUFFIXES = (".csv", ".npz")
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,23 +100,8 @@ class Trajectory:
         return table
 
     def save(self, path: str | Path) -> None:
-        """Write the columns to a ``.csv`` or ``.npz`` file, whole or not at all.
-
-        A CSV file has one line of names, then one line a row with all digits of the doubles.
-
-        Raises
-        ------
-        SolveError
-            The name ends otherwise, or the file cannot be written.
-        """
-        path = Path(path)
-        if path.suffix not in SUFFIXES:
-            raise SolveError(f"{path}: results go to a file that ends in {' or '.join(SUFFIXES)}")
-        table = self.columns()
-        try:
-            write_atomically(path, _csv(table) if path.suffix == ".csv" else _npz(table))
-        except OSError as error:
-            raise SolveError(f"{path}: cannot be written: {error.strerror or error}") from error
+        """Write the columns to a ``.csv`` or ``.npz`` file, as :func:`save_columns` does."""
+        save_columns(self.columns(), Path(path))
 
     def summary(self) -> dict[str, Any]:
         """Return what a program may want to know, ready for JSON."""
@@ -141,17 +121,3 @@ class Trajectory:
             },
             "residual_max": self.residual_max,
         }
-
-
-def _csv(table: Mapping[str, Array]) -> bytes:
-    lines = [",".join(table)]
-    rows = zip(*(column.tolist() for column in table.values()), strict=True)
-    lines += [",".join(map(repr, row)) for row in rows]
-    return ("\n".join(lines) + "\n").encode()
-
-
-def _npz(table: Mapping[str, Array]) -> bytes:
-    buffer = io.BytesIO()
-    columns: dict[str, Any] = dict(table)
-    np.savez(buffer, **columns)
-    return buffer.getvalue()

@@ -103,6 +103,11 @@ class DynamicsView:
         For each velocity 1 where it moves, 0 where it turns.
     floors : str
         For each component of the state what its error is compared with when it is zero.
+    shifts, turns : str
+        Rows of indices: of a length in q and v; of Euler parameters in q, their turn in v, their
+        count.
+    shift_count, turn_count : int
+        How many rows.
     length : str
         A length of the scene [m].
     """
@@ -115,6 +120,10 @@ class DynamicsView:
     constants: str
     is_length: str
     floors: str
+    shifts: str
+    turns: str
+    shift_count: int
+    turn_count: int
     length: str
 
 
@@ -155,19 +164,13 @@ def task_table(tasks: Sequence[Task]) -> list[int]:
     return numbers
 
 
-def dynamics_view(
-    program: Program, is_length: Sequence[bool], floors: Sequence[float], length: float
-) -> DynamicsView:
+def dynamics_view(program: Program, length: float) -> DynamicsView:
     """Return what the templates get.
 
     Parameters
     ----------
     program : Program
         Task lists, or what inlining made of them.
-    is_length : sequence of bool
-        For each element of ``v`` whether it is a velocity, not an angular velocity.
-    floors : sequence of float
-        For each element of ``q`` and ``v`` the size below which errors are not relative.
     length : float [m]
         A length of the scene, to which corrections are compared.
     """
@@ -176,6 +179,9 @@ def dynamics_view(
     sizes += [(name, program.region(region).size) for name, region in counts.items()]
     sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
+    shifts, turns = _shifts(program), _turns(program)
+    lengths = {k for pair in shifts for k in pair}
+    q, v = (_slots(program, name) for name in ("q", "v"))
     return DynamicsView(
         name=program.name,
         sizes=tuple(sizes),
@@ -186,10 +192,38 @@ def dynamics_view(
         ),
         methods=tuple(map(_method, METHODS.values())),
         constants=_numbers(literal(value) for value in program.constants),
-        is_length=_numbers(int(flag) for flag in is_length),
-        floors=_numbers(map(repr, floors)),
+        is_length=_numbers(int(slot in lengths) for slot in v),
+        floors=_numbers(repr(length if slot in lengths else 1.0) for slot in (*q, *v)),
+        shifts=_rows([a - q[0], b - v[0]] for a, b in shifts),
+        turns=_rows([a - q[0], b - v[0], n] for a, b, n in turns),
+        shift_count=len(shifts),
+        turn_count=len(turns),
         length=repr(length),
     )
+
+
+def _slots(program: Program, name: str) -> range:
+    region = program.region(name)
+    return range(region.base, region.base + region.size)
+
+
+def _shifts(program: Program) -> list[tuple[int, int]]:
+    """Return the slots of each length that changes, in q and in v."""
+    pairs = (
+        (r.slot, v.slot) for body in program.bodies for r, v in zip(body.r, body.v, strict=True)
+    )
+    return [(r, v) for r, v in pairs if v >= 0]
+
+
+def _turns(program: Program) -> list[tuple[int, int, int]]:
+    """Return the first slot of Euler parameters, that of the turn, and how many parameters vary."""
+    found = []
+    for body in program.bodies:
+        p = [place.slot for place in body.p if place.slot >= 0]
+        omega = [place.slot for place in body.omega_b if place.slot >= 0]
+        if p:
+            found.append((p[0], omega[0], len(p)))
+    return found
 
 
 def _method(method: Method) -> MethodText:
@@ -214,6 +248,11 @@ def _method(method: Method) -> MethodText:
 
 def _numbers(items: Iterable[object]) -> str:
     return _lines(f"{item}," for item in items) or "0,"
+
+
+def _rows(rows: Iterable[Sequence[int]]) -> str:
+    texts = [f"{{{', '.join(map(str, row))}}}," for row in rows]
+    return _lines(texts) or "{0},"
 
 
 def _lines(items: Iterable[str]) -> str:

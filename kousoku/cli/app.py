@@ -13,6 +13,7 @@ from kousoku.cli.derive import derive
 from kousoku.cli.generate import generate
 from kousoku.cli.ledger import ledger
 from kousoku.cli.listing import list_names
+from kousoku.cli.simulate import simulate
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
 from kousoku.model.errors import KousokuError
@@ -52,6 +53,7 @@ app.command("derive")(derive)
 app.command("generate")(generate)
 app.command("verify")(verify)
 app.command("solve")(solve)
+app.command("simulate")(simulate)
 app.command("ledger")(ledger)
 app.command("list")(list_names)
 

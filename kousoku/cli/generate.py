@@ -125,12 +125,14 @@ def _orders(name: str, out: Path | None) -> list[Order]:
 
 
 def _scene_order(path: Path, out: Path | None) -> Order:
-    from kousoku.cli.scenes import read_planar_scene, scene_folder
+    from kousoku.cli.scenes import scene_folder
+    from kousoku.codegen.dynamics.generate import generate_dynamics
     from kousoku.codegen.linkage import generate_scene
+    from kousoku.model.read import read_scene
 
-    scene = read_planar_scene(path)
+    scene = read_scene(path)
     folder = scene_folder(scene.name) if out is None else out / scene.name
-    return Order(folder, partial(generate_scene, scene))
+    return Order(folder, partial(generate_dynamics if scene.is_spatial else generate_scene, scene))
 
 
 def _kinds_folder() -> Path:

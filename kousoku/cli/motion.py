@@ -9,7 +9,7 @@ import numpy as np
 
 from kousoku.closed_form import closed_form
 from kousoku.model.errors import SolveError
-from kousoku.runtime.linkage_trajectory import SUFFIXES
+from kousoku.runtime.tables import SUFFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import tempfile
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.cli.console import Target, checkout, generated_folder
 from kousoku.model.errors import SceneError
 from kousoku.model.read import read_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
 
     from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.linkage import LinkageSolver
+
+Solver = TypeVar("Solver")
 
 
 def read_planar_scene(path: Path) -> Scene:
@@ -31,6 +35,24 @@ def read_planar_scene(path: Path) -> Scene:
             "is a valid spatial scene, but solvers are generated for planar linkages only",
             file=str(path),
             key="bodies" if scene.bodies else "joints",
+        )
+    return scene
+
+
+def read_spatial_scene(path: Path) -> Scene:
+    """Read and check a scene file of bodies.
+
+    Raises
+    ------
+    SceneError
+        The file is not a valid scene, or a planar linkage.
+    """
+    scene = read_scene(path)
+    if not scene.is_spatial:
+        raise SceneError(
+            "is a linkage whose inputs are prescribed; wanted bodies and joints, or: kousoku solve",
+            file=str(path),
+            key="nodes",
         )
     return scene
 
@@ -56,24 +78,37 @@ def scene_folder(name: str) -> Path:
 
 def solver_of(scene: Scene, target: Target) -> LinkageSolver:
     """Return the loaded solver of a scene, from the committed package where that is the same."""
-    from kousoku.codegen.generate import check_tree, write_tree
     from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.cache import cache_folder
     from kousoku.runtime.linkage import load_scene
 
-    tree = generate_scene(scene)
+    return _loaded(scene, generate_scene(scene), partial(load_scene, target=target.value))
+
+
+def dynamics_of(scene: Scene) -> DynamicsSolver:
+    """Return the loaded solver of a scene of bodies, as :func:`solver_of` does for linkages."""
+    from kousoku.codegen.dynamics.generate import generate_dynamics
+    from kousoku.runtime.dynamics import load_dynamics
+
+    return _loaded(scene, generate_dynamics(scene), load_dynamics)
+
+
+def _loaded(scene: Scene, tree: Mapping[str, str], load: Callable[[Path], Solver]) -> Solver:
+    """Load a scene's files from where they are committed, or from the cache."""
+    from kousoku.codegen.generate import check_tree, write_tree
+    from kousoku.model.cache import cache_folder
+
     committed = generated_folder() / scene.name
     if committed.is_dir() and not check_tree(committed, tree):
-        return load_scene(committed, target=target.value)
+        return load(committed)
     try:
         folder = cache_folder() / "scenes" / _digest(tree) / scene.name
         write_tree(folder, tree)
-        return load_scene(folder, target=target.value)
+        return load(folder)
     except OSError:  # a full or read-only cache: the folder is needed only until it is loaded
         with tempfile.TemporaryDirectory() as place:
             folder = Path(place) / scene.name
             write_tree(folder, tree)
-            return load_scene(folder, target=target.value)
+            return load(folder)
 
 
 def _digest(tree: Mapping[str, str]) -> str:
