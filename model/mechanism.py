@@ -7,7 +7,7 @@ The ground is body :data:`GROUND_INDEX`; its frame is frame O and it has no coor
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]
@@ -97,10 +97,17 @@ class System:
         Joint by joint, in the order of the scene.
     gravity : (3,) [m/s²]
         Acceleration of free fall, frame O.
+    held : tuple of Instance
+        What assembly keeps of the positions, as constraints with the ground that hold at the start;
+        ``joint`` is the key in the scene.
+    held_rates : tuple of Instance
+        What it keeps of the velocities: constraints whose rates stay what they are.
     """
 
     name: str
     unit: float
     bodies: tuple[MovingBody, ...]
     constraints: tuple[Instance, ...]
-    gravity: Vector = field(default=(0.0, 0.0, 0.0))
+    gravity: Vector = (0.0, 0.0, 0.0)
+    held: tuple[Instance, ...] = ()
+    held_rates: tuple[Instance, ...] = ()

@@ -138,7 +138,9 @@ def quaternion_of(matrix: Square) -> Quadruple:
     )[1]
 
 
-def rounded(values: Sequence[High], size: High = 0) -> tuple[float, ...]:
+def rounded(
+    values: Sequence[High], size: High = 0, noise: High = NOISE
+) -> tuple[float, ...]:
     """Return numbers rounded to doubles, with rounded zeros as zeros.
 
     Parameters
@@ -147,6 +149,8 @@ def rounded(values: Sequence[High], size: High = 0) -> tuple[float, ...]:
         Components of a vector or a quaternion.
     size : number
         The largest of the numbers that they came from; their own largest when that is more.
+    noise : number
+        The part of it below which a component is a rounded zero.
     """
-    limit = NOISE * max(size, *(abs(value) for value in values))
+    limit = noise * max(size, *(abs(value) for value in values))
     return tuple(0.0 if abs(value) <= limit else float(value) for value in values)

@@ -1,12 +1,15 @@
 """The elements of a spatial mechanism as a scene describes them: bodies and joints."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
+from typing import Literal
+
 import msgspec
 
 from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Vector = tuple[float, float, float]
+Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
 
 GROUND = "ground"
 """The name of the fixed body, whose frame is frame O; every scene has it."""
@@ -31,6 +34,9 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
         Angular velocity at the start, in frame O.
     angular_velocity_b : (3,) [rad/s], optional
         The same in the body frame, instead.
+    hold : tuple of str
+        What assembly may not change: ``x``, ``y``, ``z`` of the origin of the body frame,
+        ``orientation``, ``velocity``, ``angular_velocity``.
     point : bool
         Whether the body is a point: three coordinates, no orientation, and all of its mass there.
     mass : float [kg], optional
@@ -56,6 +62,7 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     velocity: Vector = (0.0, 0.0, 0.0)
     angular_velocity: Vector | None = None
     angular_velocity_b: Vector | None = None
+    hold: tuple[Held, ...] = ()
     point: bool = False
     mass: float | None = None
     center: Vector | None = None

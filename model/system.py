@@ -5,16 +5,23 @@ What a number of the scene becomes is computed in 50 digits and rounded once.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
+from kousoku.model.frames import (
+    GROUND_FRAME,
+    BodyFrame,
+    joint_vectors,
+    to_quaternion,
+    to_vector,
+)
+from kousoku.model.held import held_of
 from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import GROUND_INDEX, Instance, MovingBody, System
-from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.mechanism import Instance, MovingBody, System
+from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
@@ -24,7 +31,6 @@ if TYPE_CHECKING:
 
     from kousoku.model.joints import Part
     from kousoku.model.mass import MassProperties
-    from kousoku.model.mechanism import Vector
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
 
@@ -57,11 +63,13 @@ def system_of(scene: Scene) -> System:
             key=f"inputs.{name}",
         )
     unit = precise.number(METRES[scene.unit])
-    frames = {GROUND: _Frame(GROUND_INDEX, ZERO, IDENTITY, ZERO, IDENTITY, is_point=False)}
-    bodies = []
+    frames = {GROUND: GROUND_FRAME}
+    bodies: list[MovingBody] = []
+    held: list[Instance] = []
+    held_rates: list[Instance] = []
     for index, (name, body) in enumerate(scene.bodies.items()):
         properties = mass_properties(body)
-        frame = frames[name] = _Frame(
+        frame = frames[name] = BodyFrame(
             index,
             precise.triple(body.position),
             quaternion(body.orientation),
@@ -70,6 +78,9 @@ def system_of(scene: Scene) -> System:
             body.point,
         )
         bodies.append(_moving(name, body, frame, properties, unit))
+        kept = held_of(name, body, frame, unit)
+        held += kept[0]
+        held_rates += kept[1]
     constraints = (
         instance
         for name, joint in scene.joints.items()
@@ -80,58 +91,14 @@ def system_of(scene: Scene) -> System:
         unit=float(unit),
         bodies=tuple(bodies),
         constraints=tuple(constraints),
-        gravity=_vector(precise.scale(unit, precise.triple(scene.gravity))),
+        gravity=to_vector(precise.scale(unit, precise.triple(scene.gravity))),
+        held=tuple(held),
+        held_rates=tuple(held_rates),
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Frame:
-    """A body frame as the scene gives it, and the principal frame in it.
-
-    Parameters
-    ----------
-    index : int
-        The body.
-    position : (3,) [unit of the scene]
-        Origin of the body frame, frame O.
-    p : (4,)
-        Euler parameters of the body frame, of any length.
-    center : (3,) [unit of the scene]
-        Centre of mass in the body frame.
-    axes : (4,)
-        Euler parameters that take components in the body frame to the principal frame.
-    is_point : bool
-        Whether the body is a point, which has no point but its own.
-    """
-
-    index: int
-    position: Triple
-    p: Quadruple
-    center: Triple
-    axes: Quadruple
-    is_point: bool
-
-    def principal(self, a: Triple) -> Triple:
-        """Return the components in the principal frame of a vector of the body frame."""
-        return precise.rotate(self.axes, a)
-
-    def from_ground(self, a: Triple) -> Triple:
-        """Return the components in the principal frame of a vector of frame O."""
-        return self.principal(precise.rotate_back(self.p, a))
-
-    def to_ground(self, a: Triple) -> Triple:
-        """Return the components in frame O of a vector of the principal frame."""
-        return precise.rotate(self.p, precise.rotate_back(self.axes, a))
-
-    def point(self, s: Triple, unit: High) -> Vector:
-        """Return a point of the body frame, seen from the centre of mass in the principal frame."""
-        size = precise.length(s) + precise.length(self.center)
-        arm = self.principal(precise.subtract(s, self.center))
-        return _vector(precise.scale(unit, arm), unit * size)
-
-
 def _moving(
-    name: str, body: Body, frame: _Frame, properties: MassProperties, unit: High
+    name: str, body: Body, frame: BodyFrame, properties: MassProperties, unit: High
 ) -> MovingBody:
     arm = precise.rotate(frame.p, frame.center)
     if body.angular_velocity_b is not None:
@@ -141,29 +108,29 @@ def _moving(
         omega = precise.triple(body.angular_velocity or (0.0, 0.0, 0.0))
         spin = precise.rotate_back(frame.p, omega)
     velocity = precise.add(precise.triple(body.velocity), precise.cross(omega, arm))
-    moments = _vector(precise.scale(unit * unit, properties.moments))
+    moments = to_vector(precise.scale(unit * unit, properties.moments))
     return MovingBody(
         name=name,
         mass=float(properties.mass),
         inertia=(max(0.0, moments[0]), max(0.0, moments[1]), max(0.0, moments[2])),
         is_point=body.point,
-        r=_vector(precise.scale(unit, precise.add(frame.position, arm))),
-        p=_quaternion(precise.compose(frame.p, precise.conjugate(frame.axes))),
-        v=_vector(precise.scale(unit, velocity)),
-        omega_b=_vector(frame.principal(spin)),
+        r=to_vector(precise.scale(unit, precise.add(frame.position, arm))),
+        p=to_quaternion(precise.compose(frame.p, precise.conjugate(frame.axes))),
+        v=to_vector(precise.scale(unit, velocity)),
+        omega_b=to_vector(frame.principal(spin)),
         origin_b=frame.point(ZERO, unit),
-        axes_b=_quaternion(frame.axes),
+        axes_b=to_quaternion(frame.axes),
     )
 
 
 def _instances(
-    name: str, joint: Joint, frames: Mapping[str, _Frame], unit: High
+    name: str, joint: Joint, frames: Mapping[str, BodyFrame], unit: High
 ) -> Iterator[Instance]:
     """Yield what a joint is composed of, in the order of the table of joints."""
     kind = JOINTS[NAMES[joint.type]]
     ends = frames[joint.bodies[0]], frames[joint.bodies[1]]
     points = _points(joint, ends) if kind.has_point else ()
-    vectors = _vectors(joint, ends) if any(kind.turns(k) for k in (0, 1)) else ({}, {})
+    vectors = joint_vectors(ends, joint) if any(kind.turns(k) for k in (0, 1)) else ({}, {})
     for part in kind.parts:
         constants = dict(_constants(part, ends, points, vectors, unit))
         package = part.kind
@@ -176,7 +143,7 @@ def _instances(
 
 def _constants(
     part: Part,
-    ends: tuple[_Frame, _Frame],
+    ends: tuple[BodyFrame, BodyFrame],
     points: Sequence[Triple],
     vectors: tuple[dict[str, Triple], dict[str, Triple]],
     unit: High,
@@ -190,7 +157,7 @@ def _constants(
             yield f"s_{body}_b", ends[k].point(points[k], unit)
 
 
-def _points(joint: Joint, ends: tuple[_Frame, _Frame]) -> tuple[Triple, ...]:
+def _points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, ...]:
     """Return the point of a joint in the two body frames; of a point body it is the body itself."""
     if joint.points is not None:
         return tuple(map(precise.triple, joint.points))
@@ -202,40 +169,8 @@ def _points(joint: Joint, ends: tuple[_Frame, _Frame]) -> tuple[Triple, ...]:
     )
 
 
-def _vectors(
-    joint: Joint, ends: tuple[_Frame, _Frame]
-) -> tuple[dict[str, Triple], dict[str, Triple]]:
-    """Return axis, across and third of the two joint frames, each in its principal frame.
-
-    The frame of body j is that of body i at the positions of the scene, turned as little as makes
-    its axis the one that is given: this is the turn that prismatic and fixed joints keep.
-    """
-    first, second = ends
-    if joint.axes is not None:
-        axis_i, axis_j = (
-            end.principal(precise.triple(axis)) for end, axis in zip(ends, joint.axes, strict=True)
-        )
-    elif joint.axis is not None:
-        axis_i = first.from_ground(precise.triple(joint.axis))
-        axis_j = second.from_ground(precise.triple(joint.second_axis or joint.axis))
-    else:
-        axis_i = precise.triple((0.0, 0.0, 1.0))
-        axis_j = second.from_ground(first.to_ground(axis_i))
-    axis_i, axis_j = precise.unit(axis_i), precise.unit(axis_j)
-    across_i = precise.across(axis_i)
-    seen = precise.without(second.from_ground(first.to_ground(across_i)), axis_j)
-    across_j = (
-        precise.across(axis_j) if precise.length(seen) < precise.NOISE else precise.unit(seen)
-    )
-    return _frame_of(axis_i, across_i), _frame_of(axis_j, across_j)
-
-
-def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:
-    return {"axis": axis, "across": across, "third": precise.cross(axis, across)}
-
-
 def _length(
-    name: str, joint: Joint, ends: tuple[_Frame, _Frame], points: Sequence[Triple], unit: High
+    name: str, joint: Joint, ends: tuple[BodyFrame, BodyFrame], points: Sequence[Triple], unit: High
 ) -> float:
     """Return the length of a rod, the distance of its points where the scene gives none."""
     if joint.length is not None:
@@ -248,14 +183,3 @@ def _length(
     if not length:
         raise SceneError("is missing, and its two points coincide", key=f"joints.{name}.length")
     return float(unit * length)
-
-
-def _vector(values: Triple, size: High = 0) -> Vector:
-    x, y, z = precise.rounded(values, size)
-    return x, y, z
-
-
-def _quaternion(p: Quadruple) -> tuple[float, float, float, float]:
-    size = precise.length(p)
-    w, x, y, z = precise.rounded([component / size for component in p])
-    return w, x, y, z

@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
 
+TURNING = ("orientation", "angular_velocity")
+"""What a point cannot hold."""
+
 ROTATION_KEYS = ("orientation", "angular_velocity", "angular_velocity_b")
 """Keys of a body that a point does not have."""
 
@@ -53,6 +56,9 @@ def _check_body(body: Body, key: str) -> None:
         for name in ROTATION_KEYS:
             if getattr(body, name) is not None:
                 raise SceneError("a point does not turn; leave it out", key=f"{key}.{name}")
+        for index, held in enumerate(body.hold):
+            if held in TURNING:
+                raise SceneError("a point does not turn; leave it out", key=f"{key}.hold[{index}]")
     elif body.angular_velocity is not None and body.angular_velocity_b is not None:
         raise SceneError(
             "is given in frame O too, as angular_velocity; wanted one of them",

@@ -1,0 +1,135 @@
+"""The smallest displacements that change rows as wanted, also where rows depend on each other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.model import precise
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.residuals import Array, Jacobian, Residuals
+    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.precise import High
+
+DEPENDENT = 1e-11
+"""Eigenvalues of S below this part of the largest belong to rows that depend on others."""
+
+PASSES = 4
+"""How often what is missing is solved for again; each pass adds five digits at least."""
+
+THIN = 1e-3
+"""Least moment of inertia that weighs a displacement, as a part of the largest of the body."""
+
+
+class Metric:
+    """What a displacement weighs: masses and moments, relative to those of the system.
+
+    Parameters
+    ----------
+    system : System
+        Its bodies give masses, its constraints the length that compares metres with radians.
+    """
+
+    def __init__(self, system: System) -> None:
+        given = [body.mass for body in system.bodies if body.mass > 0]
+        mass = sum(given) / len(given) if given else 1.0
+        #: A length of the system [m].
+        self.size = _size(system)
+        weights = [
+            value / mass for body in system.bodies for value in _weights(body, mass, self.size)
+        ]
+        #: Diagonal of W⁻¹ in 50 digits, per column.
+        self.inverse = [1 / precise.number(weight) for weight in weights]
+
+    def norm(self, step: Sequence[High]) -> High:
+        """Return √(dᵀ W d), a length."""
+        terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
+        return HIGH_CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
+
+    def lengths(self, residuals: Residuals) -> list[High]:
+        """Return for each row the factor that makes it a length."""
+        one, size = precise.number(1.0), precise.number(self.size)
+        return [one if is_length else size for is_length in residuals.in_metres]
+
+
+def _weights(body: MovingBody, mass: float, size: float) -> list[float]:
+    """Return six weights of a body; what it does not say is taken from the system."""
+    own = body.mass if body.mass > 0 else mass
+    largest = max(body.inertia) or own * size**2 / 10
+    return [own] * 3 + [max(moment, THIN * largest) for moment in body.inertia]
+
+
+def _size(system: System) -> float:
+    """Return the largest distance of a joint from a centre of mass, or between two points."""
+    lengths: list[tuple[float, ...]] = []
+    for instance in system.constraints:
+        constants = dict(instance.constants)
+        lengths += [constants[name] for name in ("length",) if name in constants]
+        for letter, body in (("i", instance.i), ("j", instance.j)):
+            lengths += [constants.get(f"s_{letter}_b", ())] if body >= 0 else []
+    return max((abs(x) for values in lengths for x in values), default=0.0) or 1.0
+
+
+class Solver:
+    """S = C_q W⁻¹ C_qᵀ in doubles, and its solutions of least norm.
+
+    Parameters
+    ----------
+    jacobian : Jacobian
+        C_q.
+    metric : Metric
+        W.
+    lengths : sequence
+        Factors that make rows comparable.
+    """
+
+    def __init__(self, jacobian: Jacobian, metric: Metric, lengths: Sequence[High]) -> None:
+        self._factors = np.array([float(x) for x in lengths])
+        roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
+        scaled = self._factors[:, None] * jacobian.dense() * roots
+        values, self._vectors = np.linalg.eigh(scaled @ scaled.T)
+        self._values: Array = np.maximum(values, 0.0)
+        self._jacobian, self._metric = jacobian, metric
+
+    def multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
+        """Return λ of least norm with S λ = wanted, or damped by a part of the largest S."""
+        right = self._factors * np.array([float(x) for x in wanted])
+        largest = self._values[-1]
+        is_kept = self._values > DEPENDENT * largest
+        divisors = np.where(is_kept, self._values + damping * largest, np.inf)
+        solution = self._vectors @ (self._vectors.T @ right / divisors)
+        return [precise.number(float(x)) for x in self._factors * solution]
+
+    def step(self, wanted: Sequence[High], damping: float) -> list[High]:
+        """Return a displacement that changes the rows about as wanted, damped."""
+        return self._displacement(self._multipliers(wanted, damping))
+
+    def displacement(self, wanted: Sequence[High]) -> list[High]:
+        """Return the least d with C_q d = wanted, in 50 digits as far as the rows allow it."""
+        lam = [precise.ZERO[0]] * len(wanted)
+        missing = wanted
+        for _ in range(PASSES):
+            lam = [x + y for x, y in zip(lam, self._multipliers(missing), strict=True)]
+            d = self._displacement(lam)
+            reached = self._jacobian.times(d)
+            missing = [x - y for x, y in zip(wanted, reached, strict=True)]
+        return d
+
+    def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
+        """Return λ of least norm with S λ = wanted, or damped by a part of the largest S."""
+        right = self._factors * np.array([float(x) for x in wanted])
+        largest = self._values[-1]
+        is_kept = self._values > DEPENDENT * largest
+        divisors = np.where(is_kept, self._values + damping * largest, np.inf)
+        solution = self._vectors @ (self._vectors.T @ right / divisors)
+        return [precise.number(float(x)) for x in self._factors * solution]
+
+    def _displacement(self, lam: Sequence[High]) -> list[High]:
+        """Return W⁻¹ C_qᵀ λ."""
+        products = self._jacobian.transposed_times(lam)
+        return [w * x for w, x in zip(self._metric.inverse, products, strict=True)]

@@ -1,0 +1,110 @@
+"""Body frames and joint frames of a scene in 50 digits, and what becomes of them when rounded."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import Quaternion, Vector
+    from kousoku.model.spatial import Joint
+
+
+@dataclass(frozen=True, slots=True)
+class BodyFrame:
+    """A body frame as the scene gives it, and the principal frame in it.
+
+    Parameters
+    ----------
+    index : int
+        The body.
+    position : (3,) [unit of the scene]
+        Origin of the body frame, frame O.
+    p : (4,)
+        Euler parameters of the body frame, of any length.
+    center : (3,) [unit of the scene]
+        Centre of mass in the body frame.
+    axes : (4,)
+        Euler parameters that take components in the body frame to the principal frame.
+    is_point : bool
+        Whether the body is a point, which has no point but its own.
+    """
+
+    index: int
+    position: Triple
+    p: Quadruple
+    center: Triple
+    axes: Quadruple
+    is_point: bool
+
+    def principal(self, a: Triple) -> Triple:
+        """Return the components in the principal frame of a vector of the body frame."""
+        return precise.rotate(self.axes, a)
+
+    def from_ground(self, a: Triple) -> Triple:
+        """Return the components in the principal frame of a vector of frame O."""
+        return self.principal(precise.rotate_back(self.p, a))
+
+    def to_ground(self, a: Triple) -> Triple:
+        """Return the components in frame O of a vector of the principal frame."""
+        return precise.rotate(self.p, precise.rotate_back(self.axes, a))
+
+    def point(self, s: Triple, unit: High) -> Vector:
+        """Return a point of the body frame, seen from the centre of mass in the principal frame."""
+        size = precise.length(s) + precise.length(self.center)
+        arm = self.principal(precise.subtract(s, self.center))
+        return to_vector(precise.scale(unit, arm), unit * size)
+
+
+GROUND_FRAME = BodyFrame(GROUND_INDEX, ZERO, IDENTITY, ZERO, IDENTITY, is_point=False)
+"""Frame O."""
+
+
+def joint_vectors(
+    ends: tuple[BodyFrame, BodyFrame], joint: Joint | None = None
+) -> tuple[dict[str, Triple], dict[str, Triple]]:
+    """Return axis, across and third of the two joint frames, each in its principal frame.
+
+    The frame of body j is that of body i at the positions of the scene, turned as little as makes
+    its axis the one that is given: this is the turn that prismatic and fixed joints keep. Without a
+    joint, or where it gives no axis, the axis is the third principal axis of body i.
+    """
+    first, second = ends
+    if joint is not None and joint.axes is not None:
+        axis_i, axis_j = (
+            end.principal(precise.triple(axis)) for end, axis in zip(ends, joint.axes, strict=True)
+        )
+    elif joint is not None and joint.axis is not None:
+        axis_i = first.from_ground(precise.triple(joint.axis))
+        axis_j = second.from_ground(precise.triple(joint.second_axis or joint.axis))
+    else:
+        axis_i = precise.triple((0.0, 0.0, 1.0))
+        axis_j = second.from_ground(first.to_ground(axis_i))
+    axis_i, axis_j = precise.unit(axis_i), precise.unit(axis_j)
+    across_i = precise.across(axis_i)
+    seen = precise.without(second.from_ground(first.to_ground(across_i)), axis_j)
+    across_j = (
+        precise.across(axis_j) if precise.length(seen) < precise.NOISE else precise.unit(seen)
+    )
+    return _frame_of(axis_i, across_i), _frame_of(axis_j, across_j)
+
+
+def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:
+    return {"axis": axis, "across": across, "third": precise.cross(axis, across)}
+
+
+def to_vector(values: Triple, size: High = 0) -> Vector:
+    """Return a vector rounded to doubles, see :func:`kousoku.model.precise.rounded`."""
+    x, y, z = precise.rounded(values, size)
+    return x, y, z
+
+
+def to_quaternion(p: Quadruple) -> Quaternion:
+    """Return Euler parameters of norm one, rounded to doubles."""
+    size = precise.length(p)
+    w, x, y, z = precise.rounded([component / size for component in p])
+    return w, x, y, z

@@ -1,0 +1,68 @@
+"""What assembly may not change, as constraints between a body and the ground."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.frames import GROUND_FRAME, joint_vectors, to_vector
+from kousoku.model.mechanism import GROUND_INDEX, Instance
+from kousoku.model.precise import ZERO
+from kousoku.model.rows import variant
+
+if TYPE_CHECKING:
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.precise import High
+    from kousoku.model.spatial import Body
+
+AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def held_of(
+    name: str, body: Body, frame: BodyFrame, unit: High
+) -> tuple[list[Instance], list[Instance]]:
+    """Return what a body holds of its position, and what of its velocity.
+
+    A coordinate of its origin is n2 with an axis of frame O, the orientation is p1 and n1 as in a
+    fixed joint; their rates hold velocities too.
+    """
+    if not body.hold:
+        return [], []
+    key = f"bodies.{name}.hold"
+    places = {axis: _coordinate(key, axis, frame, unit) for axis in AXES}
+    turning = _orientation(key, frame) if TURNS & set(body.hold) else []
+    positions = [places[held] for held in body.hold if held in places]
+    rates: list[Instance] = []
+    if "orientation" in body.hold:
+        positions += turning
+    if "velocity" in body.hold:
+        rates += places.values()
+    if "angular_velocity" in body.hold:
+        rates += turning
+    return positions, rates
+
+
+TURNS = {"orientation", "angular_velocity"}
+
+
+def _coordinate(key: str, axis: str, frame: BodyFrame, unit: High) -> Instance:
+    constants = (
+        ("a_i_b", AXES[axis]),
+        ("s_i_b", to_vector(precise.scale(unit, frame.position))),
+        ("s_j_b", frame.point(ZERO, unit)),
+    )
+    return Instance(key, "n2", GROUND_INDEX, frame.index, constants)
+
+
+def _orientation(key: str, frame: BodyFrame) -> list[Instance]:
+    i, j = (
+        {name: precise.rounded(vector) for name, vector in vectors.items()}
+        for vectors in joint_vectors((GROUND_FRAME, frame))
+    )
+    axes = (("a_i_b", i["axis"]), ("a_j_b", j["axis"]))
+    across = (("a_i_b", i["across"]), ("a_j_b", j["third"]))
+    kind = variant("p1", i["axis"])
+    return [
+        Instance(key, kind, GROUND_INDEX, frame.index, axes),
+        Instance(key, "n1", GROUND_INDEX, frame.index, across),
+    ]
