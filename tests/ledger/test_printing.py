@@ -39,11 +39,8 @@ def test_the_counts_add_up() -> None:
 
 
 @pytest.mark.parametrize("key", ["7.1.9", "7.19"])
-def test_text_of_an_entry(
-    key: str, proofs: dict[str, Proof], golden: Callable[[str], None]
-) -> None:
-    entry = find(key)
-    golden(as_text(entry, proofs[entry.equation]) + "\n")
+def test_text_of_an_entry(key: str, golden: Callable[[str], None]) -> None:
+    golden(as_text(find(key), prove(find(key))) + "\n")
 
 
 def test_text_of_an_entry_whose_proof_failed_says_so() -> None:

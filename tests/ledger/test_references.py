@@ -11,6 +11,7 @@ import io
 import json
 import re
 import tokenize
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -45,6 +46,10 @@ RANGE = re.compile(r"\((\d{1,3})\)\s*[-–]\s*\((\d{1,3})\)")
 TITLE = r"lecture 7\.1|lecture 8\.2|Yamada and Tatsumi \(?1981\)?|three mass points"
 KEYS = r"\(([\w.-]+)\)(?:(?:, |–|-| and | to )\(([\w.-]+)\))*"
 OF_DOCUMENT = re.compile(rf"({TITLE}),? ({KEYS})")
+#: A key that a reader is asked to look up, or that a notebook looks up.
+LOOKED_UP = re.compile(
+    r"kousoku ledger ((?=[\w.-]*[\d-])\w[\w.-]*\w)|ledger\.find\(\\?[\"']([\w.-]+)\\?[\"']"
+)
 #: An equation that is cited in a way that the search above would not see.
 UNSEEN = re.compile(rf"(?:\b[Ee]quations?|\b[Ee]qs?\.|{TITLE},) (?:{NUMBER})(?![\w\d])")
 
@@ -67,8 +72,13 @@ def written(folder: str) -> list[Path]:
     )
 
 
-def texts() -> Iterator[Text]:
+@cache
+def texts() -> tuple[Text, ...]:
     """Return all that was written by hand: of Python the strings and comments, else all."""
+    return tuple(_texts())
+
+
+def _texts() -> Iterator[Text]:
     pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md"]
     for path in [*pages, *(p for folder in FOLDERS for p in written(folder))]:
         text, where = path.read_text(encoding="utf-8"), str(path.relative_to(ROOT))
@@ -117,6 +127,12 @@ def test_every_citation_names_an_entry() -> None:
 
 def test_every_citation_with_a_document_names_an_entry_of_that_document() -> None:
     assert not [f"{t.where}: {wrong}" for t in texts() for wrong in misplaced(t.text)]
+
+
+def test_every_key_that_is_looked_up_names_an_entry() -> None:
+    found = [(t.where, m[1] or m[2]) for t in texts() for m in LOOKED_UP.finditer(t.text)]
+    assert ("README.md", "7.19") in found
+    assert not [f"{where}: {key}" for where, key in found if key not in keys()]
 
 
 def test_no_equation_is_cited_without_parentheses() -> None:
