@@ -143,9 +143,9 @@ def agrees() -> dict[str, bool]:
     column = PISTON_CRANK.names.index("u_3")
     worst = [0.0, 0.0, 0.0]
     for k, state in enumerate(run("piston").states):
-        angle = 2 * sympy.pi * k / DIVISIONS
+        angle = sympy.Float(str(2 * MP.pi * k / DIVISIONS), MP.dps)
         for order, (formula, motion) in enumerate(zip(formulas, state, strict=True)):
-            exact = sympy.N(formula.xreplace({ALPHA: angle}), MP.dps)
+            exact = formula.evalf(MP.dps, subs={ALPHA: angle})
             apart = abs(float(exact - sympy.Float(str(motion[column]), MP.dps)))
             worst[order] = max(worst[order], apart)
     names = ("place", "velocity", "acceleration")

@@ -79,7 +79,11 @@ def run(name: str, *, renews: bool = False) -> Run:
 
 
 def _step(
-    mechanism: Mechanism, state: tuple[Vector, Vector, Vector], inverse: Any, *, renews: bool
+    mechanism: Mechanism,
+    state: tuple[Vector, Vector, Vector],
+    inverse: Sequence[Vector],
+    *,
+    renews: bool,
 ) -> tuple[Vector, int, Number]:
     """Go on by one division; return the position, how many corrections, and the residual."""
     x, first, second = state
@@ -99,7 +103,7 @@ def _step(
         count += 1
 
 
-def _transfer(mechanism: Mechanism, x: Vector, inverse: Any) -> tuple[Vector, Vector]:
+def _transfer(mechanism: Mechanism, x: Vector, inverse: Sequence[Vector]) -> tuple[Vector, Vector]:
     """Return x′ and x″ by (22) and (23)."""
     crank = mechanism.names.index("ψ_11")
     first = [MP.mpf(0)] * len(x)
@@ -110,7 +114,7 @@ def _transfer(mechanism: Mechanism, x: Vector, inverse: Any) -> tuple[Vector, Ve
     return first, _second(mechanism, x, first, inverse)
 
 
-def _second(mechanism: Mechanism, x: Vector, first: Vector, inverse: Any) -> Vector:
+def _second(mechanism: Mechanism, x: Vector, first: Vector, inverse: Sequence[Vector]) -> Vector:
     second = [MP.mpf(0)] * len(x)
     changes = _times(inverse, _changes(mechanism, x, first))
     for k, value in zip(mechanism.unknown, changes, strict=True):
@@ -118,13 +122,29 @@ def _second(mechanism: Mechanism, x: Vector, first: Vector, inverse: Any) -> Vec
     return second
 
 
-def _times(matrix: Any, vector: Sequence[Number]) -> Vector:
-    return list(matrix * MP.matrix(list(vector)))
+def _times(matrix: Sequence[Vector], vector: Sequence[Number]) -> Vector:
+    return [MP.fsum(a * b for a, b in zip(row, vector, strict=True) if a) for row in matrix]
 
 
-def _inverse(mechanism: Mechanism, x: Vector) -> Any:
-    rows = _matrix(mechanism, x)
-    return MP.inverse(MP.matrix([[row[k] for k in mechanism.unknown] for row in rows]))
+def _inverse(mechanism: Mechanism, x: Vector) -> list[Vector]:
+    """Return the inverse of the columns of the unknowns; most of them is zero, and is passed by."""
+    size = len(mechanism.unknown)
+    rows = [
+        [MP.mpf(row[column]) for column in mechanism.unknown]
+        + [MP.mpf(int(column == k)) for column in range(size)]
+        for k, row in enumerate(_matrix(mechanism, x))
+    ]
+    for k in range(size):
+        sizes = [abs(row[k]) for row in rows[k:]]
+        pivot = k + sizes.index(max(sizes))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        rows[k] = [value / rows[k][k] if value else value for value in rows[k]]
+        for other, row in enumerate(rows):
+            if other != k and (factor := row[k]):
+                rows[other] = [
+                    a - factor * b if b else a for a, b in zip(row, rows[k], strict=True)
+                ]
+    return [row[size:] for row in rows]
 
 
 # -- the link element ----------------------------------------------------------------------------
