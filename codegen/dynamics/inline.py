@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.counts import operations
 from kousoku.codegen.dynamics.program import AFTER_GEOMETRY, Region, Segment, Task, writes
 from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
@@ -42,12 +43,6 @@ def inline(program: Program, *, limit: int = LIMIT, statements: int = STATEMENTS
     if operations(program) > limit:
         return program
     return _Inliner(program, statements).program()
-
-
-def operations(program: Program) -> int:
-    """Return how many operations it takes to run all segments once."""
-    counts = [kernel.operations.total() for kernel in program.kernels]
-    return sum(counts[task.kernel] for segment in program.segments for task in segment.tasks)
 
 
 class _Inliner:

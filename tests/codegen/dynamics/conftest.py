@@ -94,6 +94,17 @@ def four_bars_state(count: int, angle: float, rate: float) -> dict[str, Any]:
     }
 
 
+def planar_pendulum(count: int, offset: float = 0.0) -> System:
+    """Return rods along x that turn about z, each ``offset`` above the one before."""
+    bodies, constraints = [], []
+    for k in range(count):
+        bodies.append(body(f"b{k}", (k + 0.5, 0.0, k * offset)))
+        before = (0.0, 0.0, -0.5 * offset) if k == 0 else (0.5, 0.0, 0.5 * offset)
+        after = (-0.5, 0.0, -0.5 * offset)
+        constraints += revolute(f"j{k}", k - 1, k, before, after, Z)
+    return System("pendulum", 1.0, tuple(bodies), tuple(constraints), (0.0, -9.81, 0.0))
+
+
 def heavy_top() -> System:
     """Return a top on a spherical joint, one moment of inertia equal to another."""
     top = body("top", (0.0, 0.0, 1.0), inertia=(0.2, 0.2, 0.1))
@@ -249,6 +260,7 @@ def mechanisms() -> SimpleNamespace:
         chain=chain,
         four_bars=four_bars,
         four_bars_state=four_bars_state,
+        planar_pendulum=planar_pendulum,
         heavy_top=heavy_top,
         point_on_rod=point_on_rod,
         mixed=mixed,

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.compose import compose
-from kousoku.codegen.dynamics.inline import inline, operations
+from kousoku.codegen.dynamics.counts import operations
+from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.program import AFTER_GEOMETRY, SEGMENTS, reads, writes
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.interpret import HIGH
