@@ -58,7 +58,14 @@ def turned_pair(kind: str) -> Tree:
         "a": {
             "position": [1, 2, 3],
             "orientation": {"quaternion": [1, 2, -1, 3], "order": "wxyz"},
-            "boxes": [{"mass": 2, "size": [1, 2, 3], "at": [0.25, 0, 0.5]}],
+            "boxes": [
+                {
+                    "mass": 2,
+                    "size": [1, 2, 3],
+                    "at": [0.25, 0, 0.5],
+                    "orientation": {"rotation_vector": [0.1, -0.2, 0.3]},
+                }
+            ],
         },
         "b": {
             "position": [-1, 0, 0.5],
