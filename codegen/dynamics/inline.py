@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.program import Coordinates, Place, Program
 
 #: Programs with more operations in their tasks stay tasks.
-LIMIT = 25_000
+LIMIT = 2_500
 #: Statements in one function.
 STATEMENTS = 500
 
