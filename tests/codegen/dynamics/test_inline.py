@@ -42,7 +42,7 @@ def test_straight_line_code_computes_what_the_tasks_compute(
     mechanisms: SimpleNamespace, rng: np.random.Generator, name: str, statements: int
 ) -> None:
     program = compose(system_of(mechanisms, name), ["reactions", "energies"])
-    straight = inline(program, statements=statements)
+    straight = inline(program, limit=100_000, statements=statements)
     one, other = Workspace(program), Workspace(straight)
     noise = {name: rng.normal(scale=0.05, size=len(one[name])) for name in ("q", "v")}
     for workspace in (one, other):
@@ -57,7 +57,7 @@ def test_straight_line_code_computes_what_the_tasks_compute(
 
 def test_tasks_and_straight_line_code_agree_in_fifty_digits(mechanisms: SimpleNamespace) -> None:
     program = compose(mechanisms.four_bars(1), ["reactions"])
-    workspaces = [Workspace(one, HIGH) for one in (program, inline(program))]
+    workspaces = [Workspace(one, HIGH) for one in (program, inline(program, limit=100_000))]
     for workspace in workspaces:
         workspace["v"] = [HIGH.number(Fraction(k, 7)) for k in range(len(workspace["v"]))]
         workspace.run("geometry", "acceleration")
@@ -70,7 +70,7 @@ def test_straight_line_code_has_fewer_operations_and_short_functions(
     mechanisms: SimpleNamespace,
 ) -> None:
     program = compose(mechanisms.four_bars(3))
-    straight = inline(program, statements=60)
+    straight = inline(program, limit=100_000, statements=60)
     assert operations(straight) < operations(program)
     assert max(kernel.operations.total() for kernel in straight.kernels) <= 60
     assert straight.constants == ()
@@ -88,7 +88,7 @@ def test_segments_share_only_the_regions_and_what_the_geometry_left(
 ) -> None:
     program = compose(mechanisms.four_bars(2), ["energies"])
     if form == "straight":
-        program = inline(program, statements=80)
+        program = inline(program, limit=100_000, statements=80)
     named = {
         slot for region in program.regions for slot in range(region.base, region.base + region.size)
     }
