@@ -33,7 +33,7 @@ PREAMBLE = r"""% The page that `kousoku ledger --latex` prints; lualatex typeset
 \newcommand{\notation}{\textcolor{orange!75!black}{notation}}
 \newcommand{\misprint}{\textcolor{red!70!black}{misprint}}
 \newcommand{\entry}[2]{\pagebreak[2]\bigskip\textbf{(#1)}\quad #2\par}
-\newcommand{\tested}[1]{\par{\footnotesize\begin{itemize}\setlength{\itemsep}{0pt}#1\end{itemize}}}
+\newcommand{\tested}[1]{\par{\footnotesize\begin{itemize}\raggedright\setlength{\itemsep}{0pt}#1\end{itemize}}}
 \title{The ledger}
 \date{}
 \begin{document}

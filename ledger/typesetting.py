@@ -16,6 +16,7 @@ SIGNS = {
     "′": "{}'",
     "″": "{}''",
     "ᵀ": "{}^T",
+    "⁾": "{}^)",
     "⁻": "{}^-",
     "⁰": "{}^0",
     "¹": "{}^1",
@@ -41,6 +42,7 @@ SIGNS = {
     "≡": "\\equiv",
     "≈": "\\approx",
     "∈": "\\in",
+    "ϵ": "\\epsilon",
     "∥": "\\|",
     "⟂": "\\perp",
     "→": "\\to",
@@ -109,7 +111,13 @@ def _closes(braces: list[str]) -> bool:
 
 def in_words(text: str) -> str:
     """Return plain text for LaTeX: special characters escaped, letters and signs in math mode."""
-    return _PIECE.sub(_piece, text)
+    return _PIECE.sub(_piece, re.sub(r"\w", _decomposed, text))
+
+
+def _decomposed(match: re.Match[str]) -> str:
+    """Return a letter that holds its accent, such as ṽ, as letter and accent."""
+    parts = unicodedata.normalize("NFD", match[0])
+    return parts if parts[1:] in _ACCENTS else match[0]
 
 
 def _piece(match: re.Match[str]) -> str:

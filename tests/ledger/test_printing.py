@@ -87,6 +87,7 @@ def test_brackets_that_are_only_printed_need_no_partner() -> None:
     [
         ("ω′ & 50 %", r"$\omega$${}'$ \& 50 \%"),
         ("x̃ of r_A1, and δ_i", r"$\tilde{x}$ of $r_{A1}$, and $\delta_{i}$"),
+        ("\u1e7d and が", r"$\tilde{v}$ and が"),
         ("mass_points.inertia", r"mass\_points.inertia"),
         ("12345678901234567", r"12345678\allowbreak 90123456\allowbreak 7"),
     ],
