@@ -7,6 +7,7 @@ import difflib
 import json
 import re
 from collections.abc import Mapping
+from functools import cache
 from math import inf
 from types import UnionType
 from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
@@ -19,6 +20,9 @@ S = TypeVar("S", bound=msgspec.Struct)
 
 LARGEST = 1e50
 """Numbers beyond it are refused: their products would leave the range of doubles."""
+
+MOST_ELEMENTS = 20_000
+"""Bodies, joints … of the largest scene; larger tables are refused before they are read."""
 
 
 def decode(tree: object, record: type[S], *, key: str = "") -> S:
@@ -40,7 +44,7 @@ def decode(tree: object, record: type[S], *, key: str = "") -> S:
     """
     if not isinstance(tree, Mapping):
         raise SceneError(f"{_got(tree)} stands where a table is wanted", key=key)
-    fields = {field.encode_name: field for field in msgspec.structs.fields(record)}
+    fields = _fields(record)
     for name in tree:
         if name not in fields:
             problem = unknown("key", str(name), tuple(fields))
@@ -53,6 +57,12 @@ def decode(tree: object, record: type[S], *, key: str = "") -> S:
         elif field.required:
             raise SceneError(f"is missing; wanted {_wanted(field.type)}", key=place)
     return record(**values)
+
+
+@cache
+def _fields(record: type[msgspec.Struct]) -> dict[str, Any]:
+    """Return the fields of a record by their names in a file."""
+    return {field.encode_name: field for field in msgspec.structs.fields(record)}
 
 
 def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
@@ -72,6 +82,8 @@ def _value(value: object, kind: Any, key: str) -> object:
     if origin is Mapping:
         if not isinstance(value, Mapping):
             raise SceneError(f"{_got(value)} stands where a table is wanted", key=key)
+        if len(value) > MOST_ELEMENTS:
+            raise SceneError(f"has {len(value)} elements; the limit is {MOST_ELEMENTS}", key=key)
         return {
             str(name): _value(item, arguments[1], _join(key, str(name)))
             for name, item in value.items()

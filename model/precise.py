@@ -138,9 +138,7 @@ def quaternion_of(matrix: Square) -> Quadruple:
     )[1]
 
 
-def rounded(
-    values: Sequence[High], size: High = 0, noise: High = NOISE
-) -> tuple[float, ...]:
+def rounded(values: Sequence[High], size: High = 0, noise: High = NOISE) -> tuple[float, ...]:
     """Return numbers rounded to doubles, with rounded zeros as zeros.
 
     Parameters

@@ -176,3 +176,8 @@ def test_an_angular_velocity_is_given_once(bar: Tree) -> None:
 
 def test_a_linkage_of_nodes_and_links_has_no_gravity(lever: Tree) -> None:
     refused(lever | {"gravity": [0, -9.81, 0]}, "gravity", "has no masses")
+
+
+def test_a_hundred_thousand_bodies_are_refused_at_once(bar: Tree) -> None:
+    bar["bodies"] = dict.fromkeys((f"b{k}" for k in range(100_000)), None)
+    refused(bar, "bodies", "has 100000 elements; the limit is 20000")
