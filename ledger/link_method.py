@@ -211,6 +211,12 @@ ENTRIES: tuple[Entry, ...] = (
         "x′ has all coordinates and u* the unknown ones only: L1 is missing. What x′ becomes leads"
         " to the adjacent position by (26); it is no longer dx/dα.",
         vocabulary=words,
-        checks=(steps.in_code("x′_new", RENEWED),),
+        checks=(
+            numbers(
+                "x′ grows by Δα²/6 times the third derivative, and higher terms",
+                steps.slope_changes,
+            ),
+            steps.in_code("x′_new", RENEWED),
+        ),
     ),
 )

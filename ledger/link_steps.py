@@ -215,6 +215,16 @@ def third_order() -> dict[str, bool]:
     return seen
 
 
+def slope_changes() -> dict[str, bool]:
+    """Look at what the slope that leads to the true position by (26) has beside x′."""
+    third = [value.xreplace(NUMBERS) for value in motion(3)]
+    changed = [name for name, value in zip(PISTON_CRANK.names, third, strict=True) if value != 0]
+    return {
+        f"the third derivative is not zero in {', '.join(changed)}": changed
+        == ["u_2", "v_2", "u_3", "ψ_21", "ψ_22"]
+    }
+
+
 def _crank_residual(x: Scalar, y: Scalar, psi: Scalar, terms: int) -> list[Scalar]:
     """Return the series of ε of a crank of length 1 that is turned by h, its far end at (x, y)."""
     h = Symbol("h")
