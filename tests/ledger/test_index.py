@@ -6,6 +6,7 @@ folder that ``KOUSOKU_SEEDS`` names. It finds what they display without looking 
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections import Counter
@@ -14,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from kousoku.ledger import entries, keys
+from kousoku.ledger import entries, index, keys
 from kousoku.ledger.entry import DOCUMENTS, Document
 from kousoku.ledger.index import PATH, digest, index_of, print_index, read_index
 
@@ -35,6 +36,12 @@ def test_every_indexed_statement_has_exactly_one_entry_that_prints_it() -> None:
 def test_every_entry_is_in_the_index_and_the_index_is_in_its_order() -> None:
     wanted = print_index(index_of(entries()))
     assert PATH.read_text(encoding="utf-8") == wanted, "run python -m kousoku.ledger.index"
+
+
+def test_the_index_can_be_written_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(index, "PATH", tmp_path / "index.json")
+    index.main()
+    assert index.read_index() == json.loads(PATH.read_text(encoding="utf-8"))
 
 
 def test_no_two_entries_share_a_key() -> None:
