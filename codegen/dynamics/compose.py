@@ -103,7 +103,7 @@ class _Composer:
         self.joints = joints_of(system, self.recorder, rows, self.body)
         self.rows = sum(joint.count for joint in self.joints)
         self.residuals = region("C", self.rows)
-        self.schur = Schur(self.recorder)
+        self.schur = Schur(self.recorder, region("pivots", self.rows))
 
     def body(self, index: int) -> BodyBlocks:
         """Return the blocks of a body, or of the ground."""

@@ -187,6 +187,7 @@ REGIONS = {
     "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
     "q_moved": "q after dq, Euler parameters of norm one",
     "C": "residuals, joint by joint",
+    "pivots": "D^-1 of the factors, in the order of C: very large where the rank is nearly lost",
     "dv": "correction of v",
     "q_dot": "time derivative of q",
     "v_dot": "time derivative of v",

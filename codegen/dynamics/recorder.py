@@ -84,6 +84,7 @@ class _Traced:
     """A kernel, and how the results of a call are made of its slots."""
 
     kernel: int
+    used: tuple[int, ...]
     fresh: int
     results: tuple[Codes, ...]
 
@@ -98,6 +99,7 @@ class Recorder:
         self.constants: list[Fraction] = []
         self._size = 0
         self._pool: dict[tuple[Fraction, ...], int] = {}
+        self._columns: dict[tuple[Fraction | float | int, ...], Block] = {}
         self._traced: dict[object, _Traced] = {}
         self._kernel_ids: dict[object, int] = {}
 
@@ -113,6 +115,12 @@ class Recorder:
 
     def constant(self, values: Sequence[Fraction | float | int]) -> Block:
         """Return numbers as a column; equal columns of numbers are stored once."""
+        key = tuple(values)
+        if key not in self._columns:
+            self._columns[key] = self._new_constant(key)
+        return self._columns[key]
+
+    def _new_constant(self, values: Sequence[Fraction | float | int]) -> Block:
         exact = [Fraction(value) for value in values]
         stored = tuple(value for value in exact if abs(value) not in {0, 1})
         if stored not in self._pool:
@@ -159,7 +167,8 @@ class Recorder:
         outputs = [base] if known.fresh else []
         outputs += [block.entries[0] - 2 for block in into if block is not None and block.entries]
         if outputs:
-            self.segments[-1][1].append(Task(known.kernel, tuple(bases), tuple(outputs)))
+            inputs = tuple(bases[run] for run in known.used)
+            self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs)))
         results = [
             Block(tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width)
             for entries, height, width in known.results
@@ -210,8 +219,8 @@ class Recorder:
     ) -> _Traced:
         trace = Trace(lengths)
         results = operation(trace, *(trace.matrix(*block) for block in pattern))
-        kernel, fresh, codes = traced_kernel(trace, operation.title, results, pinned)
-        return _Traced(self._kernel_id(kernel), fresh, codes)
+        kernel, used, fresh, codes = traced_kernel(trace, operation.title, results, pinned)
+        return _Traced(self._kernel_id(kernel), used, fresh, codes)
 
     def _kernel_id(self, kernel: Kernel) -> int:
         key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)

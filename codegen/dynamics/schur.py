@@ -33,10 +33,19 @@ CHUNK = 4
 
 
 class Schur:
-    """The factors L D Lᵀ of S, one pivot for each joint."""
+    """The factors L D Lᵀ of S, one pivot for each joint.
 
-    def __init__(self, recorder: Recorder) -> None:
+    Parameters
+    ----------
+    recorder : Recorder
+        Where they are recorded.
+    pivots : Block
+        The region of D⁻¹.
+    """
+
+    def __init__(self, recorder: Recorder, pivots: Block) -> None:
         self.recorder = recorder
+        self.pivots = pivots
         self.order: tuple[Pivot, ...] = ()
         self._factors: dict[int, tuple[Block, Block]] = {}
         self._panels: dict[int, dict[int, Block]] = {}
@@ -55,7 +64,8 @@ class Schur:
                 for b in pivot.neighbours[:m]:
                     late.setdefault((a, b), zeros(joints[a].count, joints[b].count))
             eliminate = self._fused if len(pivot.neighbours) <= FUSED else self._split
-            eliminate(pivot, late)
+            own = joints[pivot.joint]
+            eliminate(pivot, late, self.pivots.part(own.first, own.count))
 
     def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
         """Return the blocks of pairs of joints, the later joint first."""
@@ -72,7 +82,7 @@ class Schur:
                 by_body[body].append(k)
         return blocks
 
-    def _fused(self, pivot: Pivot, late: dict[tuple[int, int], Block]) -> None:
+    def _fused(self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block) -> None:
         near = pivot.neighbours
         pairs = [(a, b) for m, a in enumerate(near) for b in near[: m + 1]]
         lower, inverse, *rest = self.recorder.call(
@@ -80,14 +90,15 @@ class Schur:
             late[pivot.joint, pivot.joint],
             *(late[a, pivot.joint] for a in near),
             *(late[pair] for pair in pairs),
+            into=(None, target),
         )
         self._factors[pivot.joint] = (lower, inverse)
         self._panels[pivot.joint] = dict(zip(near, rest, strict=False))
         late.update(zip(pairs, rest[len(near) :], strict=True))
 
-    def _split(self, pivot: Pivot, late: dict[tuple[int, int], Block]) -> None:
+    def _split(self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block) -> None:
         call, near = self.recorder.call, pivot.neighbours
-        lower, inverse = call(Eliminate(0), late[pivot.joint, pivot.joint])
+        lower, inverse = call(Eliminate(0), late[pivot.joint, pivot.joint], into=(None, target))
         panels = {a: call(Panel(), lower, inverse, late[a, pivot.joint]) for a in near}
         for m, a in enumerate(near):
             for b in near[: m + 1]:

@@ -109,7 +109,7 @@ class Trace:
 
 def traced_kernel(
     trace: Trace, title: str, results: Sequence[Matrix], pinned: Sequence[bool]
-) -> tuple[Kernel, int, tuple[Codes, ...]]:
+) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
     """Return the kernel of a trace.
 
     Parameters
@@ -128,6 +128,8 @@ def traced_kernel(
     kernel : Kernel
         Its first output, if any, is what is new in the results that are not pinned; then follow
         the results that are.
+    used : tuple of int
+        The runs that its inputs are: those that it reads.
     fresh : int
         Count of slots of that first output.
     codes : tuple of Codes
@@ -146,7 +148,8 @@ def traced_kernel(
     )
     outputs = [tuple(sorter.fresh)] if sorter.fresh else []
     outputs += [tuple(flat) for flat, held in zip(nodes, is_pinned, strict=True) if held and flat]
-    return _compact(graph, title, trace.lengths, outputs), len(sorter.fresh), codes
+    kernel, used = _compact(graph, title, trace.lengths, outputs)
+    return kernel, used, len(sorter.fresh), codes
 
 
 class _Sorter:
@@ -179,27 +182,28 @@ class _Sorter:
 
 def _compact(
     graph: Graph, title: str, lengths: Sequence[int], outputs: Sequence[Sequence[int]]
-) -> Kernel:
-    """Return the kernel of what ``outputs`` need, without name."""
-    ids: dict[int, int] = {}
+) -> tuple[Kernel, tuple[int, ...]]:
+    """Return the kernel of what ``outputs`` need, without name, and the runs that it reads."""
+    order = _in_order(graph, outputs)
+    symbols = [graph.nodes[node].symbol for node in order]
+    read = {name for name, _ in filter(None, symbols)}
+    used = tuple(k for k in range(len(lengths)) if f"x{k}" in read)
+    renamed = {f"x{k}": f"x{number}" for number, k in enumerate(used)}
     kept = Graph()
-    stack = [node for output in reversed(outputs) for node in reversed(output)]
-    while stack:
-        node = stack[-1]
-        missing = [arg for arg in reversed(graph.nodes[node].args) if arg not in ids]
-        if missing:
-            stack.extend(missing)
-            continue
-        stack.pop()
-        if node not in ids:
+    ids: dict[int, int] = {}
+    for node, symbol in zip(order, symbols, strict=True):
+        if symbol is None:
             ids[node] = copy_node(kept, graph.nodes[node], ids)
-    return Kernel(
+        else:
+            ids[node] = kept.input(renamed[symbol[0]], symbol[1])
+    kernel = Kernel(
         name="",
         title=title,
         formula="",
         source="",
         inputs=tuple(
-            Quantity(f"x{k}", (length,), "", "run of slots") for k, length in enumerate(lengths)
+            Quantity(f"x{number}", (lengths[k],), "", "run of slots")
+            for number, k in enumerate(used)
         ),
         outputs=tuple(
             Quantity(f"y{k}", (len(output),), "", "run of slots")
@@ -208,3 +212,18 @@ def _compact(
         nodes=tuple(kept.nodes),
         results=tuple(tuple(ids[node] for node in output) for output in outputs),
     )
+    return kernel, used
+
+
+def _in_order(graph: Graph, outputs: Sequence[Sequence[int]]) -> list[int]:
+    """Return what outputs need, each node after its operands and near where it is first used."""
+    done: dict[int, None] = {}
+    stack = [node for output in reversed(outputs) for node in reversed(output)]
+    while stack:
+        node = stack[-1]
+        missing = [arg for arg in reversed(graph.nodes[node].args) if arg not in done]
+        if missing:
+            stack.extend(missing)
+        else:
+            done[stack.pop()] = None
+    return list(done)

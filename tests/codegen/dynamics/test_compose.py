@@ -145,6 +145,17 @@ def test_energy_is_kept_by_the_accelerations(
     assert abs(rates.sum()) < 1e-6 * abs(rates[0])
 
 
+def test_pivots_tell_how_near_rows_are_to_dependence(mechanisms: SimpleNamespace) -> None:
+    workspace = Workspace(compose(mechanisms.four_bars(1)))
+    largest = []
+    for angle in (1.2, 0.1, 0.001):
+        put(workspace, mechanisms.four_bars_state(1, angle, 0.0))
+        workspace.run("geometry")
+        assert min(workspace["pivots"]) > 0
+        largest.append(max(workspace["pivots"]))
+    assert largest[0] < 10 < largest[1] < 1e4 < largest[2]
+
+
 def test_only_some_rows_are_kept_where_that_is_asked_for(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
