@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.emit import emit_dynamics
 from kousoku.codegen.dynamics.inline import inline
@@ -30,6 +31,8 @@ def generate_dynamics(scene: Scene) -> dict[str, str]:
     ------
     SceneError
         The scene asks for what dynamics does not honour; the message names it.
+    AssemblyError
+        Its bodies do not fit together near the positions that it gives.
     """
-    system = system_of(scene)
+    system = assemble(system_of(scene))
     return emit_dynamics(inline(compose(system)), system)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.model.errors import AssemblyError
 from kousoku.model.families import chain, n_four_bar
@@ -80,6 +81,21 @@ def test_a_point_on_a_rod_goes_straight_to_the_sphere() -> None:
     start = np.array([0.6, 0.8, 0.5])
     (body,) = assemble(on_a_rod()).bodies
     assert body.r == pytest.approx(start / math.sqrt(1.25), abs=ULP / 2)
+
+
+def test_a_solver_is_generated_for_the_assembled_positions() -> None:
+    near, on = (
+        scene_from_dict(
+            {
+                "name": "s",
+                "unit": "m",
+                "bodies": {"b": {"position": [0, 0, -z], "point": True, "mass": 2}},
+                "joints": ON_A_ROD,
+            }
+        )
+        for z in (1.5, 1)
+    )
+    assert generate_dynamics(near) == generate_dynamics(on)
 
 
 def test_a_velocity_loses_what_would_stretch_the_rod() -> None:
