@@ -179,7 +179,7 @@ def dynamics_view(program: Program, length: float) -> DynamicsView:
     sizes += [(name, program.region(region).size) for name, region in counts.items()]
     sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
-    shifts, turns = _shifts(program), _turns(program)
+    shifts, turns = shift_slots(program), turn_slots(program)
     lengths = {k for pair in shifts for k in pair}
     q, v = (_slots(program, name) for name in ("q", "v"))
     return DynamicsView(
@@ -207,7 +207,7 @@ def _slots(program: Program, name: str) -> range:
     return range(region.base, region.base + region.size)
 
 
-def _shifts(program: Program) -> list[tuple[int, int]]:
+def shift_slots(program: Program) -> list[tuple[int, int]]:
     """Return the slots of each length that changes, in q and in v."""
     pairs = (
         (r.slot, v.slot) for body in program.bodies for r, v in zip(body.r, body.v, strict=True)
@@ -215,7 +215,7 @@ def _shifts(program: Program) -> list[tuple[int, int]]:
     return [(r, v) for r, v in pairs if v >= 0]
 
 
-def _turns(program: Program) -> list[tuple[int, int, int]]:
+def turn_slots(program: Program) -> list[tuple[int, int, int]]:
     """Return the first slot of Euler parameters, that of the turn, and how many parameters vary."""
     found = []
     for body in program.bodies:
