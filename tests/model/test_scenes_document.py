@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 from pathlib import Path
@@ -11,11 +12,13 @@ import msgspec
 import pytest
 
 from kousoku.model import planar, spatial
+from kousoku.model.decode import MOST_ELEMENTS
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import JOINTS, LATER
 from kousoku.model.orientation import Orientation
 from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.model.scene import TABLES, Scene, Unit
+from kousoku.model.system import system_of
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "scenes.md").read_text(encoding="utf-8")
@@ -52,9 +55,16 @@ def test_every_shown_part_stands_in_a_committed_scene() -> None:
 
 
 def test_the_shown_python_builds_a_scene(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = blocks("python")
-    exec(compile(code, "docs/scenes.md", "exec"), {})
+    planar, spatial = blocks("python")
+    exec(compile(planar, "docs/scenes.md", "exec"), {})
     assert scene_from_toml(capsys.readouterr().out).length("l3") == 80
+    exec(compile(spatial, "docs/scenes.md", "exec"), {})
+    (body,) = system_of(scene_from_toml(capsys.readouterr().out)).bodies
+    assert body.r[2] == pytest.approx(0.04 * math.cos(0.3))
+
+
+def test_the_largest_count_of_elements_is_stated() -> None:
+    assert f"at most {MOST_ELEMENTS:,} elements" in TEXT
 
 
 def test_the_shown_message_is_the_one_that_comes() -> None:
