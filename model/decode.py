@@ -15,8 +15,12 @@ from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
 import msgspec
 
 from kousoku.model.errors import SceneError
+from kousoku.model.problems import Problems
 
 S = TypeVar("S", bound=msgspec.Struct)
+
+FAILED = object()
+"""Stands for a value that cannot be built."""
 
 LARGEST = 1e50
 """Numbers beyond it are refused: their products would leave the range of doubles."""
@@ -40,83 +44,155 @@ def decode(tree: object, record: type[S], *, key: str = "") -> S:
     Raises
     ------
     SceneError
-        A key is unknown or missing, or a value is not of the type that is wanted.
+        Keys are unknown or missing, or values are not of the type that is wanted: all of them.
     """
-    if not isinstance(tree, Mapping):
-        raise SceneError(f"{_got(tree)} stands where a table is wanted", key=key)
-    fields = _fields(record)
-    for name in tree:
-        if name not in fields:
-            problem = unknown("key", str(name), tuple(fields))
-            raise SceneError(problem, key=_join(key, str(name)))
-    values: dict[str, Any] = {}
-    for name, field in fields.items():
-        place = _join(key, name)
-        if name in tree:
-            values[field.name] = _value(tree[name], field.type, place)
-        elif field.required:
-            raise SceneError(f"is missing; wanted {_wanted(field.type)}", key=place)
+    problems = Problems()
+    values = _fields(tree, record, key, problems)
+    problems.settle()
     return record(**values)
 
 
+def decode_parts(
+    tree: object, record: type[S], instead: Mapping[str, Any], problems: Problems
+) -> S:
+    """Build as much of a record as can be: what is wrong is noted, broken, and left out.
+
+    Parameters
+    ----------
+    tree : object
+        What a TOML parser gave.
+    record : type
+        The record to build. Of its mappings the elements that are wrong are left out, of its other
+        fields each that is wrong.
+    instead : mapping of str to object
+        What stands in for required fields that are wrong.
+    problems : Problems
+        Where to note what is wrong.
+
+    Raises
+    ------
+    SceneError
+        The tree is no table: nothing can be built.
+    """
+    if not isinstance(tree, Mapping):
+        raise SceneError(f"{_got(tree)} stands where a table is wanted")
+    return record(**{**instead, **_fields(tree, record, "", problems)})
+
+
+def _fields(
+    tree: object, record: type[msgspec.Struct], key: str, problems: Problems
+) -> dict[str, Any]:
+    """Return the fields that are right; a key that is unknown breaks the one that it resembles."""
+    if not isinstance(tree, Mapping):
+        problems.add(f"{_got(tree)} stands where a table is wanted", key, breaks=key)
+        return {}
+    fields = _fields_of(record)
+    meant: dict[str, None] = {}
+    for name in tree:
+        if name not in fields:
+            problems.add(unknown("key", str(name), tuple(fields)), join(key, str(name)))
+            meant.update(dict.fromkeys(_nearest(str(name), tuple(fields))))
+    values: dict[str, Any] = {}
+    for name, field in fields.items():
+        place = join(key, name)
+        if name in tree:
+            value = _value(tree[name], field.type, place, problems)
+            if value is not FAILED:
+                values[field.name] = value
+        elif name in meant:
+            problems.break_(place)
+        elif field.required:
+            problems.add(f"is missing; wanted {_wanted(field.type)}", place, breaks=place)
+    return values
+
+
 @cache
-def _fields(record: type[msgspec.Struct]) -> dict[str, Any]:
+def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
     """Return the fields of a record by their names in a file."""
     return {field.encode_name: field for field in msgspec.structs.fields(record)}
 
 
 def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
     """Return the message for a name that is not among `known`, with the nearest one."""
-    near = difflib.get_close_matches(name[:80], known, n=1)
+    near = _nearest(name, known)
     if near:
         return f"unknown {what}; did you mean {near[0]!r}?"
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"unknown {what}; known here: {listed or 'none'}"
 
 
-def _value(value: object, kind: Any, key: str) -> object:
-    kind = _without_none(kind)
-    origin, arguments = get_origin(kind), get_args(kind)
-    if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
-        return decode(value, kind, key=key)
-    if origin is Mapping:
-        if not isinstance(value, Mapping):
-            raise SceneError(f"{_got(value)} stands where a table is wanted", key=key)
-        if len(value) > MOST_ELEMENTS:
-            raise SceneError(f"has {len(value)} elements; the limit is {MOST_ELEMENTS}", key=key)
-        return {
-            str(name): _value(item, arguments[1], _join(key, str(name)))
-            for name, item in value.items()
-        }
-    if origin is tuple:
-        return _tuple(value, kind, key)
-    if isinstance(value, int | float) and not abs(value) <= LARGEST:
-        problem = "is too large" if abs(value) < inf else "is not a finite number"
-        shown = _got(value).removeprefix("the number ")
-        raise SceneError(f"{shown} {problem}; wanted at most {LARGEST:g}", key=key)
-    try:
-        leaf: object = msgspec.convert(value, kind)
-    except msgspec.ValidationError:
-        raise SceneError(_refusal(value, kind), key=key) from None
-    return leaf
-
-
-def _tuple(value: object, kind: Any, key: str) -> tuple[object, ...]:
-    kinds = get_args(kind)
-    is_open = len(kinds) == 2 and kinds[1] is Ellipsis
-    if not isinstance(value, list | tuple) or not (is_open or len(value) == len(kinds)):
-        raise SceneError(_refusal(value, kind), key=key)
-    if is_open:
-        kinds = kinds[:1] * len(value)
-    pairs = zip(value, kinds, strict=True)
-    return tuple(_value(item, of, f"{key}[{i}]") for i, (item, of) in enumerate(pairs))
-
-
-def _join(key: str, name: str) -> str:
+def join(key: str, name: str) -> str:
+    """Return the dotted key of `name` in the table `key`, quoted and cut short where it must be."""
     shown = name if len(name) <= 40 else name[:40] + "…"
     if not re.fullmatch("[A-Za-z0-9_-]+…?", shown):
         shown = json.dumps(shown, ensure_ascii=not shown.isprintable())
     return f"{key}.{shown}" if key else shown
+
+
+def _nearest(name: str, known: tuple[str, ...]) -> list[str]:
+    return difflib.get_close_matches(name[:80], known, n=1)
+
+
+def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
+    """Return a value of a type, or ``FAILED`` with the reason noted."""
+    kind = _without_none(kind)
+    origin, arguments = get_origin(kind), get_args(kind)
+    if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
+        return _whole(value, kind, key, problems)
+    if origin is Mapping:
+        return _mapping(value, arguments[1], key, problems)
+    if origin is tuple:
+        return _tuple(value, kind, key, problems)
+    if isinstance(value, int | float) and not abs(value) <= LARGEST:
+        problem = "is too large" if abs(value) < inf else "is not a finite number"
+        shown = _got(value).removeprefix("the number ")
+        return _failed(f"{shown} {problem}; wanted at most {LARGEST:g}", key, problems)
+    try:
+        leaf: object = msgspec.convert(value, kind)
+    except msgspec.ValidationError:
+        return _failed(_refusal(value, kind), key, problems)
+    return leaf
+
+
+def _failed(problem: str, key: str, problems: Problems) -> object:
+    problems.add(problem, key, breaks=key)
+    return FAILED
+
+
+def _whole(value: object, record: type[msgspec.Struct], key: str, problems: Problems) -> object:
+    """Return a record that has no problem, or ``FAILED``."""
+    before = len(problems.found)
+    values = _fields(value, record, key, problems)
+    if len(problems.found) > before:
+        problems.break_(key)
+        return FAILED
+    return record(**values)
+
+
+def _mapping(value: object, kind: Any, key: str, problems: Problems) -> object:
+    """Return the elements that have no problem, or ``FAILED`` where there is no table."""
+    if not isinstance(value, Mapping):
+        return _failed(f"{_got(value)} stands where a table is wanted", key, problems)
+    if len(value) > MOST_ELEMENTS:
+        problem = f"has {len(value)} elements; the limit is {MOST_ELEMENTS}"
+        return _failed(problem, key, problems)
+    pairs = (
+        (str(name), _value(item, kind, join(key, str(name)), problems))
+        for name, item in value.items()
+    )
+    return {name: item for name, item in pairs if item is not FAILED}
+
+
+def _tuple(value: object, kind: Any, key: str, problems: Problems) -> object:
+    kinds = get_args(kind)
+    is_open = len(kinds) == 2 and kinds[1] is Ellipsis
+    if not isinstance(value, list | tuple) or not (is_open or len(value) == len(kinds)):
+        return _failed(_refusal(value, kind), key, problems)
+    if is_open:
+        kinds = kinds[:1] * len(value)
+    pairs = zip(value, kinds, strict=True)
+    items = [_value(item, of, f"{key}[{i}]", problems) for i, (item, of) in enumerate(pairs)]
+    return FAILED if FAILED in items else tuple(items)
 
 
 def _without_none(kind: Any) -> Any:

@@ -1,28 +1,82 @@
 """The errors that a user can meet, one class for each stage."""
 
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import Self
+
+MOST_SHOWN = 20
+"""Problems of a scene that a message shows; all are in the error."""
+
 
 class KousokuError(Exception):
     """Base of all errors that kousoku raises on purpose; the message says what to do."""
 
 
-class SceneError(KousokuError):
-    """A scene file or a built scene is not valid.
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One thing that is wrong with a scene.
 
     Parameters
     ----------
     problem : str
         What is wrong, what was wanted, and what to do.
+    key : str
+        The dotted key, such as ``links.l1.length``; empty where the file as a whole is meant.
+    line : int
+        The line of the file, 0 where there is none.
+    place : str
+        The dotted key whose line is meant, where it is not `key`.
+    """
+
+    problem: str
+    key: str = ""
+    line: int = 0
+    place: str = ""
+
+
+class SceneError(KousokuError):
+    """A scene file or a built scene is not valid; the message has a line for each problem.
+
+    Parameters
+    ----------
+    problem : str
+        What is wrong first, what was wanted, and what to do.
     file : str, optional
         The scene file.
     key : str, optional
-        The dotted key, such as ``links.l1.length``.
+        The dotted key of the first problem, such as ``links.l1.length``.
+    problems : sequence of Problem, optional
+        All of them, the first included.
     """
 
-    def __init__(self, problem: str, *, file: str = "", key: str = "") -> None:
+    def __init__(
+        self, problem: str, *, file: str = "", key: str = "", problems: Sequence[Problem] = ()
+    ) -> None:
         self.problem = problem
         self.file = file
         self.key = key
-        super().__init__(": ".join(part for part in (file, key, problem) if part))
+        self.problems = tuple(problems) or (Problem(problem, key),)
+        shown = [self._line(one) for one in self.problems[:MOST_SHOWN]]
+        left = len(self.problems) - len(shown)
+        if left:
+            shown.append(self._line(Problem(f"and {left} more problem{'s' * (left > 1)}")))
+        super().__init__("\n".join(shown))
+
+    @classmethod
+    def of(cls, problems: Sequence[Problem], *, file: str = "") -> Self:
+        """Return the error of one problem or more."""
+        return cls(problems[0].problem, file=file, key=problems[0].key, problems=problems)
+
+    def _line(self, one: Problem) -> str:
+        where = self.file
+        if one.line:
+            where = f"{self.file}:{one.line}" if self.file else f"line {one.line}"
+        return ": ".join(part for part in (where, one.key, one.problem) if part)
 
 
 class ExpressionError(KousokuError):

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
+import re
 import tomllib
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from kousoku.model.decode import decode
-from kousoku.model.errors import SceneError
+from kousoku.model.decode import decode_parts, join
+from kousoku.model.errors import Problem, SceneError
+from kousoku.model.lines import key_lines
+from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
-from kousoku.model.validate import check
+from kousoku.model.validate import check_parts
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
 
 LARGEST_FILE = 4 * 2**20
 """Bytes of the largest scene file that is read."""
@@ -61,8 +69,10 @@ def scene_from_toml(text: str, *, file: str = "") -> Scene:
     except RecursionError:
         raise SceneError("is not a scene: its tables are nested too deeply", file=file) from None
     except ValueError as error:
-        raise SceneError(f"is not valid TOML: {error}", file=file) from error
-    return scene_from_dict(tree, file=file)
+        at = re.search(r"\(at line ([0-9]+), column [0-9]+\)", str(error))
+        problem = Problem(f"is not valid TOML: {error}", line=int(at[1]) if at else 0)
+        raise SceneError.of([problem], file=file) from error
+    return _scene(tree, text, file)
 
 
 def scene_from_dict(tree: object, *, file: str = "") -> Scene:
@@ -74,10 +84,50 @@ def scene_from_dict(tree: object, *, file: str = "") -> Scene:
         The tables of a scene; whatever is not a mapping of the right shape is refused.
     file : str
         The file that messages name.
+
+    Raises
+    ------
+    SceneError
+        All problems that are found, each with its dotted key.
     """
+    return _scene(tree, "", file)
+
+
+def _scene(tree: object, text: str, file: str) -> Scene:
+    problems = Problems()
     try:
-        scene = decode(tree, Scene)
-        check(scene)
+        scene = decode_parts(tree, Scene, {"name": "unnamed", "unit": "m"}, problems)
     except SceneError as error:
-        raise SceneError(error.problem, file=file, key=error.key) from error.__cause__
+        raise SceneError.of(error.problems, file=file) from None
+    check_parts(scene, problems)
+    if problems.found:
+        raise SceneError.of(_with_lines(problems.found, text), file=file)
     return scene
+
+
+def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
+    """Return problems with their lines, in the order of the text; a key stands for what holds it.
+
+    What concerns the file as a whole comes first.
+    """
+    if not text:
+        return problems
+    lines: dict[str, int] = {}
+    for path, line in key_lines(text).items():
+        lines.setdefault(_dotted(path), line)
+    found = [replace(one, line=_line(lines, one.place or one.key)) for one in problems]
+    return sorted(found, key=lambda one: one.line)
+
+
+def _dotted(path: tuple[str | int, ...]) -> str:
+    key = ""
+    for part in path:
+        key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
+    return key
+
+
+def _line(lines: Mapping[str, int], key: str) -> int:
+    """Return the line of a key, or of the nearest table around it that stands in the file."""
+    while key and key not in lines:
+        key = key[: max(key.rfind("."), key.rfind("["), 0)]
+    return lines.get(key, 0)

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.model.decode import join
 from kousoku.model.errors import SceneError
 from kousoku.model.grashof import check_closure
 from kousoku.model.mobility import check_mobility
 from kousoku.model.names import name_problem, scene_name_problem
+from kousoku.model.problems import Problems
 from kousoku.model.scene import TABLES
 from kousoku.model.validate_inputs import check_inputs
 from kousoku.model.validate_planar import check_planar
@@ -37,23 +39,45 @@ def check(scene: Scene) -> tuple[str, ...]:
     Raises
     ------
     SceneError
-        The first problem that is found, with its dotted key.
+        All problems that are found, each with its dotted key.
     """
-    _check_names(scene)
-    _check_settings(scene)
-    if scene.is_spatial:
-        check_spatial(scene)
+    problems = Problems()
+    notes = check_parts(scene, problems)
+    problems.settle()
+    return notes
+
+
+def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
+    """Check what there is of a scene; what concerns it as a whole only when all parts are right.
+
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
+
+    Returns
+    -------
+    tuple of str
+        As :func:`check` gives them; none where there are problems.
+    """
+    _check_names(scene, problems)
+    _check_settings(scene, problems)
+    is_spatial = scene.is_spatial or problems.touches("bodies", "joints")
+    if is_spatial:
+        if not problems.touches(*TABLES):
+            problems.check("bodies", (), check_spatial, scene)
     else:
         if any(scene.gravity):
-            raise SceneError(
-                "belongs to bodies; a linkage of nodes and links has no masses", key="gravity"
-            )
-        check_planar(scene)
-    check_inputs(scene)
-    if scene.is_spatial:
+            problem = "belongs to bodies; a linkage of nodes and links has no masses"
+            problems.add(problem, "gravity")
+        check_planar(scene, problems)
+    check_inputs(scene, problems)
+    if is_spatial or problems.found:
         return ()
-    check_mobility(scene)
-    return check_closure(scene)
+    problems.check("inputs", (), check_mobility, scene)
+    return problems.check("links", ("inputs",), check_closure, scene) or ()
 
 
 def require_planar(scene: Scene) -> None:
@@ -72,49 +96,43 @@ def require_planar(scene: Scene) -> None:
         )
 
 
-def _check_names(scene: Scene) -> None:
+def _check_names(scene: Scene, problems: Problems) -> None:
     problem = scene_name_problem(scene.name)
-    if problem:
-        raise SceneError(problem, key="name")
+    if problem and not problems.is_broken("name"):
+        problems.add(problem, "name")
     seen: dict[str, str] = {}
     for table in TABLES:
         for name in getattr(scene, table):
+            place = join(table, name)
             problem = name_problem(name)
             if problem:
-                raise SceneError(problem, key=table)
-            if name in seen:
-                raise SceneError(
-                    f"the name {name!r} is also in {seen[name]}; wanted a name of its own",
-                    key=f"{table}.{name}",
-                )
-            seen[name] = table
+                problems.add(problem, table, breaks=place, place=place)
+            elif name in seen:
+                problem = f"the name {name!r} is also in {seen[name]}; wanted a name of its own"
+                problems.add(problem, place)
+            seen.setdefault(name, table)
 
 
-def _check_settings(scene: Scene) -> None:
+def _check_settings(scene: Scene, problems: Problems) -> None:
     if not 1 <= scene.divisions <= MOST_DIVISIONS:
-        raise SceneError(
-            f"{_short(scene.divisions)} divisions; wanted 1 to {MOST_DIVISIONS}", key="divisions"
-        )
+        problem = f"{_short(scene.divisions)} divisions; wanted 1 to {MOST_DIVISIONS}"
+        problems.add(problem, "divisions", breaks="divisions")
     method = scene.method
     if not 1 <= method.iterations <= MOST_ITERATIONS:
-        raise SceneError(
-            f"{_short(method.iterations)} iterations; wanted 1 to {MOST_ITERATIONS}",
-            key="method.iterations",
-        )
+        problem = f"{_short(method.iterations)} iterations; wanted 1 to {MOST_ITERATIONS}"
+        problems.add(problem, "method.iterations")
     if method.residual is not None and not method.residual > 0:
-        raise SceneError(
-            f"a residual of {method.residual!r} cannot be reached; wanted a positive length",
-            key="method.residual",
-        )
+        problem = f"a residual of {method.residual!r} cannot be reached; wanted a positive length"
+        problems.add(problem, "method.residual", breaks="method")
     if len(set(scene.outputs)) < len(scene.outputs):
-        raise SceneError("an output stands there twice; leave one out", key="outputs")
+        problems.add("an output stands there twice; leave one out", "outputs")
     title = scene.title
     unsafe = [mark for mark in ("\\", '"', "*/", "/*", "??/") if mark in title]
     if len(title) > LONGEST_TITLE or not title.isprintable() or unsafe:
-        raise SceneError(
+        problems.add(
             f"wanted one line of at most {LONGEST_TITLE} printable characters without double "
             "quotes, backslashes and comment marks: it heads the generated files",
-            key="title",
+            "title",
         )
 
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 from math import isfinite, tau
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import unknown
+from kousoku.model.decode import join, unknown
 from kousoku.model.errors import SceneError
 from kousoku.model.motion import turns_of
 
 if TYPE_CHECKING:
     from kousoku.model.planar import Input
+    from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
 
 MOST_TURNS = 10
@@ -20,25 +21,35 @@ TARGETS = ("link", "slider", "joint")
 """What an input may drive; its table in the scene has the same name with an s."""
 
 
-def check_inputs(scene: Scene) -> None:
+def check_inputs(scene: Scene, problems: Problems) -> None:
     """Check all inputs; whether they are as many as wanted is left to the mobility.
 
-    Raises
-    ------
-    SceneError
-        The first problem that is found, with its dotted key.
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
     """
     drives: dict[tuple[str, str], str] = {}
     for name, given in scene.inputs.items():
-        key = f"inputs.{name}"
-        target, driven = _target(scene, given, key)
-        other = drives.setdefault((target, driven), name)
-        if other != name:
-            raise SceneError(f"prescribes the {target} {driven}, as inputs.{other} does", key=key)
-        _check_way(given, target, key)
-        if target == "link":
-            _check_link(scene, given, driven, key)
-            _check_speed(scene, given, key)
+        key = join("inputs", name)
+        pairs = [(target, getattr(given, target)) for target in TARGETS]
+        uses = [join(f"{target}s", driven) for target, driven in pairs if driven is not None]
+        problems.check(key, [key, *uses], _check_input, scene, name, drives)
+        if not problems.is_broken("divisions"):
+            problems.check(key, [key], _check_speed, scene, name)
+
+
+def _check_input(scene: Scene, name: str, drives: dict[tuple[str, str], str]) -> None:
+    given, key = scene.inputs[name], join("inputs", name)
+    target, driven = _target(scene, given, key)
+    other = drives.setdefault((target, driven), name)
+    if other != name:
+        raise SceneError(f"prescribes the {target} {driven}, as inputs.{other} does", key=key)
+    _check_way(given, target, key)
+    if target == "link":
+        _check_link(scene, given, driven, key)
 
 
 def _target(scene: Scene, given: Input, key: str) -> tuple[str, str]:
@@ -71,7 +82,10 @@ def _check_way(given: Input, target: str, key: str) -> None:
             raise SceneError(f"{number!r} is not a finite number", key=f"{key}.{what}")
 
 
-def _check_speed(scene: Scene, given: Input, key: str) -> None:
+def _check_speed(scene: Scene, name: str) -> None:
+    given, key = scene.inputs[name], join("inputs", name)
+    if given.link is None:
+        return
     turns = turns_of(given)
     if turns is None and given.to is not None:
         turns = (given.to - given.start) / tau

@@ -153,3 +153,19 @@ def test_without_a_compiler_one_line_says_so(tmp_path: Path) -> None:
     )
     assert "by numpy" in done.stdout
     assert done.stderr.count("\n") == 1 and "NumPy" in done.stderr
+
+
+def test_all_problems_of_a_scene_are_told_at_once_with_their_lines(
+    run: Run, tmp_path: Path
+) -> None:
+    text = LEVER.read_text(encoding="utf-8")
+    lines = text.splitlines()
+    scene = tmp_path / "lever.toml"
+    scene.write_text(text.replace('"cm"', '"ells"').replace('about = "O1"', 'about = "O3"'))
+    code, out, err = run("solve", scene)
+    unit = next(k for k, line in enumerate(lines, 1) if '"cm"' in line)
+    alpha = next(k for k, line in enumerate(lines, 1) if 'about = "O1"' in line)
+    first, second = err.splitlines()
+    assert (code, out) == (2, "")
+    assert first.startswith(f"kousoku: {scene}:{unit}: unit: the text 'ells' stands where")
+    assert second.startswith(f"{scene}:{alpha}: inputs.alpha.about: 'O3' is no end of it")

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import MOST_SHOWN, SceneError
 from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.model.scene import Scene
 
@@ -45,13 +45,14 @@ TREE = st.recursive(
 
 
 def gives_scene_or_error(read: Any, source: object) -> None:
-    """Check that one of the two comes, and that messages are one readable line."""
+    """Check that one of the two comes, and that messages are one readable line each."""
     try:
         assert isinstance(read(source), Scene)
     except SceneError as error:
-        assert error.problem
-        assert str(error).isprintable()
-        assert len(str(error)) < 1000
+        assert error.problem == error.problems[0].problem
+        lines = str(error).split("\n")
+        assert len(lines) == min(len(error.problems), MOST_SHOWN + 1)
+        assert all(line.isprintable() and 0 < len(line) < 1000 for line in lines)
 
 
 def places(tree: object, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:

@@ -30,7 +30,10 @@ def test_a_bad_scene_gets_one_message_with_file_key_and_reason(path: Path) -> No
     assert error.file == str(path)
     assert error.key == key
     assert says in error.problem
-    assert str(error) == ": ".join(part for part in (str(path), key, error.problem) if part)
+    assert len(error.problems) == 1
+    line = error.problems[0].line
+    where = f"{path}:{line}" if line else str(path)
+    assert str(error) == ": ".join(part for part in (where, key, error.problem) if part)
     assert "\n" not in str(error)
 
 

@@ -1,0 +1,161 @@
+"""The line of each key of a TOML document, which :mod:`tomllib` does not tell.
+
+The text is one that tomllib has accepted: nothing is checked again, only followed.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+Path = tuple[str | int, ...]
+"""The keys, and the places in lists, that lead to a value."""
+
+_SPACE = re.compile(r"[ \t]*")
+_BLANK = re.compile(r"(?:[ \t\r\n]|#[^\n]*)*")
+_BARE = re.compile(r"[A-Za-z0-9_-]+")
+_BASIC = re.compile(r'"(?:[^"\\]|\\.)*"')
+_LITERAL = re.compile(r"'[^']*'")
+_LONG_BASIC = re.compile(r'"""(?:[^\\]|\\.)*?"""(?:"{0,2})', re.DOTALL)
+_LONG_LITERAL = re.compile(r"'''.*?'''(?:'{0,2})", re.DOTALL)
+_OTHER = re.compile(r"[^,\]}#\n]*")
+
+
+def key_lines(text: str) -> Mapping[Path, int]:
+    """Return where each key and each element of a list stands for the first time.
+
+    Parameters
+    ----------
+    text : str
+        Valid TOML.
+
+    Returns
+    -------
+    mapping of tuple to int
+        Lines, counted from 1, by the path to the value: ``("nodes", "O1", "at", 0)``.
+    """
+    scanner = _Scanner(text)
+    scanner.document()
+    return scanner.lines
+
+
+class _Scanner:
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.place = 0
+        self.lines: dict[Path, int] = {}
+        self._counts: dict[Path, int] = {}
+        self._line, self._counted = 1, 0
+
+    def document(self) -> None:
+        table: Path = ()
+        self.skip(_BLANK)
+        while self.place < len(self.text):
+            if self.takes("[["):
+                table = self.header(is_list=True)
+                self.place += 2
+            elif self.takes("["):
+                table = self.header(is_list=False)
+                self.place += 1
+            else:
+                self.value(self.assigned(table))
+            self.skip(_BLANK)
+
+    def header(self, *, is_list: bool) -> Path:
+        """Read the keys of a header; a list of tables stands for its last element."""
+        path: Path = ()
+        line = self.line()
+        keys = self.keys()
+        for depth, key in enumerate(keys, 1):
+            path = (*path, key)
+            self.lines.setdefault(path, line)
+            if is_list and depth == len(keys):
+                self._counts[path] = self._counts.get(path, 0) + 1
+            if path in self._counts:
+                path = (*path, self._counts[path] - 1)
+                self.lines.setdefault(path, line)
+        return path
+
+    def assigned(self, table: Path) -> Path:
+        """Read ``key =``; return the path to the value that follows."""
+        line = self.line()
+        path = table
+        for key in self.keys():
+            path = (*path, key)
+            self.lines.setdefault(path, line)
+        self.place += 1
+        self.skip(_SPACE)
+        return path
+
+    def keys(self) -> list[str]:
+        """Read a key with its dots, and the space after it."""
+        keys = [self.key()]
+        while self.takes("."):
+            keys.append(self.key())
+        return keys
+
+    def key(self) -> str:
+        self.skip(_SPACE)
+        start = self.text[self.place]
+        quoted = {'"': _BASIC, "'": _LITERAL}.get(start)
+        raw = self.skip(quoted or _BARE)
+        self.skip(_SPACE)
+        if quoted is None:
+            return raw
+        key: str = tomllib.loads(f"key = {raw}")["key"]
+        return key
+
+    def value(self, path: Path) -> None:
+        """Read a value and what is in it, without recursion: depth costs no stack."""
+        opened: list[tuple[Path, int | None]] = []
+        self.begin(path, opened)
+        while opened:
+            self.skip(_BLANK)
+            while self.takes(","):
+                self.skip(_BLANK)
+            if self.takes("]") or self.takes("}"):
+                opened.pop()
+                continue
+            outer, count = opened.pop()
+            if count is None:
+                opened.append((outer, None))
+                self.begin(self.assigned(outer), opened)
+            else:
+                opened.append((outer, count + 1))
+                self.lines.setdefault((*outer, count), self.line())
+                self.begin((*outer, count), opened)
+
+    def begin(self, path: Path, opened: list[tuple[Path, int | None]]) -> None:
+        """Read a plain value, or open a list, which counts its elements, or an inline table."""
+        if self.takes("["):
+            opened.append((path, 0))
+        elif self.takes("{"):
+            opened.append((path, None))
+        elif self.text.startswith('"""', self.place):
+            self.skip(_LONG_BASIC)
+        elif self.text.startswith("'''", self.place):
+            self.skip(_LONG_LITERAL)
+        else:
+            self.skip({'"': _BASIC, "'": _LITERAL}.get(self.text[self.place], _OTHER))
+
+    def takes(self, mark: str) -> bool:
+        if not self.text.startswith(mark, self.place):
+            return False
+        self.place += len(mark)
+        return True
+
+    def skip(self, pattern: re.Pattern[str]) -> str:
+        found = pattern.match(self.text, self.place)
+        if found is None:
+            return ""
+        self.place = found.end()
+        return found.group()
+
+    def line(self) -> int:
+        self._line += self.text.count("\n", self._counted, self.place)
+        self._counted = self.place
+        return self._line

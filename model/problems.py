@@ -1,0 +1,85 @@
+"""Collect what is wrong with a scene, so that all of it is reported at once.
+
+What failed is *broken*: checks that depend on it are left out, so that one mistake is one problem.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, ParamSpec, TypeVar
+
+from kousoku.model.errors import Problem, SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Problems:
+    """What was found so far.
+
+    Attributes
+    ----------
+    found : list of Problem
+        In the order in which they were found.
+    """
+
+    def __init__(self) -> None:
+        self.found: list[Problem] = []
+        self._broken: dict[str, None] = {}
+
+    def add(self, problem: str, key: str, *, breaks: str = "", place: str = "") -> None:
+        """Note a problem, and what it makes unusable: the element or table `breaks`."""
+        self.found.append(Problem(problem, key, place=place))
+        if breaks:
+            self.break_(breaks)
+
+    def break_(self, key: str) -> None:
+        """Note that an element (``links.l1``) or a table (``links``) cannot be used."""
+        self._broken[key] = None
+
+    def is_broken(self, *keys: str) -> bool:
+        """Return whether one of some elements, or its table, cannot be used."""
+        return any(key in self._broken or key.partition(".")[0] in self._broken for key in keys)
+
+    def touches(self, *tables: str) -> bool:
+        """Return whether something in one of some tables, or all of it, cannot be used."""
+        return any(key.partition(".")[0] in tables for key in self._broken)
+
+    def check(
+        self, key: str, uses: Iterable[str], function: Callable[P, R], /, *a: P.args, **k: P.kwargs
+    ) -> R | None:
+        """Check an element, unless something that it uses is broken.
+
+        Parameters
+        ----------
+        key : str
+            The element or table, which is broken when the check fails or is left out.
+        uses : iterable of str
+            The elements and tables that the check depends on.
+        function : callable
+            The check; it raises :class:`SceneError`.
+        *a, **k
+            What it takes.
+        """
+        if self.is_broken(*uses):
+            self.break_(key)
+            return None
+        try:
+            return function(*a, **k)
+        except SceneError as error:
+            self.found.extend(error.problems)
+            self.break_(key)
+            return None
+
+    def settle(self, file: str = "") -> None:
+        """Raise what was found, if anything was.
+
+        Raises
+        ------
+        SceneError
+            All problems.
+        """
+        if self.found:
+            raise SceneError.of(self.found, file=file)
