@@ -58,8 +58,9 @@ def compose(
     system : System
         The scene.
     wanted : collection of str
-        What is computed beyond the motion: ``reactions`` for the region ``lam``, ``energies`` for
-        the segment ``energy``. Other names are not looked at.
+        What is computed beyond the motion: ``reactions`` for the region ``lam`` and the segment
+        ``reaction``, ``energies`` for the segment ``energy``, ``checks`` for the segment ``check``.
+        Other names are not looked at.
     rows : mapping of int to sequence of int, optional
         For instances of which not all rows are kept, by their place in ``system.constraints``, the
         rows that are.
@@ -70,7 +71,7 @@ def compose(
     -------
     Program
         Segments ``geometry``, ``position``, ``move``, ``velocity``, ``acceleration``, and
-        ``energy`` where it is wanted.
+        ``reaction``, ``energy`` and ``check`` where they are wanted.
     """
     return _Composer(
         system, wanted, rows or {}, is_planar=may_be_planar and is_planar(system)
@@ -116,8 +117,12 @@ class _Composer:
         self._move()
         self._velocity()
         self._acceleration()
+        if "reactions" in self.wanted:
+            self._reaction()
         if "energies" in self.wanted:
             self._energy()
+        if "checks" in self.wanted:
+            self._check()
         segments, regions, size = self.recorder.finish()
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         return Program(
@@ -193,8 +198,10 @@ class _Composer:
                 into=(target,),
             )
 
-    def _rates(self, output: str, by_body: Sequence[Block]) -> list[Block]:
-        """Return C_q x minus ν or γ, joint by joint."""
+    def _rates(
+        self, output: str, by_body: Sequence[Block], region: Block | None = None
+    ) -> list[Block]:
+        """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
         for joint in self.joints:
             i, j = self.body(joint.i), self.body(joint.j)
@@ -205,14 +212,19 @@ class _Composer:
                 *(j.p, j.orientation, j.v_r, j.omega_b, x_j, joint.jacobian[joint.j]),
                 *(i.r, j.r),
                 *joint.constants,
+                into=(self._rows_of(region, joint) if region else None,),
             )
             found.append(difference)
         return found
 
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
-        own = [self.v.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
-        self._pull(self.schur.solve(self._rates("nu", own)), None, self.dv)
+        rates = self._rates("nu", self._by_body(self.v))
+        self._pull(self.schur.solve(rates), None, self.dv)
+
+    def _by_body(self, region: Block) -> list[Block]:
+        """Return the parts of a region in the order of v."""
+        return [region.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
 
     def _acceleration(self) -> None:
         gravity = self.recorder.constant(self.system.gravity)
@@ -233,6 +245,27 @@ class _Composer:
             free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         self._pull(self.schur.solve(self._rates("gamma", free), targets), free, self.v_dot)
+
+    def _reaction(self) -> None:
+        """Record force and torque of each joint on body j, or on i where j is the ground."""
+        regions = {region.name: region for region in self.recorder.regions}
+        lam = column(range(regions["lam"].base + 2, regions["lam"].base + self.rows + 2))
+        ends = [joint.i if joint.j == GROUND_INDEX else joint.j for joint in self.joints]
+        widths = [len(self.bodies[end].columns) for end in ends]
+        target = self.recorder.region("reactions", sum(widths))
+        self.recorder.begin("reaction")
+        first = 0
+        for joint, end, width in zip(self.joints, ends, widths, strict=True):
+            product = (joint.jacobian[end].T, self._rows_of(lam, joint))
+            self.schur.gather(zeros(width, 1), [product], target.part(first, width))
+            first += width
+
+    def _check(self) -> None:
+        """Record what is left of the constraints at the levels of velocity and acceleration."""
+        rates, second = (self.recorder.region(name, self.rows) for name in ("C_dot", "C_ddot"))
+        self.recorder.begin("check")
+        self._rates("nu", self._by_body(self.v), rates)
+        self._rates("gamma", self._by_body(self.v_dot), second)
 
     def _energy(self) -> None:
         target = self.recorder.region("energies", 2)

@@ -192,7 +192,11 @@ REGIONS = {
     "q_dot": "time derivative of q",
     "v_dot": "time derivative of v",
     "lam": "multipliers, in the order of C",
+    "reactions": "force (frame O) and torque (body frame) of each joint on body j, or on i if j is"
+    " the ground, at the centre of mass; the columns of that body only",
     "energies": "kinetic and potential energy, J",
+    "C_dot": "C_q v - nu, in the order of C",
+    "C_ddot": "C_q v_dot - gamma, in the order of C",
     "constants": "the scene's numbers",
 }
 
@@ -203,11 +207,13 @@ SEGMENTS = {
     "move": "q, dq -> q_moved",
     "velocity": "v, t -> dv = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 (C_q v - nu)",
     "acceleration": "v, t -> q_dot, v_dot, lam",
+    "reaction": "lam -> reactions",
     "energy": "q, v -> energies",
+    "check": "v, v_dot, t -> C_dot, C_ddot",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.
-AFTER_GEOMETRY = frozenset({"position", "velocity", "acceleration"})
+AFTER_GEOMETRY = frozenset({"position", "velocity", "acceleration", "reaction", "check"})
 
 
 def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:

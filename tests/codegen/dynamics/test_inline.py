@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.program import Program
     from kousoku.model.mechanism import System
 
-RESULTS = ("C", "dq", "q_moved", "dv", "q_dot", "v_dot", "lam", "energies")
+RESULTS = (
+    *("C", "dq", "q_moved", "dv", "q_dot", "v_dot", "lam", "reactions", "energies"),
+    *("C_dot", "C_ddot"),
+)
 
 
 def system_of(mechanisms: SimpleNamespace, name: str) -> System:
@@ -41,7 +44,7 @@ def system_of(mechanisms: SimpleNamespace, name: str) -> System:
 def test_straight_line_code_computes_what_the_tasks_compute(
     mechanisms: SimpleNamespace, rng: np.random.Generator, name: str, statements: int
 ) -> None:
-    program = compose(system_of(mechanisms, name), ["reactions", "energies"])
+    program = compose(system_of(mechanisms, name), ["reactions", "energies", "checks"])
     straight = inline(program, limit=100_000, statements=statements)
     one, other = Workspace(program), Workspace(straight)
     noise = {name: rng.normal(scale=0.05, size=len(one[name])) for name in ("q", "v")}
