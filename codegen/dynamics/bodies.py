@@ -86,25 +86,31 @@ def start(body: MovingBody) -> tuple[tuple[float, ...], tuple[float, ...]]:
     return (*body.r, *body.p), (*body.v, *body.omega_b)
 
 
-def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[Fraction]:
-    """Return the diagonal of M⁻¹ in the columns, exactly.
+def require_masses(system: System, *, is_planar: bool) -> None:
+    """Refuse bodies that lack what their motion depends on.
 
     Raises
     ------
     SceneError
-        The body lacks a mass or a moment that its motion needs.
+        A body has no mass, or no moment about an axis that it can turn about.
     """
-    if body.mass <= 0:
-        raise SceneError("is missing; its motion depends on it", key=f"bodies.{body.name}.mass")
-    diagonal = (*(body.mass,) * 3, *body.inertia)
-    for place in columns:
-        if diagonal[place] <= 0:
+    for body in system.bodies:
+        if body.mass <= 0:
+            raise SceneError("is missing; its motion depends on it", key=f"bodies.{body.name}.mass")
+        _, columns = shape(body, is_planar=is_planar)
+        moments = [body.inertia[k - 3] for k in columns if k > 2]
+        if any(moment <= 0 for moment in moments):
             raise SceneError(
-                f"has a principal moment of {diagonal[place]} kg m²; wanted a positive one, since"
-                " the body can turn about that axis: give it some thickness",
+                f"has a principal moment of {min(moments)} kg m² about an axis that it can turn"
+                " about; wanted positive ones: give it some thickness",
                 key=f"bodies.{body.name}.inertia",
             )
-    return [1 / Fraction(diagonal[place]) for place in columns]
+
+
+def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[Fraction]:
+    """Return the diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
+    diagonal = [Fraction(x) for x in (*(body.mass,) * 3, *body.inertia)]
+    return [1 / diagonal[k] if diagonal[k] else Fraction(0) for k in columns]
 
 
 def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[Fraction]:

@@ -16,6 +16,7 @@ from kousoku.codegen.dynamics.bodies import (
     body_blocks,
     coordinates,
     gyroscopic_ratios,
+    require_masses,
     sizes,
 )
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of
@@ -33,6 +34,7 @@ from kousoku.codegen.dynamics.planar import is_planar
 from kousoku.codegen.dynamics.program import Program, Row
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
+from kousoku.codegen.dynamics.turned import can_turn, named_back, turned, turned_row
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -65,17 +67,41 @@ def compose(
         For instances of which not all rows are kept, by their place in ``system.constraints``, the
         rows that are.
     may_be_planar : bool
-        Whether a scene that is planar gets planar coordinates.
+        Whether a scene that stays in a coordinate plane gets planar coordinates.
 
     Returns
     -------
     Program
         Segments ``geometry``, ``position``, ``move``, ``velocity``, ``acceleration``, and
         ``reaction``, ``energy`` and ``check`` where they are wanted.
+
+    Raises
+    ------
+    SceneError
+        A body lacks a mass or a moment that its motion needs.
     """
-    return _Composer(
-        system, wanted, rows or {}, is_planar=may_be_planar and is_planar(system)
-    ).program()
+    kept = rows or {}
+    shift = _plane(system) if may_be_planar else None
+    if shift is None:
+        require_masses(system, is_planar=False)
+        return _Composer(system, wanted, kept, is_planar=False).program()
+    other = turned(system, shift)
+    require_masses(other, is_planar=True)
+    kinds = [instance.kind for instance in system.constraints]
+    kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
+    return named_back(_Composer(other, wanted, kept, is_planar=True).program(), system, shift)
+
+
+def _plane(system: System) -> int | None:
+    """Return the turn that brings the plane of a system into the xy-plane, None of no plane.
+
+    A scene in the xy-plane is meant to be planar. In another plane only joints make it so: a chain
+    that hangs at rest stays in a plane, too, but not when it is started otherwise.
+    """
+    if is_planar(system):
+        return 0
+    shifts = (1, 2) if can_turn(system) else ()
+    return next((k for k in shifts if is_planar(turned(system, k), must_be_held=True)), None)
 
 
 class _Composer:

@@ -44,8 +44,16 @@ HOLDS = 1e-6
 ALONG_Z = {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
 
 
-def is_planar(system: System) -> bool:
-    """Return whether all bodies move in planes parallel to the xy-plane."""
+def is_planar(system: System, *, must_be_held: bool = False) -> bool:
+    """Return whether all bodies move in planes parallel to the xy-plane.
+
+    Parameters
+    ----------
+    system : System
+        The scene, as it starts.
+    must_be_held : bool
+        Whether only that counts which joints hold in the plane, however it starts in it.
+    """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
     recorder = Recorder()
@@ -66,8 +74,8 @@ def is_planar(system: System) -> bool:
         axes = [value for name, value in instance.constants if name.startswith("a_")]
         joint.turns_about_z &= all(axis in ALONG_Z for axis in axes)
     held = _held(system, joints)
-    is_pushed = system.gravity[2] != 0 and not all(held)
-    return not is_pushed and all(
+    wants_hold = must_be_held or system.gravity[2] != 0
+    return (all(held) or not wants_hold) and all(
         joint.stays_in_plane or all(held[k] for k in (i, j) if k != GROUND_INDEX)
         for (_, i, j), joint in joints.items()
     )

@@ -96,7 +96,8 @@ class Coordinates:
         As in the scene.
     r, p, v, omega_b : tuple of Place
         Centre of mass and its velocity in frame O, Euler parameters, angular velocity in the frame
-        of the body. A point has constant p; in a planar program z, e1 and e2 are constant.
+        of the body. A point has constant p; in a planar program r along the normal and the two
+        parameters across it are constant.
     """
 
     body: str
@@ -149,7 +150,7 @@ class Program:
     rows : tuple of Row
         In the order of the regions ``C`` and ``lam``.
     is_planar : bool
-        Whether all bodies move in planes parallel to the xy-plane.
+        Whether all bodies move in parallel coordinate planes.
     """
 
     name: str

@@ -52,8 +52,6 @@ def test_asking_for_less_costs_less(mechanisms: SimpleNamespace) -> None:
 
 
 def test_a_planar_scene_costs_a_fifth_of_the_spatial_one(mechanisms: SimpleNamespace) -> None:
-    system = mechanisms.chain(1)
-    assert not compose(system).is_planar
     pendulum = mechanisms.planar_pendulum(2)
     spatial = compose(pendulum, may_be_planar=False)
     assert not spatial.is_planar
