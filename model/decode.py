@@ -25,6 +25,9 @@ FAILED = object()
 LARGEST = 1e50
 """Numbers beyond it are refused: their products would leave the range of doubles."""
 
+MOST_COMPARED = 1000
+"""Names with which an unknown one is compared: it takes a millisecond for a hundred of them."""
+
 MOST_ELEMENTS = 20_000
 """Bodies, joints … of the largest scene; larger tables are refused before they are read."""
 
@@ -89,7 +92,7 @@ def _fields(
     fields = _fields_of(record)
     meant: dict[str, None] = {}
     for name in tree:
-        if name not in fields:
+        if name not in fields and not problems.is_full:
             problems.add(unknown("key", str(name), tuple(fields)), join(key, str(name)))
             meant.update(dict.fromkeys(_nearest(str(name), tuple(fields))))
     values: dict[str, Any] = {}
@@ -130,11 +133,17 @@ def join(key: str, name: str) -> str:
 
 
 def _nearest(name: str, known: tuple[str, ...]) -> list[str]:
+    """Return the known name that resembles `name` most, if any does."""
+    if len(known) > MOST_COMPARED:
+        return []
     return difflib.get_close_matches(name[:80], known, n=1)
 
 
 def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     """Return a value of a type, or ``FAILED`` with the reason noted."""
+    if problems.is_full:
+        problems.break_(key)
+        return FAILED
     kind = _without_none(kind)
     origin, arguments = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):

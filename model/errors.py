@@ -12,6 +12,9 @@ if TYPE_CHECKING:
 MOST_SHOWN = 20
 """Problems of a scene that a message shows; all are in the error."""
 
+MOST_FOUND = 200
+"""Problems after which no more are looked for."""
+
 
 class KousokuError(Exception):
     """Base of all errors that kousoku raises on purpose; the message says what to do."""
@@ -64,7 +67,9 @@ class SceneError(KousokuError):
         shown = [self._line(one) for one in self.problems[:MOST_SHOWN]]
         left = len(self.problems) - len(shown)
         if left:
-            shown.append(self._line(Problem(f"and {left} more problem{'s' * (left > 1)}")))
+            count = f"{left} more problem{'s' * (left > 1)}"
+            is_full = len(self.problems) >= MOST_FOUND
+            shown.append(self._line(Problem(f"and {'at least ' * is_full}{count}")))
         super().__init__("\n".join(shown))
 
     @classmethod

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, ParamSpec, TypeVar
 
-from kousoku.model.errors import Problem, SceneError
+from kousoku.model.errors import MOST_FOUND, Problem, SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -28,6 +28,11 @@ class Problems:
     def __init__(self) -> None:
         self.found: list[Problem] = []
         self._broken: dict[str, None] = {}
+
+    @property
+    def is_full(self) -> bool:
+        """Whether there are so many problems that no more are looked for."""
+        return len(self.found) >= MOST_FOUND
 
     def add(self, problem: str, key: str, *, breaks: str = "", place: str = "") -> None:
         """Note a problem, and what it makes unusable: the element or table `breaks`."""
@@ -50,7 +55,7 @@ class Problems:
     def check(
         self, key: str, uses: Iterable[str], function: Callable[P, R], /, *a: P.args, **k: P.kwargs
     ) -> R | None:
-        """Check an element, unless something that it uses is broken.
+        """Check an element, unless something that it uses is broken or there are too many problems.
 
         Parameters
         ----------
@@ -63,7 +68,7 @@ class Problems:
         *a, **k
             What it takes.
         """
-        if self.is_broken(*uses):
+        if self.is_full or self.is_broken(*uses):
             self.break_(key)
             return None
         try:

@@ -70,7 +70,8 @@ def _check_links(scene: Scene, problems: Problems) -> None:
         key = join("links", name)
         uses = [join("nodes", node) for node in link.nodes]
         for node, place in zip(link.nodes, uses, strict=True):
-            if node not in scene.nodes and not problems.is_broken(place, key):
+            is_known = node in scene.nodes or problems.is_broken(place, key)
+            if not is_known and not problems.is_full:
                 problem = unknown(f"node {node[:40]!r}", node, known)
                 problems.add(problem, f"{key}.nodes", breaks=key)
         problems.check(key, [key, *uses], _check_ends, scene, name, seen)

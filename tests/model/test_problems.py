@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kousoku.model.errors import MOST_SHOWN, Problem, SceneError
+from kousoku.model.errors import MOST_FOUND, MOST_SHOWN, Problem, SceneError
 from kousoku.model.problems import Problems
 from kousoku.model.read import scene_from_dict, scene_from_toml
 
@@ -166,6 +166,18 @@ def test_very_many_problems_are_counted(lever: dict[str, Any]) -> None:
     assert len(caught.value.problems) == 100
     assert len(lines) == MOST_SHOWN + 1
     assert lines[-1] == "a.toml: and 80 more problems"
+
+
+def test_after_very_many_problems_no_more_are_looked_for(lever: dict[str, Any]) -> None:
+    for k in range(10_000):
+        lever["nodes"][f"n{k}"] = {"att": k, "aat": k}
+    for k in range(1900):
+        lever["links"][f"m{k}"] = {"nodes": ["X", "Y"]}
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(lever)
+    count = len(caught.value.problems)
+    assert MOST_FOUND <= count < MOST_FOUND + 10
+    assert str(caught.value).endswith(f"\nand at least {count - MOST_SHOWN} more problems")
 
 
 def test_a_check_of_what_is_broken_is_left_out_and_breaks_what_it_checks() -> None:
