@@ -6,6 +6,7 @@ S for each joint; see :mod:`kousoku.codegen.dynamics.solve`.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
@@ -35,6 +36,7 @@ from kousoku.codegen.dynamics.program import Program, Row
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import can_turn, named_back, turned, turned_row
+from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -44,6 +46,8 @@ if TYPE_CHECKING:
 
 #: How many terms one task adds up.
 CHUNK = 4
+#: How many joints a moving body may have.
+MOST_JOINTS = 64
 
 
 def compose(
@@ -78,8 +82,9 @@ def compose(
     Raises
     ------
     SceneError
-        A body lacks a mass or a moment that its motion needs.
+        A body lacks a mass or a moment that its motion needs, or has too many joints.
     """
+    _require_few_joints(system)
     kept = rows or {}
     shift = _plane(system) if may_be_planar else None
     if shift is None:
@@ -90,6 +95,19 @@ def compose(
     kinds = [instance.kind for instance in system.constraints]
     kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
     return named_back(_Composer(other, wanted, kept, is_planar=True).program(), system, shift)
+
+
+def _require_few_joints(system: System) -> None:
+    """Refuse bodies with so many joints that coupling every two of them is hopeless."""
+    joints = dict.fromkeys((x.joint, body) for x in system.constraints for body in (x.i, x.j))
+    counts = Counter(body for _, body in joints if body != GROUND_INDEX)
+    for body, count in counts.items():
+        if count > MOST_JOINTS:
+            raise SceneError(
+                f"has {count} joints; at most {MOST_JOINTS} are possible on one body that moves,"
+                " because the cost grows with their cube: divide it into bodies with fixed joints",
+                key=f"bodies.{system.bodies[body].name}",
+            )
 
 
 def _plane(system: System) -> int | None:

@@ -207,3 +207,8 @@ def test_a_body_that_can_turn_about_an_axis_without_inertia_is_refused(
     thin = replace(system.bodies[0], inertia=(0.0, 0.1, 0.1))
     with pytest.raises(SceneError, match=r"bodies\.b0\.inertia: has a principal moment of 0"):
         compose(replace(system, bodies=(thin, system.bodies[1])))
+
+
+def test_a_body_with_hopelessly_many_joints_is_refused_at_once(mechanisms: SimpleNamespace) -> None:
+    with pytest.raises(SceneError, match=r"bodies\.hub: has 65 joints; at most 64"):
+        compose(mechanisms.star(65))
