@@ -76,7 +76,7 @@ def _check_links(scene: Scene, problems: Problems) -> None:
                 problems.add(problem, f"{key}.nodes", breaks=key)
         problems.check(key, [key, *uses], _check_ends, scene, name, seen)
         problems.check(key, [], _check_length, link, key)
-        problems.check(key, [key, *uses], _check_distance, scene, name)
+        problems.check(key, [key], _check_distance, scene, name)
 
 
 def _check_ends(scene: Scene, name: str, seen: dict[frozenset[str], str]) -> None:

@@ -57,6 +57,14 @@ def test_keys_of_every_kind_are_found() -> None:
     assert ("no",) not in lines
 
 
+def test_quotes_at_the_end_of_a_long_text_belong_to_it() -> None:
+    for mark in ('"', "'"):
+        for count in (0, 1, 2):
+            text = f"a = {mark * 3}\nx{mark * (3 + count)}\nb = 1"
+            assert tomllib.loads(text)["a"] == "x" + mark * count
+            assert key_lines(text) == {("a",): 1, ("b",): 3}
+
+
 def paths(value: object, path: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
     """Return the paths to all values in a tree, and to all tables and lists."""
     items: Any = ()

@@ -157,6 +157,14 @@ def test_a_table_that_is_misspelt_is_not_missing_too() -> None:
     assert problems_of(GOOD.replace("[nodes]", "[nods]")) == [(6, "nods")]
 
 
+def test_a_name_that_is_none_stands_in_no_other_message(lever: dict[str, Any]) -> None:
+    lever["nodes"]["a\nb"] = {"at": [1, 1]}
+    lever["links"]["x"] = {"nodes": ["a\nb", "a\nb"]}
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(lever)
+    assert [problem.key for problem in caught.value.problems] == ["nodes"]
+
+
 def test_very_many_problems_are_counted(lever: dict[str, Any]) -> None:
     for k in range(100):
         lever["nodes"][f"n{k}"] = {"at": k}
