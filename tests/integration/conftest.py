@@ -8,14 +8,17 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from mpmath import MPContext
 
+from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.linkage import generate_scene
 from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.linkage import LinkageSolver, load_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.model.scene import Scene
+    from kousoku.runtime.toolchain import Toolchain
 
 SCENES = Path(__file__).parents[2] / "scenes"
 
@@ -48,6 +51,27 @@ def solver(backend: str, folder_of: Callable[[Scene], Path]) -> Callable[[str], 
             scene = scene_from_toml(text)
         target: Any = backend
         return load_scene(folder_of(scene), target=target)
+
+    return load
+
+
+@pytest.fixture(scope="session")
+def mover(
+    tmp_path_factory: pytest.TempPathFactory, compiler: Toolchain
+) -> Callable[[str | Scene], DynamicsSolver]:
+    """Return the solver of a scene of bodies, by its file in ``scenes/`` or as it is, in C."""
+    known: dict[str, DynamicsSolver] = {}
+
+    def load(scene: str | Scene) -> DynamicsSolver:
+        key = repr(scene)
+        if key not in known:
+            found = read_scene(SCENES / f"{scene}.toml") if isinstance(scene, str) else scene
+            folder = tmp_path_factory.mktemp("bodies") / found.name
+            folder.mkdir()
+            for name, text in generate_dynamics(found).items():
+                (folder / name).write_text(text, encoding="utf-8", newline="\n")
+            known[key] = load_dynamics(folder)
+        return known[key]
 
     return load
 
