@@ -160,8 +160,8 @@ def test_derivatives_are_those_of_differences_in_50_digits(
         (got,) = values([derivative(expression, name)], point["t"], point["x"], HIGH)
         moved = [point | {name: point[name] + way * step} for way in (-2, -1, 1, 2)]
         ends = [values([expression], at["t"], at["x"], HIGH)[0] for at in moved]
-    except (ArithmeticError, ValueError, TypeError):
-        assume(False)
+    except (ArithmeticError, ValueError, TypeError, AttributeError):
+        assume(False)  # a step beyond an end of the domain: mpmath goes on with complex numbers
         raise
     assume(all(isinstance(end, HIGH_CONTEXT.mpf) for end in (got, *ends)))
     slopes = [(ends[2] - ends[1]) / (2 * step), (ends[3] - ends[0]) / (4 * step)]
