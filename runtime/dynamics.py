@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,43 +9,25 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.errors import LoadError, MotionError, SolveError
+from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.library import read_files, read_manifest
-from kousoku.runtime.motion import BodyPlaces, Motion, RunLedger, by_body
+from kousoku.runtime.motion import BodyPlaces, ReactionPlaces
+from kousoku.runtime.run import METHODS, Options, Run, SavedRun
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    import ctypes
+    from collections.abc import Callable, Sequence
 
     import numpy.typing as npt
+
+    from kousoku.runtime.motion import Motion
 
     Array = npt.NDArray[np.float64]
 
 #: What a scene's folder tells about its bodies.
 MOTION_FILE = "motion.json"
-METHODS = ("dopri5", "dop853")
-#: The numbers at the start of the state, in the order of the solver's text; counts follow.
-STATE = ("time", "next step", "error", "next row", "time before")
-GOOD, BUFFER_FULL, PAUSED = 0, 1, 2
-MESSAGES = {
-    -1: "no step can be taken: from here on the motion is not determined, or too fast",
-    -2: "the constraints cannot be met between two steps",
-    -3: "the start cannot be brought onto the constraints",
-    -4: "an argument is out of range",
-}
-#: Rows of a call: between calls a run can be interrupted.
-BUFFER = 4096
-#: Steps of a call.
-STEPS = 1000
-
-
-class Settings(ctypes.Structure):
-    """The record of ``solver.h``."""
-
-    _fields_ = (
-        ("tolerance", ctypes.c_double),
-        ("largest_step", ctypes.c_double),
-        ("method", ctypes.c_int),
-    )
+#: A run that needs more steps is stopped, unless it is told otherwise.
+MOST_STEPS = 1_000_000
 
 
 def method_for(tolerance: float) -> str:
@@ -70,6 +51,14 @@ class DynamicsSolver:
         Coordinates and velocities at the start.
     library : ctypes.CDLL
         The compiled solver.
+    rows : tuple of (str, str)
+        Joint of each constraint, and the unit of its residual: m or rad.
+    parts : tuple of (str, int)
+        What a row has beyond time, q and v, and how many numbers.
+    reactions : tuple of ReactionPlaces
+        Where the forces of joints stand.
+    is_flat : bool
+        Whether all lies in one plane, so that no force leads out of it.
     """
 
     name: str
@@ -78,6 +67,10 @@ class DynamicsSolver:
     q: Array
     v: Array
     library: ctypes.CDLL
+    rows: tuple[tuple[str, str], ...]
+    parts: tuple[tuple[str, int], ...]
+    reactions: tuple[ReactionPlaces, ...]
+    is_flat: bool
 
     def simulate(
         self,
@@ -85,9 +78,8 @@ class DynamicsSolver:
         *,
         times: Sequence[float] | Array | None = None,
         samples: int = 1001,
-        tolerance: float = 1e-9,
-        method: str | None = None,
-        largest_step: float = np.inf,
+        progress: Callable[[float, float], object] | None = None,
+        **options: Any,
     ) -> Motion:
         """Integrate the motion from time 0.
 
@@ -99,31 +91,74 @@ class DynamicsSolver:
             The times to write, ascending, instead of ``end`` and ``samples``.
         samples : int
             How many times.
-        tolerance : float
-            Local error of a step, relative to a length of the scene and to the state.
-        method : {"dopri5", "dop853"}, optional
-            Of order 5 or 8; by the tolerance unless given.
-        largest_step : float [s]
-            No step is longer.
+        progress : callable, optional
+            Called now and then with the time reached and the last time.
+        **options
+            As in :meth:`begin`.
 
         Raises
         ------
         MotionError
             The motion cannot go on; the error has what was computed.
         SolveError
-            An option is not possible.
+            An option is not possible, or the start is not.
+        Interrupted
+            The user pressed Ctrl-C; the exception has what was computed.
         """
-        chosen = self._times(end, times, samples)
+        return self.begin(self._times(end, times, samples), **options).finish(progress)
+
+    def begin(
+        self,
+        times: Sequence[float] | Array,
+        *,
+        tolerance: float = 1e-9,
+        method: str | None = None,
+        largest_step: float = np.inf,
+        checks: bool = True,
+        most_steps: int = MOST_STEPS,
+    ) -> Run:
+        """Return a run at time 0 that can be stopped and go on.
+
+        Parameters
+        ----------
+        times : sequence of float [s]
+            The times to write, ascending.
+        tolerance : float
+            Local error of a step, relative to a length of the scene and to the state.
+        method : {"dopri5", "dop853"}, optional
+            Of order 5 or 8; by the tolerance unless given.
+        largest_step : float [s]
+            No step is longer.
+        checks : bool
+            Whether the ledger says what is left of the constraints, and how the energy changes.
+        most_steps : int
+            A run that needs more is stopped.
+
+        Raises
+        ------
+        SolveError
+            An option is not possible, or the start is not.
+        """
         name = method_for(tolerance) if method is None else method
         if name not in METHODS:
             raise SolveError(f"{self.name}: method {name!r}; wanted one of {', '.join(METHODS)}")
-        if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0):
+        if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
             raise SolveError(
-                f"{self.name}: tolerance {tolerance!r}, largest step {largest_step!r}; wanted a"
-                " tolerance from 1e-15 to 1 and a step above 0"
+                f"{self.name}: tolerance {tolerance!r}, largest step {largest_step!r}, at most"
+                f" {most_steps!r} steps; wanted a tolerance from 1e-15 to 1 and the others above 0"
             )
-        settings = Settings(tolerance, min(largest_step, 1e300), METHODS.index(name))
-        return Run(self, chosen, settings).finish()
+        chosen = self._times(None, times, 0)
+        return Run(self, chosen, Options(tolerance, largest_step, checks, name, most_steps))
+
+    def resume(self, saved: SavedRun) -> Run:
+        """Return a run that goes on where another one was saved, with the same bits.
+
+        Raises
+        ------
+        SolveError
+            It belongs to another solver.
+        """
+        return Run(self, saved.times, saved.options, saved)
 
     def _times(self, end: float | None, times: Any, samples: int) -> Array:
         if (end is None) == (times is None):
@@ -140,94 +175,6 @@ class DynamicsSolver:
         if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
             raise SolveError(f"{self.name}: times must ascend from 0 or later, one row of numbers")
         return chosen
-
-
-class Run:
-    """A run that can be stopped and go on: it owns the state, the workspace and the rows."""
-
-    def __init__(self, solver: DynamicsSolver, times: Array, settings: Settings) -> None:
-        self.solver = solver
-        self.times = times
-        self.settings = settings
-        self._state = np.zeros(self._size("state"))
-        self._work = np.zeros(self._size("work"))
-        self._width = self._size("row")
-        self._rows: list[Array] = []
-        start = self._function("start")
-        status = start(ctypes.c_double(0.0), *map(_address, (solver.q, solver.v)), *self._memory())
-        if status != GOOD:
-            raise SolveError(f"{solver.name}: {MESSAGES[status]}")
-
-    def _function(self, name: str) -> Any:
-        function = self.solver.library[f"kousoku_{self.solver.name}_{name}"]
-        function.restype = ctypes.c_int
-        return function
-
-    def _size(self, name: str) -> int:
-        function = self.solver.library[f"kousoku_{self.solver.name}_{name}_size"]
-        function.restype = ctypes.c_size_t
-        return int(function())
-
-    def _memory(self) -> tuple[ctypes.c_void_p, ctypes.c_void_p]:
-        return _address(self._state), _address(self._work)
-
-    def advance(self, max_steps: int = STEPS, max_rows: int = BUFFER) -> int:
-        """Go on for some steps and rows; return 0 at the end, else why it returned.
-
-        Returns
-        -------
-        int
-            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
-        """
-        rows = np.empty((max_rows, self._width))
-        written = ctypes.c_size_t()
-        status: int = self._function("run")(
-            ctypes.byref(self.settings),
-            _address(self.times),
-            *map(ctypes.c_size_t, (len(self.times), max_steps, max_rows)),
-            *self._memory(),
-            _address(rows),
-            ctypes.byref(written),
-        )
-        self._rows.append(rows[: written.value].copy())
-        return status
-
-    def finish(self) -> Motion:
-        """Go on to the last time.
-
-        Raises
-        ------
-        MotionError
-            The motion cannot go on; the error has what was computed.
-        """
-        while (status := self.advance()) in (BUFFER_FULL, PAUSED):
-            pass
-        motion = self.motion()
-        if status != GOOD:
-            where = f"at t = {self._state[0]:.9g} s"
-            raise MotionError(f"{self.solver.name}: {where}: {MESSAGES[status]}", motion)
-        return motion
-
-    def motion(self) -> Motion:
-        """Return what was computed so far."""
-        rows = np.concatenate(self._rows) if self._rows else np.empty((0, self._width))
-        n = len(self.solver.q)
-        tables = by_body(self.solver.bodies, rows[:, 1 : 1 + n], rows[:, 1 + n :], self.solver.unit)
-        steps, rejected, derivatives, factorisations, drift = self._state[len(STATE) :][:5]
-        ledger = RunLedger(
-            method=METHODS[self.settings.method],
-            tolerance=self.settings.tolerance,
-            steps=int(steps),
-            rejected=int(rejected),
-            derivatives=int(derivatives),
-            factorisations=int(factorisations),
-            drift=float(drift),
-        )
-        return Motion(self.solver.name, rows[:, 0], *tables, ledger, "c")
-
-
-def _address(array: Array) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
 
 
 def load_dynamics(folder: str | Path) -> DynamicsSolver:
@@ -259,4 +206,8 @@ def load_dynamics(folder: str | Path) -> DynamicsSolver:
         q=np.array(data["q"], dtype=np.float64),
         v=np.array(data["v"], dtype=np.float64),
         library=open_library(built.path, manifest),
+        rows=tuple((joint, unit) for joint, unit in data["rows"]),
+        parts=tuple((part, size) for part, size in data["parts"]),
+        reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),
+        is_flat=data["is_flat"],
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,17 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.run_ledger import RunLedger
+
     Array = npt.NDArray[np.float64]
+
+
+#: The tables of a motion.
+TABLES = (
+    *("position", "orientation", "velocity", "angular_velocity"),
+    *("acceleration", "angular_acceleration", "force", "torque", "energy"),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,36 +68,34 @@ class BodyPlaces:
 
 
 @dataclass(frozen=True, slots=True)
-class RunLedger:
-    """What a run cost, and how far it can be trusted.
+class ReactionPlaces:
+    """Where the force and torque of a joint stand among the reactions of a row.
 
     Parameters
     ----------
-    method : str
-        The Runge-Kutta method.
-    tolerance : float
-        Local error of a step, relative.
-    steps, rejected : int
-        Steps that were made, and that were tried in vain.
-    derivatives, factorisations : int
-        Evaluations of the accelerations, and factorisations of C_q M⁻¹ C_qᵀ.
-    drift : float
-        Largest correction of a step onto the constraints, relative to a length of the scene.
+    joint : str
+        As in the scene.
+    body : int
+        The body that they act on, at its centre of mass.
+    j : int
+        Body j of the joint, -1 for the ground; if it is the ground they act on body i.
+    point_b : (3,) [m]
+        The joint's point in the principal frame of body j, or in frame O.
+    columns : (6,) tuple of int
+        Places of force (frame O) and torque (principal frame), -1 where there is no coordinate.
     """
 
-    method: str
-    tolerance: float
-    steps: int
-    rejected: int
-    derivatives: int
-    factorisations: int
-    drift: float
+    joint: str
+    body: int
+    j: int
+    point_b: tuple[float, ...]
+    columns: tuple[int, ...]
 
-    def __str__(self) -> str:
-        return (
-            f"{self.method}, tolerance {self.tolerance:g}: {self.steps} steps, {self.rejected}"
-            f" rejected, {self.derivatives} accelerations, {self.factorisations} factorisations;"
-            f" a step left the constraints by {self.drift:.1e} at most before it was brought back"
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> ReactionPlaces:
+        """Return what ``motion.json`` says of a joint."""
+        return cls(
+            data["joint"], data["body"], data["j"], tuple(data["point_b"]), tuple(data["columns"])
         )
 
 
@@ -111,10 +119,21 @@ class Motion:
         Of the origin.
     angular_velocity : mapping of str to (n, 3) array [rad/s]
         Components in the body's frame.
+    acceleration, angular_acceleration : mapping of str to (n, 3) array
+        Their time derivatives; empty unless wanted.
+    force, torque : mapping of str to (n, 3) array
+        What each joint does to its body j, at its point of body j [kg unit/s², kg unit²/s²]; body i
+        gets the opposite. A body that hangs on its joint j is pulled upward: the force is against
+        gravity. Empty unless wanted. In a scene that moves in a plane, and does not lie in it, what
+        leads out of the plane is not computed, and NaN.
+    energy : mapping of str to (n,) array
+        ``kinetic``, ``potential`` and their sum ``total`` [kg unit²/s²]; empty unless wanted.
     ledger : RunLedger
         What the run cost.
     target : {"c", "numpy"}
         What computed.
+    is_complete : bool
+        Whether all times are there.
     """
 
     name: str
@@ -123,8 +142,14 @@ class Motion:
     orientation: Mapping[str, Array]
     velocity: Mapping[str, Array]
     angular_velocity: Mapping[str, Array]
+    acceleration: Mapping[str, Array]
+    angular_acceleration: Mapping[str, Array]
+    force: Mapping[str, Array]
+    torque: Mapping[str, Array]
+    energy: Mapping[str, Array]
     ledger: RunLedger
     target: str
+    is_complete: bool = True
 
     def __len__(self) -> int:
         return len(self.time)
@@ -133,20 +158,25 @@ class Motion:
         """Return the columns of a file by name.
 
         ``time``, then for each body ``crank.x crank.y crank.z``, ``crank.e0`` … ``crank.e3``,
-        ``crank.vx`` …, ``crank.omega_x`` ….
+        ``crank.vx`` …, ``crank.omega_x`` …, and where they are wanted ``crank.ax`` …,
+        ``crank.alpha_x`` …; for each joint ``hinge.fx`` …, ``hinge.mx`` …; ``energy.kinetic`` ….
         """
         table = {"time": self.time}
-        letters = (
+        bodies = (
             (self.position, ("x", "y", "z")),
             (self.orientation, ("e0", "e1", "e2", "e3")),
             (self.velocity, ("vx", "vy", "vz")),
             (self.angular_velocity, ("omega_x", "omega_y", "omega_z")),
+            (self.acceleration, ("ax", "ay", "az")),
+            (self.angular_acceleration, ("alpha_x", "alpha_y", "alpha_z")),
         )
-        for body in self.position:
-            for values, names in letters:
-                if body in values:
-                    table |= {f"{body}.{n}": values[body][:, k] for k, n in enumerate(names)}
-        return table
+        joints = ((self.force, ("fx", "fy", "fz")), (self.torque, ("mx", "my", "mz")))
+        for owners, letters in ((self.position, bodies), (self.force, joints)):
+            for owner in owners:
+                for values, names in letters:
+                    if owner in values:
+                        table |= {f"{owner}.{n}": values[owner][:, k] for k, n in enumerate(names)}
+        return table | {f"energy.{name}": values for name, values in self.energy.items()}
 
     def summary(self) -> dict[str, object]:
         """Return what a program may want to know, ready for JSON."""
@@ -155,7 +185,8 @@ class Motion:
             "target": self.target,
             "rows": len(self),
             "bodies": list(self.position),
-            "ledger": asdict(self.ledger),
+            "is_complete": self.is_complete,
+            "ledger": self.ledger.as_data(),
         }
 
     def save(self, path: str | Path) -> None:
@@ -163,25 +194,113 @@ class Motion:
         save_columns(self.columns(), Path(path))
 
 
-def by_body(
-    bodies: Sequence[BodyPlaces], q: Array, v: Array, unit: float
-) -> tuple[Mapping[str, Array], Mapping[str, Array], Mapping[str, Array], Mapping[str, Array]]:
-    """Return position, orientation, velocity and angular velocity in the users' frames, by name."""
-    tables: tuple[dict[str, Array], ...] = ({}, {}, {}, {})
-    for body in bodies:
-        r, velocity = _columns(body.r, q), _columns(body.v, v)
-        if body.p:
-            p, omega = _columns(body.p, q), _columns(body.omega_b, v)
-            arm = np.array(body.origin_b)
-            r = r + rotated(p, np.broadcast_to(arm, r.shape))
-            velocity = velocity + rotated(p, np.cross(omega, arm))
-            axes = np.array(body.axes_b)
-            tables[1][body.name] = composed(p, np.broadcast_to(axes, p.shape))
-            conjugate = np.broadcast_to(axes * [1, -1, -1, -1], p.shape)
-            tables[3][body.name] = rotated(conjugate, omega)
-        tables[0][body.name], tables[2][body.name] = r / unit, velocity / unit
-    first, second, third, fourth = map(MappingProxyType, tables)
-    return first, second, third, fourth
+def motion_of(
+    solver: DynamicsSolver, rows: Array, ledger: RunLedger, *, is_complete: bool, target: str = "c"
+) -> Motion:
+    """Return rows (time, q, v, then what is wanted) as arrays by name, in the users' frames.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        What made them.
+    rows : array
+        The rows.
+    ledger : RunLedger
+        What they cost.
+    is_complete : bool
+        Whether all times are there.
+    target : {"c", "numpy"}
+        What computed.
+    """
+    n, first = len(solver.q), 1 + len(solver.q) + len(solver.v)
+    q, v = rows[:, 1 : 1 + n], rows[:, 1 + n : first]
+    parts = {}
+    for name, size in solver.parts:
+        parts[name] = rows[:, first : first + size]
+        first += size
+    tables: dict[str, dict[str, Array]] = {name: {} for name in TABLES}
+    for body in solver.bodies:
+        for name, values in _of_body(body, q, v, parts.get("v_dot"), solver.unit).items():
+            tables[name][body.name] = values
+    if "reactions" in parts:
+        for joint in solver.reactions:
+            pair = _of_joint(joint, solver.bodies, q, parts["reactions"])
+            if not solver.is_flat:
+                _hide(pair, joint, turns=bool(solver.bodies[joint.body].p))
+            tables["force"][joint.joint] = pair[0] / solver.unit
+            tables["torque"][joint.joint] = pair[1] / solver.unit**2
+    if "energies" in parts:
+        kinetic, potential = parts["energies"].T / solver.unit**2
+        tables["energy"] = {
+            "kinetic": kinetic,
+            "potential": potential,
+            "total": kinetic + potential,
+        }
+    frozen = {name: MappingProxyType(table) for name, table in tables.items()}
+    return Motion(
+        solver.name,
+        rows[:, 0],
+        **frozen,
+        ledger=ledger,
+        target=target,
+        is_complete=is_complete,
+    )
+
+
+def _of_body(
+    body: BodyPlaces, q: Array, v: Array, v_dot: Array | None, unit: float
+) -> dict[str, Array]:
+    """Return what moves of a body, for its own frame and in the unit of the scene."""
+    found = {}
+    r, velocity = _columns(body.r, q), _columns(body.v, v)
+    acceleration = _rates(body.v, v_dot)
+    if body.p:
+        p, omega = _columns(body.p, q), _columns(body.omega_b, v)
+        alpha = _rates(body.omega_b, v_dot)
+        arm, axes = np.array(body.origin_b), np.array(body.axes_b)
+        turn = np.cross(omega, arm)
+        r = r + rotated(p, np.broadcast_to(arm, r.shape))
+        velocity = velocity + rotated(p, turn)
+        found["orientation"] = composed(p, np.broadcast_to(axes, p.shape))
+        back = np.broadcast_to(axes * [1, -1, -1, -1], p.shape)
+        found["angular_velocity"] = rotated(back, omega)
+        if acceleration is not None and alpha is not None:
+            acceleration = acceleration + rotated(p, np.cross(alpha, arm) + np.cross(omega, turn))
+            found["angular_acceleration"] = rotated(back, alpha)
+    found |= {"position": r / unit, "velocity": velocity / unit}
+    return found if acceleration is None else found | {"acceleration": acceleration / unit}
+
+
+def _of_joint(
+    joint: ReactionPlaces, bodies: Sequence[BodyPlaces], q: Array, reactions: Array
+) -> tuple[Array, Array]:
+    """Return force and torque on body j at the joint's point, in frame O [N, N m]."""
+    body, sign = bodies[joint.body], -1.0 if joint.j < 0 else 1.0
+    own = [reactions[:, k] if k >= 0 else np.zeros(len(reactions)) for k in joint.columns]
+    force, torque = (sign * np.stack(own[k : k + 3], axis=1) for k in (0, 3))
+    center = _columns(body.r, q)
+    point = np.broadcast_to(np.array(joint.point_b), center.shape)
+    if joint.j >= 0:
+        other = bodies[joint.j]
+        point = _columns(other.r, q) + (rotated(_columns(other.p, q), point) if other.p else 0.0)
+    if body.p:
+        torque = rotated(_columns(body.p, q), torque)
+    return force, torque + np.cross(center - point, force)
+
+
+def _hide(pair: tuple[Array, Array], joint: ReactionPlaces, *, turns: bool) -> None:
+    """Mark what is not computed: of a planar body, all that leads out of the plane."""
+    force, torque = pair
+    force[:, [k < 0 for k in joint.columns[:3]]] = np.nan
+    if turns:
+        torque[:, [k < 0 for k in joint.columns[3:]]] = np.nan
+
+
+def _rates(places: Sequence[int | float], v_dot: Array | None) -> Array | None:
+    """Return time derivatives; what does not change has none."""
+    if v_dot is None:
+        return None
+    return _columns([k if isinstance(k, int) else 0.0 for k in places], v_dot)
 
 
 def _columns(places: Sequence[int | float], rows: Array) -> Array:

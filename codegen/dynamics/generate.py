@@ -8,19 +8,35 @@ from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.emit import emit_dynamics
 from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.motion_data import is_flat
+from kousoku.codegen.dynamics.run import Workspace
+from kousoku.model.errors import SceneError
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.program import Program
+    from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
 
-def generate_dynamics(scene: Scene) -> dict[str, str]:
+#: What every solver has for the ledger of its runs.
+LEDGER = ("checks", "energies")
+#: Rows are dependent when one pivot is smaller than this part of another.
+DEPENDENT = 1e-12
+
+
+def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dict[str, str]:
     """Return the folder of the solver of a scene of bodies.
 
     Parameters
     ----------
     scene : Scene
         A checked spatial scene.
+    outputs : sequence of str, optional
+        What is wanted of ``accelerations``, ``reactions`` and ``energies``, beside positions and
+        velocities; what the scene says unless given.
 
     Returns
     -------
@@ -35,4 +51,22 @@ def generate_dynamics(scene: Scene) -> dict[str, str]:
         Its bodies do not fit together near the positions that it gives.
     """
     system = assemble(system_of(scene))
-    return emit_dynamics(inline(compose(system)), system)
+    wanted = scene.outputs if outputs is None else outputs
+    program = compose(system, (*LEDGER, *wanted))
+    if "reactions" in wanted and program.is_planar and not is_flat(program, system):
+        program = _spatial(system, (*LEDGER, *wanted)) or program
+    return emit_dynamics(inline(program), system, wanted)
+
+
+def _spatial(system: System, wanted: Sequence[str]) -> Program | None:
+    """Return the program in space, if it determines all reactions: no row depends on others."""
+    try:
+        program = compose(system, wanted, may_be_planar=False)
+        workspace = Workspace(program)
+        workspace.run("geometry")
+    except SceneError:  # a body that only a motion in the plane can have, such as a thin rod
+        return None
+    except ZeroDivisionError:  # a pivot is exactly zero
+        return None
+    pivots = workspace["pivots"]
+    return program if min(pivots) > DEPENDENT * max(pivots) else None

@@ -7,7 +7,7 @@ from itertools import groupby
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.program import SEGMENTS
+from kousoku.codegen.dynamics.program import REGIONS, SEGMENTS
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
 from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
@@ -15,7 +15,7 @@ from kousoku.codegen.view_body import layout, output_text, straight_line
 from kousoku.codegen.view_names import Namer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.program import Program, Task
     from kousoku.codegen.kernel import Kernel
@@ -110,6 +110,10 @@ class DynamicsView:
         How many rows.
     length : str
         A length of the scene [m].
+    parts : tuple of str
+        Regions that a row has beyond time, q and v.
+    rows : int
+        Count of constraints.
     """
 
     name: str
@@ -125,6 +129,13 @@ class DynamicsView:
     shift_count: int
     turn_count: int
     length: str
+    parts: tuple[str, ...]
+    rows: int
+
+    @property
+    def meanings(self) -> Mapping[str, str]:
+        """What the regions hold."""
+        return REGIONS
 
 
 def kernel_text(number: int, kernel: Kernel) -> KernelText:
@@ -164,7 +175,7 @@ def task_table(tasks: Sequence[Task]) -> list[int]:
     return numbers
 
 
-def dynamics_view(program: Program, length: float) -> DynamicsView:
+def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) -> DynamicsView:
     """Return what the templates get.
 
     Parameters
@@ -173,10 +184,13 @@ def dynamics_view(program: Program, length: float) -> DynamicsView:
         Task lists, or what inlining made of them.
     length : float [m]
         A length of the scene, to which corrections are compared.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
     """
     sizes = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
     counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
     sizes += [(name, program.region(region).size) for name, region in counts.items()]
+    sizes += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
     sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
     shifts, turns = shift_slots(program), turn_slots(program)
@@ -199,6 +213,8 @@ def dynamics_view(program: Program, length: float) -> DynamicsView:
         shift_count=len(shifts),
         turn_count=len(turns),
         length=repr(length),
+        parts=tuple(parts),
+        rows=len(program.rows),
     )
 
 

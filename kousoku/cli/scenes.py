@@ -12,7 +12,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.read import read_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
@@ -84,12 +84,12 @@ def solver_of(scene: Scene, target: Target) -> LinkageSolver:
     return _loaded(scene, generate_scene(scene), partial(load_scene, target=target.value))
 
 
-def dynamics_of(scene: Scene) -> DynamicsSolver:
+def dynamics_of(scene: Scene, outputs: Sequence[str] | None = None) -> DynamicsSolver:
     """Return the loaded solver of a scene of bodies, as :func:`solver_of` does for linkages."""
     from kousoku.codegen.dynamics.generate import generate_dynamics
     from kousoku.runtime.dynamics import load_dynamics
 
-    return _loaded(scene, generate_dynamics(scene), load_dynamics)
+    return _loaded(scene, generate_dynamics(scene, outputs), load_dynamics)
 
 
 def _loaded(scene: Scene, tree: Mapping[str, str], load: Callable[[Path], Solver]) -> Solver:

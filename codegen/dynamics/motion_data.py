@@ -1,0 +1,130 @@
+"""What tells which number of a row belongs to which body and joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kousoku.codegen.dynamics.program import Coordinates, Place, Program, Row
+    from kousoku.model.mechanism import Instance, MovingBody, System
+
+#: Kinds whose residuals are lengths; those of the others are angles.
+LENGTHS = ("point", "distance", "n2", "p2")
+
+
+def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> dict[str, object]:
+    """Return what ``motion.json`` holds.
+
+    Parameters
+    ----------
+    program : Program
+        The scene's program.
+    system : System
+        What it was composed of.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
+    """
+    bases = {"q": program.region("q").base, "v": program.region("v").base}
+    start: dict[str, list[float]] = {name: [0.0] * program.region(name).size for name in ("q", "v")}
+    for body in program.bodies:
+        for name, places in (("q", body.r + body.p), ("v", body.v + body.omega_b)):
+            for place in places:
+                if place.slot >= 0:
+                    start[name][place.slot - bases[name]] = place.value
+    return {
+        "format": 1,
+        "name": system.name,
+        "unit": system.unit,
+        **start,
+        "bodies": [
+            _body(body, places, bases["q"], bases["v"])
+            for body, places in zip(system.bodies, program.bodies, strict=True)
+        ],
+        "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
+        "parts": [[part, program.region(part).size] for part in parts],
+        "reactions": _reactions(program, system) if "reactions" in parts else [],
+        "is_flat": is_flat(program, system),
+    }
+
+
+def is_flat(program: Program, system: System) -> bool:
+    """Return whether centres of mass, joints and gravity lie in one plane of the motion.
+
+    Then no joint of a planar scene has a force or torque that leads out of it.
+    """
+    if not (program.is_planar and system.bodies):
+        return False
+    normal = next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
+    heights = [body.r[normal] for body in system.bodies]
+    for one in system.constraints:
+        for name, values in one.constants:
+            index = one.i if name == "s_i_b" else one.j
+            if name in {"s_i_b", "s_j_b"}:
+                heights.append(_height(values, None if index < 0 else system.bodies[index], normal))
+    spread = max(heights) - min(heights)
+    return system.gravity[normal] == 0.0 and spread <= 1e-12 * max(1.0, *map(abs, heights))
+
+
+def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> float:
+    """Return a coordinate of a point of a body, or of the ground, at the start."""
+    if body is None:
+        return point[normal]
+    w, x, y, z = map(precise.number, body.p)
+    seen = precise.rotate((w, x, y, z), precise.triple(point))
+    return body.r[normal] + float(seen[normal])
+
+
+def _row(row: Row, instance: Instance) -> list[str]:
+    """Return the joint of a row, and the unit of its residual."""
+    return [row.joint, "m" if instance.kind.partition("_")[0] in LENGTHS else "rad"]
+
+
+def _reactions(program: Program, system: System) -> list[dict[str, object]]:
+    """Return on which body each joint acts, where, and which of its components are computed."""
+    instances = {row.joint: system.constraints[row.instance] for row in program.rows}
+    points = {
+        one.joint: list(values)
+        for one in system.constraints
+        for name, values in one.constants
+        if name == "s_j_b"
+    }
+    bases = [[place.slot for place in (*one.v, *one.omega_b)] for one in program.bodies]
+    found: list[dict[str, object]] = []
+    first = 0
+    for joint, instance in instances.items():
+        body = instance.i if instance.j == GROUND_INDEX else instance.j
+        live = sorted(slot for slot in bases[body] if slot >= 0)
+        found.append(
+            {
+                "joint": joint,
+                "body": body,
+                "j": instance.j,
+                "point_b": points.get(joint, [0.0, 0.0, 0.0]),
+                "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
+            }
+        )
+        first += len(live)
+    return found
+
+
+def _body(body: MovingBody, places: Coordinates, q: int, v: int) -> dict[str, object]:
+    turns = not body.is_point
+    return {
+        "name": body.name,
+        "r": _numbers(places.r, q),
+        "p": _numbers(places.p, q) if turns else [],
+        "v": _numbers(places.v, v),
+        "omega_b": _numbers(places.omega_b, v) if turns else [],
+        "origin_b": list(body.origin_b),
+        "axes_b": list(body.axes_b),
+    }
+
+
+def _numbers(places: Iterable[Place], base: int) -> Sequence[int | float]:
+    """Return an index for a coordinate, a number for what never changes."""
+    return [place.slot - base if place.slot >= 0 else float(place.value) for place in places]

@@ -1,0 +1,288 @@
+"""A run of a solver of bodies: it stops and goes on, and keeps what was computed."""
+
+from __future__ import annotations
+
+import ctypes
+import time
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.model.errors import MotionError, SolveError
+from kousoku.runtime.motion import motion_of
+from kousoku.runtime.run_ledger import COUNTERS, joints_at_stop, ledger_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy.typing as npt
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.motion import Motion
+
+    Array = npt.NDArray[np.float64]
+
+METHODS = ("dopri5", "dop853")
+GOOD, BUFFER_FULL, PAUSED = 0, 1, 2
+STEP_TOO_SMALL, NOT_PROJECTED, NOT_ASSEMBLED, BAD_ARGUMENT, WRONG_STATE = -1, -2, -3, -4, -5
+MESSAGES = {
+    STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
+    " fast, or the tolerance is too tight for doubles",
+    NOT_PROJECTED: "the constraints cannot be met between two steps",
+    NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
+    BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
+    WRONG_STATE: "the state belongs to another solver",
+}
+#: Rows of a call, and steps of the first one.
+BUFFER, STEPS = 4096, 16
+#: Between calls a run can be interrupted; they take about this long [s].
+PULSE = 0.1
+
+
+class Settings(ctypes.Structure):
+    """The record of ``solver.h``."""
+
+    _fields_ = (
+        ("tolerance", ctypes.c_double),
+        ("largest_step", ctypes.c_double),
+        ("checks", ctypes.c_int),
+        ("method", ctypes.c_int),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How a run is made.
+
+    Parameters
+    ----------
+    tolerance : float
+        Local error of a step, relative to a length of the scene and to the state.
+    largest_step : float [s]
+        No step is longer.
+    checks : bool
+        Whether each row is checked for the ledger: constraints at three levels, and energy.
+    method : {"dopri5", "dop853"}
+        Of order 5 or 8.
+    most_steps : int
+        A run that needs more is stopped.
+    """
+
+    tolerance: float
+    largest_step: float
+    checks: bool
+    method: str
+    most_steps: int
+
+    def settings(self) -> Settings:
+        """Return what the solver in C takes."""
+        step = min(self.largest_step, 1e300)
+        return Settings(self.tolerance, step, int(self.checks), METHODS.index(self.method))
+
+
+@dataclass(frozen=True, slots=True)
+class SavedRun:
+    """All that a run is, in numbers: it can be pickled, copied, and resumed elsewhere.
+
+    Parameters
+    ----------
+    options : Options
+        How it is made.
+    times : array [s]
+        The times that are asked for.
+    state : array
+        The state of the solver.
+    rows : array
+        The rows that were written.
+    """
+
+    options: Options
+    times: Array
+    state: Array
+    rows: Array
+
+
+class Interrupted(KeyboardInterrupt):
+    """The user stopped a run; ``motion`` has what was computed, ``run`` can go on.
+
+    It is a ``KeyboardInterrupt``: a script stops, unless it asks for it.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self.motion = run.motion()
+        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.motion)} rows")
+
+
+class Run:
+    """A run that can be stopped and go on: it owns the state, the workspace and the rows.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        What moves.
+    times : array [s]
+        The times to write, ascending.
+    options : Options
+        How.
+    saved : SavedRun, optional
+        Go on from there.
+    """
+
+    def __init__(
+        self, solver: DynamicsSolver, times: Array, options: Options, saved: SavedRun | None = None
+    ) -> None:
+        self.solver = solver
+        self.times = times
+        self.options = options
+        self.seconds = {"start": 0.0, "run": 0.0}
+        self._status = PAUSED
+        self._work = np.zeros(self._size("work"))
+        self._rows = np.empty((len(times), self._size("row")))
+        if saved is None:
+            self.state = np.zeros(self._size("state"))
+            self._start()
+        else:
+            self.state = saved.state.copy()
+            self._check(saved)
+            self._rows[: len(saved.rows)] = saved.rows
+
+    def _start(self) -> None:
+        begin = time.perf_counter()
+        q, v = self.solver.q, self.solver.v
+        status = self._call("start", ctypes.c_double(0.0), *map(_address, (q, v)), *self._memory())
+        self.seconds["start"] = time.perf_counter() - begin
+        if status != GOOD:
+            where = joints_at_stop(self.solver.rows, self._residuals(), None)
+            raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{where}")
+
+    def _check(self, saved: SavedRun) -> None:
+        sizes = (len(saved.state), *saved.rows.shape[1:])
+        if sizes != (self._size("state"), self._size("row")):
+            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}: its size differs")
+        if self._call("pivots", *self._memory(), _address(self._scratch())) == WRONG_STATE:
+            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
+
+    def _call(self, name: str, *arguments: object) -> int:
+        function = self.solver.library[f"kousoku_{self.solver.name}_{name}"]
+        function.restype = ctypes.c_int
+        return int(function(*arguments))
+
+    def _size(self, name: str) -> int:
+        function = self.solver.library[f"kousoku_{self.solver.name}_{name}_size"]
+        function.restype = ctypes.c_size_t
+        return int(function())
+
+    def _memory(self) -> tuple[ctypes.c_void_p, ctypes.c_void_p]:
+        return _address(self.state), _address(self._work)
+
+    def _scratch(self) -> Array:
+        return np.zeros(len(self.solver.rows) + 1)
+
+    def _residuals(self) -> Array:
+        residuals = self._scratch()
+        self._call("residuals", _address(self._work), _address(residuals))
+        return residuals[:-1]
+
+    @property
+    def time(self) -> float:
+        """The time reached [s]: rows up to it are written, or will be in the next call."""
+        return float(self.state[COUNTERS.index("time")])
+
+    @property
+    def written(self) -> int:
+        """How many rows are written."""
+        return int(self.state[COUNTERS.index("next row")])
+
+    @property
+    def steps(self) -> int:
+        """How many steps were made."""
+        return int(self.state[COUNTERS.index("steps")])
+
+    def advance(self, max_steps: int = STEPS, max_rows: int = BUFFER) -> int:
+        """Go on for some steps and rows; return 0 at the end, else why it returned.
+
+        However a run is cut into calls, its rows have the same bits.
+
+        Returns
+        -------
+        int
+            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
+        """
+        begin = time.perf_counter()
+        settings = self.options.settings()
+        place = self._rows[self.written :]
+        self._status = self._call(
+            "run",
+            ctypes.byref(settings),
+            _address(self.times),
+            *map(ctypes.c_size_t, (len(self.times), max_steps, min(max_rows, len(place)))),
+            *self._memory(),
+            _address(place),
+            ctypes.byref(ctypes.c_size_t()),
+        )
+        self.seconds["run"] += time.perf_counter() - begin
+        return self._status
+
+    def finish(self, progress: Callable[[float, float], object] | None = None) -> Motion:
+        """Go on to the last time.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called now and then with the time reached and the last time.
+
+        Raises
+        ------
+        MotionError
+            The motion cannot go on; the error has what was computed.
+        Interrupted
+            The user stopped it; so has the interrupt.
+        """
+        steps = STEPS
+        try:
+            while self.advance(min(steps, self._steps_left())) in (BUFFER_FULL, PAUSED):
+                if self._steps_left() <= 0:
+                    raise MotionError(self._too_many(), self.motion())
+                pulse = self.seconds["run"] / max(self.steps, 1)
+                steps = max(1, int(PULSE / pulse)) if pulse else STEPS
+                if progress is not None:
+                    progress(self.time, float(self.times[-1]))
+        except KeyboardInterrupt:
+            raise Interrupted(self) from None
+        if self._status != GOOD:
+            raise MotionError(self._stop(), self.motion())
+        return self.motion()
+
+    def _steps_left(self) -> int:
+        return max(0, self.options.most_steps - self.steps)
+
+    def _too_many(self) -> str:
+        return (
+            f"{self.solver.name}: at t = {self.time:.9g} s: {self.steps} steps are made and"
+            f" t = {self.times[-1]:.9g} s is not reached; a larger tolerance makes longer steps,"
+            " most_steps allows more of them"
+        )
+
+    def _stop(self) -> str:
+        residuals, pivots = self._residuals(), self._scratch()
+        is_started = self._call("pivots", *self._memory(), _address(pivots)) == GOOD
+        where = joints_at_stop(self.solver.rows, residuals, pivots[:-1] if is_started else None)
+        text = MESSAGES[self._status]
+        return f"{self.solver.name}: at t = {self.time:.9g} s: {text}{where}"
+
+    def motion(self) -> Motion:
+        """Return what was computed so far."""
+        ledger = ledger_of(self.state, self.solver.rows, self.options, dict(self.seconds))
+        is_complete = self.written == len(self.times)
+        return motion_of(self.solver, self._rows[: self.written], ledger, is_complete=is_complete)
+
+    def save(self) -> SavedRun:
+        """Return all that is needed to go on, as it is now."""
+        rows = self._rows[: self.written].copy()
+        return SavedRun(self.options, self.times, self.state.copy(), rows)
+
+
+def _address(array: Array) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)

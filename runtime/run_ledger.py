@@ -1,0 +1,218 @@
+"""The ledger of a run: what it cost, and how far its result can be trusted."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy.typing as npt
+
+    from kousoku.runtime.run import Options
+
+    Array = npt.NDArray[np.float64]
+
+#: The numbers at the start of a state, in the order of the solver's text.
+COUNTERS = (
+    *("key", "time", "next step", "error", "next row", "time before"),
+    *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
+    *("growth", "growth time", "best growth", "energy", "energy error"),
+)
+LEVELS = ("position", "velocity", "acceleration")
+UNITS = ("m", "rad")
+#: Joints that a text names.
+SHOWN = 3
+#: A joint is open when its residual is larger, in metres or radians.
+OPEN = 1e-9
+#: Below this pivot ratio the rows of joints count as dependent.
+DEPENDENT = 1e-10
+#: Pivots up to this multiple of the smallest are named with it.
+NEAR = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """What is left of the constraints of a joint, the largest of all rows that were written.
+
+    Parameters
+    ----------
+    metres, radians : (3,) tuple of float
+        Of residuals that are lengths and angles, at the levels of position, velocity [1/s] and
+        acceleration [1/s²].
+    """
+
+    metres: tuple[float, ...]
+    radians: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class RunLedger:
+    """What a run cost, and how far it can be trusted.
+
+    Parameters
+    ----------
+    method : str
+        The Runge-Kutta method.
+    tolerance : float
+        Local error of a step, relative.
+    steps, rejected : int
+        Steps that were made, and that were tried in vain.
+    derivatives, factorisations : int
+        Evaluations of the accelerations, and factorisations of C_q M⁻¹ C_qᵀ.
+    drift : float
+        Largest correction of a step onto the constraints, relative to a length of the scene.
+    avoided : int
+        Steps that were made shorter, since a stage fell where rows of the constraints are nearly
+        dependent and rounding is large.
+    growth, growth_time : float, float [s]
+        Smallest ratio of the smallest to the largest pivot of a factorisation, and when that was:
+        it is near zero where the rank drops.
+    energy, energy_error : float, float or None [J]
+        Energy at the start, and the largest change since then that no work explains; None where
+        rows were not checked.
+    violations : mapping of str to Violation
+        What is left of the constraints by joint; empty where rows were not checked.
+    seconds : mapping of str to float
+        Time that each phase took: it differs from run to run.
+    """
+
+    method: str
+    tolerance: float
+    steps: int
+    rejected: int
+    derivatives: int
+    factorisations: int
+    drift: float
+    avoided: int
+    growth: float
+    growth_time: float
+    energy: float
+    energy_error: float | None
+    violations: Mapping[str, Violation]
+    seconds: Mapping[str, float]
+
+    def worst(self, level: str) -> tuple[float, float]:
+        """Return the largest violation of all joints at a level, in metres and in radians."""
+        k = LEVELS.index(level)
+        found = self.violations.values()
+        return (
+            max((one.metres[k] for one in found), default=0.0),
+            max((one.radians[k] for one in found), default=0.0),
+        )
+
+    def as_data(self) -> dict[str, object]:
+        """Return it ready for JSON."""
+        named = {name: getattr(self, name) for name in self.__slots__}
+        named["violations"] = {
+            joint: {"metres": list(one.metres), "radians": list(one.radians)}
+            for joint, one in self.violations.items()
+        }
+        named["seconds"] = dict(self.seconds)
+        return named
+
+    def __str__(self) -> str:
+        lines = [
+            f"{self.method}, tolerance {self.tolerance:g}: {self.steps} steps, {self.rejected}"
+            f" rejected, {self.derivatives} accelerations, {self.factorisations} factorisations;"
+            f" a step left the constraints by {self.drift:.1e} at most before it was brought back"
+        ]
+        if self.energy_error is not None:
+            lines.append(
+                f"energy {self.energy:.9g} J at the start, largest change {self.energy_error:.1e} J"
+            )
+        for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
+            if self.violations:
+                metres, radians = self.worst(level)
+                lines.append(
+                    f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per}"
+                )
+        if self.violations:
+            lines.append(
+                f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
+                f" {self.avoided} steps made shorter near such places"
+            )
+        times = ", ".join(f"{name} {seconds:.3g} s" for name, seconds in self.seconds.items())
+        return "\n".join([*lines, f"time: {times}"])
+
+
+def ledger_of(
+    state: Array, rows: Sequence[tuple[str, str]], options: Options, seconds: Mapping[str, float]
+) -> RunLedger:
+    """Return the ledger of a state.
+
+    Parameters
+    ----------
+    state : array
+        The state of a solver.
+    rows : sequence of (str, str)
+        Joint and unit of each constraint.
+    options : Options
+        How the run is made.
+    seconds : mapping of str to float
+        Time that each phase took.
+    """
+    numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
+    counts = {
+        name: int(numbers[name])
+        for name in ("steps", "rejected", "derivatives", "factorisations", "avoided")
+    }
+    worst = state[len(state) - 3 * len(rows) :].reshape(3, len(rows))
+    return RunLedger(
+        method=options.method,
+        tolerance=options.tolerance,
+        drift=numbers["drift"],
+        growth=numbers["growth"],
+        growth_time=numbers["growth time"],
+        energy=numbers["energy"],
+        energy_error=numbers["energy error"] if options.checks else None,
+        violations=MappingProxyType(_violations(worst, rows) if options.checks else {}),
+        seconds=MappingProxyType(dict(seconds)),
+        **counts,
+    )
+
+
+def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Violation]:
+    sizes: dict[str, dict[str, Array]] = {}
+    for (joint, unit), column in zip(rows, worst.T, strict=True):
+        own = sizes.setdefault(joint, {name: np.zeros(len(LEVELS)) for name in UNITS})
+        own[unit] = np.maximum(own[unit], column)
+    return {
+        joint: Violation(*(tuple(own[unit].tolist()) for unit in UNITS))
+        for joint, own in sizes.items()
+    }
+
+
+def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array | None) -> str:
+    """Return the end of a message: the joints that are open, and those whose rows are dependent.
+
+    Parameters
+    ----------
+    rows : sequence of (str, str)
+        Joint and unit of each constraint.
+    residuals : array
+        What is left of each where they were evaluated last.
+    pivots : array or None
+        Of the factorisation at the last good state.
+    """
+    parts = []
+    worst = np.argsort(-np.abs(residuals))
+    left = [k for k in worst.tolist() if abs(residuals[k]) > OPEN]
+    if left:
+        first = {rows[k][0]: k for k in reversed(left)}
+        texts = [
+            f"joints.{name} by {abs(residuals[k]):.3g} {rows[k][1]}" for name, k in first.items()
+        ]
+        parts.append("open: " + ", ".join(texts[: -SHOWN - 1 : -1]))
+    if pivots is not None and len(pivots):
+        ratio = pivots.min() / pivots.max()
+        order = np.argsort(pivots).tolist()
+        weak = dict.fromkeys(rows[k][0] for k in order if pivots[k] <= NEAR * pivots.min())
+        names = ", ".join(f"joints.{name}" for name in list(weak)[:SHOWN])
+        dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
+        parts.append(f"{dependent} at {names} (pivot ratio {ratio:.1e})")
+    return f"; {'; '.join(parts)}" if parts else ""
