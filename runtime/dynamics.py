@@ -15,11 +15,12 @@ from kousoku.runtime.motion import BodyPlaces, ReactionPlaces
 from kousoku.runtime.run import METHODS, Options, Run, SavedRun
 
 if TYPE_CHECKING:
-    import ctypes
     from collections.abc import Callable, Sequence
+    from typing import Literal
 
     import numpy.typing as npt
 
+    from kousoku.runtime.dynamics_targets import SolverTarget
     from kousoku.runtime.motion import Motion
 
     Array = npt.NDArray[np.float64]
@@ -49,8 +50,8 @@ class DynamicsSolver:
         In the order of the scene.
     q, v : array
         Coordinates and velocities at the start.
-    library : ctypes.CDLL
-        The compiled solver.
+    target : SolverTarget
+        What computes.
     rows : tuple of (str, str)
         Joint of each constraint, and the unit of its residual: m or rad.
     parts : tuple of (str, int)
@@ -66,7 +67,7 @@ class DynamicsSolver:
     bodies: tuple[BodyPlaces, ...]
     q: Array
     v: Array
-    library: ctypes.CDLL
+    target: SolverTarget
     rows: tuple[tuple[str, str], ...]
     parts: tuple[tuple[str, int], ...]
     reactions: tuple[ReactionPlaces, ...]
@@ -177,19 +178,29 @@ class DynamicsSolver:
         return chosen
 
 
-def load_dynamics(folder: str | Path) -> DynamicsSolver:
+def load_dynamics(
+    folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto"
+) -> DynamicsSolver:
     """Load the folder that was generated from a scene of bodies.
+
+    Parameters
+    ----------
+    folder : path
+        A folder that the generator wrote.
+    target : {"auto", "c", "numpy"}
+        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
+        in one line on the logger ``kousoku``.
 
     Raises
     ------
     LoadError
         It is not such a folder, or a file of it was edited.
     CompilerError
-        There is no compiler, or it refuses the source.
+        The compiler refuses the source; with ``target="c"`` also if there is none.
+    CacheError
+        With ``target="c"``: the library cannot be kept.
     """
-    from kousoku.runtime.build import Source, build
-    from kousoku.runtime.targets import open_library
-    from kousoku.runtime.toolchain import find_toolchain
+    from kousoku.runtime.dynamics_targets import open_solver
 
     folder = Path(folder).absolute()
     manifest = read_manifest(folder)
@@ -197,15 +208,13 @@ def load_dynamics(folder: str | Path) -> DynamicsSolver:
     if MOTION_FILE not in files:
         raise LoadError(f"{folder} is not made from a scene of bodies: it has no {MOTION_FILE}")
     data = json.loads(files[MOTION_FILE])
-    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
-    built = build(Source(manifest.package, sources), find_toolchain())
     return DynamicsSolver(
         name=manifest.package,
         unit=data["unit"],
         bodies=tuple(map(BodyPlaces.from_data, data["bodies"])),
         q=np.array(data["q"], dtype=np.float64),
         v=np.array(data["v"], dtype=np.float64),
-        library=open_library(built.path, manifest),
+        target=open_solver(folder, manifest, files, target),
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         parts=tuple((part, size) for part, size in data["parts"]),
         reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),

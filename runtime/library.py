@@ -189,7 +189,7 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
 def _load_numpy(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
     if NUMPY_SOURCE not in files:
         raise TargetError(f"{folder} was generated without NumPy: {NUMPY_SOURCE} is not listed")
-    module = _import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
+    module = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
@@ -198,7 +198,7 @@ def _load_numpy(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Li
     return Library(folder, manifest, "numpy", types.MappingProxyType(kernels))
 
 
-def _import_source(path: Path, source: bytes) -> types.ModuleType:
+def import_source(path: Path, source: bytes) -> types.ModuleType:
     """Import a module from the bytes whose digest was compared.
 
     Python's own way reads the file again, and its cache of compiled modules goes by date and size.

@@ -195,7 +195,7 @@ class Motion:
 
 
 def motion_of(
-    solver: DynamicsSolver, rows: Array, ledger: RunLedger, *, is_complete: bool, target: str = "c"
+    solver: DynamicsSolver, rows: Array, ledger: RunLedger, *, is_complete: bool
 ) -> Motion:
     """Return rows (time, q, v, then what is wanted) as arrays by name, in the users' frames.
 
@@ -209,8 +209,6 @@ def motion_of(
         What they cost.
     is_complete : bool
         Whether all times are there.
-    target : {"c", "numpy"}
-        What computed.
     """
     n, first = len(solver.q), 1 + len(solver.q) + len(solver.v)
     q, v = rows[:, 1 : 1 + n], rows[:, 1 + n : first]
@@ -242,7 +240,7 @@ def motion_of(
         rows[:, 0],
         **frozen,
         ledger=ledger,
-        target=target,
+        target=solver.target.name,
         is_complete=is_complete,
     )
 

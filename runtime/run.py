@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
+from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.motion import motion_of
 from kousoku.runtime.run_ledger import COUNTERS, joints_at_stop, ledger_of
 
@@ -138,51 +139,38 @@ class Run:
         self.options = options
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status = PAUSED
-        self._work = np.zeros(self._size("work"))
-        self._rows = np.empty((len(times), self._size("row")))
+        target = solver.target
+        self._rows = np.empty((len(times), target.row_size))
+        self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
+        self._memory = Memory(self.state, np.zeros(target.work_size))
         if saved is None:
-            self.state = np.zeros(self._size("state"))
             self._start()
         else:
-            self.state = saved.state.copy()
             self._check(saved)
             self._rows[: len(saved.rows)] = saved.rows
 
     def _start(self) -> None:
         begin = time.perf_counter()
-        q, v = self.solver.q, self.solver.v
-        status = self._call("start", ctypes.c_double(0.0), *map(_address, (q, v)), *self._memory())
+        status = self.solver.target.start(0.0, self.solver.q, self.solver.v, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
             where = joints_at_stop(self.solver.rows, self._residuals(), None)
             raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{where}")
 
     def _check(self, saved: SavedRun) -> None:
+        target = self.solver.target
         sizes = (len(saved.state), *saved.rows.shape[1:])
-        if sizes != (self._size("state"), self._size("row")):
+        if sizes != (target.state_size, target.row_size):
             raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}: its size differs")
-        if self._call("pivots", *self._memory(), _address(self._scratch())) == WRONG_STATE:
+        if target.pivots(self._memory, self._scratch()) == WRONG_STATE:
             raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
-
-    def _call(self, name: str, *arguments: object) -> int:
-        function = self.solver.library[f"kousoku_{self.solver.name}_{name}"]
-        function.restype = ctypes.c_int
-        return int(function(*arguments))
-
-    def _size(self, name: str) -> int:
-        function = self.solver.library[f"kousoku_{self.solver.name}_{name}_size"]
-        function.restype = ctypes.c_size_t
-        return int(function())
-
-    def _memory(self) -> tuple[ctypes.c_void_p, ctypes.c_void_p]:
-        return _address(self.state), _address(self._work)
 
     def _scratch(self) -> Array:
         return np.zeros(len(self.solver.rows) + 1)
 
     def _residuals(self) -> Array:
         residuals = self._scratch()
-        self._call("residuals", _address(self._work), _address(residuals))
+        self.solver.target.residuals(self._memory, residuals)
         return residuals[:-1]
 
     @property
@@ -213,14 +201,8 @@ class Run:
         begin = time.perf_counter()
         settings = self.options.settings()
         place = self._rows[self.written :]
-        self._status = self._call(
-            "run",
-            ctypes.byref(settings),
-            _address(self.times),
-            *map(ctypes.c_size_t, (len(self.times), max_steps, min(max_rows, len(place)))),
-            *self._memory(),
-            _address(place),
-            ctypes.byref(ctypes.c_size_t()),
+        self._status = self.solver.target.run(
+            settings, self.times, max_steps, self._memory, place[:max_rows]
         )
         self.seconds["run"] += time.perf_counter() - begin
         return self._status
@@ -267,7 +249,7 @@ class Run:
 
     def _stop(self) -> str:
         residuals, pivots = self._residuals(), self._scratch()
-        is_started = self._call("pivots", *self._memory(), _address(pivots)) == GOOD
+        is_started = self.solver.target.pivots(self._memory, pivots) == GOOD
         where = joints_at_stop(self.solver.rows, residuals, pivots[:-1] if is_started else None)
         text = MESSAGES[self._status]
         return f"{self.solver.name}: at t = {self.time:.9g} s: {text}{where}"
@@ -282,7 +264,3 @@ class Run:
         """Return all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
         return SavedRun(self.options, self.times, self.state.copy(), rows)
-
-
-def _address(array: Array) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)

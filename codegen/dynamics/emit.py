@@ -1,4 +1,4 @@
-"""Emit a scene of bodies: the solver in C, and what tells which number belongs to which body."""
+"""Emit a scene of bodies: the solver in C and in Python, and which number belongs to which body."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku import __version__
 from kousoku.codegen.dynamics.motion_data import motion_data
+from kousoku.codegen.dynamics.numpy_view import numpy_view
 from kousoku.codegen.dynamics.view import dynamics_view
 from kousoku.codegen.emit import environment, manifest, template
 from kousoku.codegen.jsontext import to_text
@@ -26,8 +27,15 @@ TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",
 }
+PYTHON_FILE, PYTHON_TEMPLATE = "solver.py", "dynamics/solver.py.jinja"
 #: What the text is made of, for the digest.
-PARTS = (*TEMPLATES.values(), "dynamics/integrator.c.jinja", "c/_macros.jinja")
+PARTS = (
+    *TEMPLATES.values(),
+    "dynamics/integrator.c.jinja",
+    "c/_macros.jinja",
+    PYTHON_TEMPLATE,
+    "dynamics/integrator.py.jinja",
+)
 
 
 def emit_dynamics(
@@ -59,6 +67,8 @@ def emit_dynamics(
     signature = total.hexdigest()
     given = {"view": view, "version": __version__, "digest": signature, "key": key_of(signature)}
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
+    python = numpy_view(program, length)
+    files[PYTHON_FILE] = templates.get_template(PYTHON_TEMPLATE).render(**given, python=python)
     files[MOTION_FILE] = to_text(motion_data(program, system, parts))
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()

@@ -1,0 +1,103 @@
+"""The solver of a scene of bodies in NumPy: called as the compiled one, with its loop in Python."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kousoku.model.errors import TargetError
+from kousoku.runtime.library import import_source
+from kousoku.runtime.notice import say_once
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    import numpy as np
+    import numpy.typing as npt
+
+    from kousoku.runtime.dynamics_targets import Memory
+
+    Array = npt.NDArray[np.float64]
+
+#: The file of a scene's folder.
+SOURCE = "solver.py"
+#: Scenes with more coordinates than three bodies have are slow.
+SLOW = 21
+
+
+class NumpySolver:
+    """What ``solver.py`` has, with the methods of :class:`CompiledSolver`.
+
+    Parameters
+    ----------
+    module : module
+        The imported ``solver.py``.
+    """
+
+    name = "numpy"
+
+    def __init__(self, module: Any) -> None:
+        self.module = module
+        self.state_size = int(module.STATE_SIZE)
+        self.work_size = int(module.WORK_SIZE)
+        self.row_size = int(module.ROW_SIZE)
+
+    def start(self, time: float, q: Array, v: Array, memory: Memory) -> int:
+        """Take a position and velocity, and project them onto the constraints."""
+        return int(self.module.start(time, q, v, memory.state, memory.work))
+
+    def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
+        """Move on, and write rows.
+
+        An interrupt can come anywhere: what the call had done is undone then, so that the state
+        is one from which a run goes on.
+        """
+        before = memory.state.copy()
+        given = (settings, times, max_steps, memory.state, memory.work, rows)
+        try:
+            status, _ = self.module.run(*given)
+        except BaseException:
+            memory.state[:] = before
+            raise
+        return int(status)
+
+    def residuals(self, memory: Memory, found: Array) -> None:
+        """Write what is left of the constraints where they were evaluated last."""
+        self.module.residuals(memory.work, found)
+
+    def pivots(self, memory: Memory, found: Array) -> int:
+        """Write the pivots of the factors at the state."""
+        return int(self.module.pivots(memory.state, memory.work, found))
+
+
+def load_numpy(
+    folder: Path, files: Mapping[str, bytes], reason: Exception | None = None
+) -> NumpySolver:
+    """Load the solver in NumPy, and say in one line what that means.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files lie.
+    files : mapping of str to bytes
+        Name and content, compared with the manifest.
+    reason : Exception, optional
+        Why there is no compiled solver.
+
+    Raises
+    ------
+    TargetError
+        The folder was generated without it.
+    """
+    if SOURCE not in files:
+        raise TargetError(f"{folder} was generated without NumPy: {SOURCE} is not listed")
+    module: Any = import_source(folder / SOURCE, files[SOURCE])
+    is_slow = int(module.NQ) > SLOW
+    if reason is not None:
+        cost = ", which takes a hundred times as long" if is_slow else ""
+        say_once(f"kousoku uses the NumPy solver{cost}: {reason}")
+    elif is_slow:
+        say_once(
+            f"{folder.name}: the NumPy solver takes a hundred times as long as the compiled one"
+        )
+    return NumpySolver(module)

@@ -1,0 +1,168 @@
+"""What computes the motion of a scene of bodies: the compiled solver, or the one in NumPy."""
+
+from __future__ import annotations
+
+import ctypes
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal, Protocol
+
+from kousoku.model.errors import CacheError, NoCompilerError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    import numpy as np
+    import numpy.typing as npt
+
+    from kousoku.model.manifest import Manifest
+
+    Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """What the caller owns.
+
+    Parameters
+    ----------
+    state : array
+        All that lasts from call to call.
+    work : array
+        Memory for work.
+    """
+
+    state: Array
+    work: Array
+
+
+class SolverTarget(Protocol):
+    """The functions of ``solver.h`` on arrays; the caller owns all of them.
+
+    Parameters
+    ----------
+    name : {"c", "numpy"}
+        What computes.
+    state_size, work_size, row_size : int
+        Counts of numbers in a state, in the memory for work, and in a row of results.
+    """
+
+    name: str
+    state_size: int
+    work_size: int
+    row_size: int
+
+    def start(self, time: float, q: Array, v: Array, memory: Memory) -> int:
+        """Take a position and velocity, and project them onto the constraints."""
+
+    def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
+        """Move on to the last of the times, and write a row for each, as many as there are."""
+
+    def residuals(self, memory: Memory, found: Array) -> None:
+        """Write what is left of the constraints where they were evaluated last."""
+
+    def pivots(self, memory: Memory, found: Array) -> int:
+        """Write the pivots of the factors at the state."""
+
+
+class CompiledSolver:
+    """A scene's compiled solver, called through ctypes.
+
+    Parameters
+    ----------
+    library : ctypes.CDLL
+        The loaded library.
+    scene : str
+        Its functions begin with ``kousoku_<scene>``.
+    """
+
+    name = "c"
+
+    def __init__(self, library: ctypes.CDLL, scene: str) -> None:
+        self._library = library
+        self._prefix = f"kousoku_{scene}_"
+        self.state_size, self.work_size, self.row_size = (
+            self._function(f"{part}_size", ctypes.c_size_t)() for part in ("state", "work", "row")
+        )
+
+    def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
+        function = self._library[self._prefix + name]
+        function.restype = result
+        return function
+
+    def start(self, time: float, q: Array, v: Array, memory: Memory) -> int:
+        """Take a position and velocity, and project them onto the constraints."""
+        arrays = map(_address, (q, v, memory.state, memory.work))
+        return int(self._function("start")(ctypes.c_double(time), *arrays))
+
+    def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
+        """Move on to the last of the times, and write a row for each, as many as there are."""
+        status = self._function("run")(
+            ctypes.byref(settings),
+            _address(times),
+            *map(ctypes.c_size_t, (len(times), max_steps, len(rows))),
+            *map(_address, (memory.state, memory.work, rows)),
+            ctypes.byref(ctypes.c_size_t()),
+        )
+        return int(status)
+
+    def residuals(self, memory: Memory, found: Array) -> None:
+        """Write what is left of the constraints where they were evaluated last."""
+        self._function("residuals", None)(_address(memory.work), _address(found))
+
+    def pivots(self, memory: Memory, found: Array) -> int:
+        """Write the pivots of the factors at the state."""
+        arrays = map(_address, (memory.state, memory.work, found))
+        return int(self._function("pivots")(*arrays))
+
+
+def _address(array: Array) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)
+
+
+def open_solver(
+    folder: Path,
+    manifest: Manifest,
+    files: Mapping[str, bytes],
+    target: Literal["auto", "c", "numpy"],
+) -> SolverTarget:
+    """Return what computes.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files lie.
+    manifest : Manifest
+        What the folder promises.
+    files : mapping of str to bytes
+        Name and content, compared with the manifest.
+    target : {"auto", "c", "numpy"}
+        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
+        in one line on the logger ``kousoku``.
+    """
+    from kousoku.runtime.dynamics_numpy import load_numpy
+
+    if target not in ("auto", "c", "numpy"):
+        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
+    if target == "numpy":
+        return load_numpy(folder, files)
+    try:
+        return _compiled(manifest, files)
+    except (NoCompilerError, CacheError) as error:
+        if target == "c":
+            raise
+        return load_numpy(folder, files, error)
+
+
+def _compiled(manifest: Manifest, files: Mapping[str, bytes]) -> CompiledSolver:
+    from kousoku.runtime.build import Source, build
+    from kousoku.runtime.notice import say_once
+    from kousoku.runtime.targets import open_library
+    from kousoku.runtime.toolchain import find_toolchain
+
+    toolchain = find_toolchain()
+    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
+    built = build(Source(manifest.package, sources), toolchain)
+    if built.damage:
+        say_once(f"{built.damage}; it was built again")
+    return CompiledSolver(open_library(built.path, manifest), manifest.package)

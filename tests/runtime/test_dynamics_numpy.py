@@ -1,0 +1,278 @@
+"""The solver in NumPy gives what the compiled one gives, and refuses what it refuses."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.model.builder import SceneBuilder
+from kousoku.model.errors import MotionError, NoCompilerError, SolveError, TargetError
+from kousoku.model.families import chain, n_four_bar
+from kousoku.model.read import read_scene
+from kousoku.runtime import notice
+from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.dynamics_targets import open_solver
+from kousoku.runtime.library import read_files, read_manifest
+from kousoku.runtime.run import BUFFER_FULL, GOOD, PAUSED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.toolchain import Toolchain
+
+    Folder = Callable[[str], Path]
+
+SCENES = Path(__file__).parents[2] / "scenes"
+ALL = ("accelerations", "reactions", "energies")
+
+
+def bob() -> Scene:
+    """Return a point that a rod holds."""
+    builder = SceneBuilder("bob", unit="m").gravity(0, -9.81, 0)
+    builder.body("bob", position=(1, 0, 0), mass=1, point=True)
+    builder.joint("rod", type="rod", bodies=("ground", "bob"), points=((0, 0, 0), (0, 0, 0)))
+    return builder.build()
+
+
+MAKERS: dict[str, Callable[[], Scene]] = {
+    "pendulum": lambda: read_scene(SCENES / "pendulum.toml"),
+    "four_bar": lambda: n_four_bar(1),
+    "heavy_top": lambda: read_scene(SCENES / "heavy_top.toml"),
+    "chain": lambda: chain(5),
+    "long_chain": lambda: chain(20),
+    "bob": bob,
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+    """Return the folder of a scene of :data:`MAKERS` with all outputs."""
+    known: dict[str, Path] = {}
+
+    def make(name: str) -> Path:
+        if name not in known:
+            scene = MAKERS[name]()
+            known[name] = tmp_path_factory.mktemp(name) / scene.name
+            known[name].mkdir()
+            for file, text in generate_dynamics(scene, ALL).items():
+                (known[name] / file).write_text(text, encoding="utf-8", newline="\n")
+        return known[name]
+
+    return make
+
+
+@pytest.fixture
+def in_numpy(folder: Folder) -> Callable[[str], DynamicsSolver]:
+    return lambda name: load_dynamics(folder(name), target="numpy")
+
+
+@pytest.mark.parametrize(
+    ("name", "end", "tolerance"),
+    [
+        ("pendulum", 2.0, 1e-12),
+        ("four_bar", 1.0, 1e-8),
+        ("heavy_top", 1.0, 1e-10),
+        ("chain", 1.0, 1e-9),
+        ("chain", 1.0, 1e-4),
+        ("long_chain", 0.02, 1e-6),
+    ],
+)
+def test_rows_are_those_of_c(
+    compiler: Toolchain, folder: Folder, name: str, end: float, tolerance: float
+) -> None:
+    motions = [
+        load_dynamics(folder(name), target=target).simulate(end, samples=21, tolerance=tolerance)
+        for target in ("c", "numpy")
+    ]
+    assert [motion.target for motion in motions] == ["c", "numpy"]
+    one, other = (motion.columns() for motion in motions)
+    assert [*one] == [*other]
+    for key, values in one.items():
+        scale = max(1.0, np.abs(values).max())
+        np.testing.assert_allclose(other[key], values, rtol=0, atol=1e-10 * scale, err_msg=key)
+    assert max(np.abs(one[key]).max() for key in one if ".v" in key or ".omega" in key) > 1e-2
+    ledgers = [motion.ledger for motion in motions]
+    assert ledgers[0].steps == ledgers[1].steps
+    assert ledgers[0].rejected == ledgers[1].rejected
+    assert ledgers[0].energy_error == pytest.approx(ledgers[1].energy_error, abs=1e-12)
+    for joint, violation in ledgers[0].violations.items():
+        np.testing.assert_allclose(violation.metres, ledgers[1].violations[joint].metres, atol=1e-9)
+    assert max(ledger.worst("acceleration")[0] for ledger in ledgers[1:]) > 0.0
+
+
+def test_run_in_small_calls_gives_the_same_bits(
+    in_numpy: Callable[[str], DynamicsSolver],
+) -> None:
+    solver = in_numpy("chain")
+    times = np.array([0.0, 0.01, 0.02, 0.03, 0.3])
+    whole = solver.begin(times).finish()
+    parts = solver.begin(times)
+    reasons = {parts.advance(2, 2)}
+    while reasons & {BUFFER_FULL, PAUSED} and parts.written < len(times):
+        parts = solver.resume(parts.save())
+        reasons.add(parts.advance(2, 2))
+    assert reasons >= {BUFFER_FULL, PAUSED}
+    for key, values in whole.columns().items():
+        np.testing.assert_array_equal(parts.motion().columns()[key], values, err_msg=key)
+
+
+def test_run_goes_on_with_the_same_bits_after_an_interrupt_inside_of_a_step(
+    in_numpy: Callable[[str], DynamicsSolver], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solver = in_numpy("heavy_top")
+    times = np.linspace(0.0, 0.5, 11)
+    whole = solver.begin(times).finish()
+    run = solver.begin(times)
+    run.advance(max_steps=2)
+    module: Any = solver.target
+    module = module.module
+    acceleration, calls = module.acceleration, []
+
+    def interrupted(w: Any) -> None:
+        calls.append(1)
+        if len(calls) == 20:
+            raise KeyboardInterrupt
+        acceleration(w)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "acceleration", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            run.advance(max_steps=50)
+    assert run.steps == 2
+    motion = run.finish()
+    for key, values in whole.columns().items():
+        np.testing.assert_array_equal(motion.columns()[key], values, err_msg=key)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_start_that_is_no_number_is_refused_as_in_c(
+    compiler: Toolchain, folder: Folder, bad: float
+) -> None:
+    messages = set()
+    for target in ("c", "numpy"):
+        solver = load_dynamics(folder("pendulum"), target=target)
+        solver.v[0] = bad
+        with pytest.raises(SolveError, match="not finite") as refused:
+            solver.simulate(1.0)
+        messages.add(str(refused.value))
+    assert len(messages) == 1
+
+
+def test_start_that_cannot_be_assembled_is_refused_as_in_c(
+    compiler: Toolchain, folder: Folder
+) -> None:
+    messages = set()
+    for target in ("c", "numpy"):
+        solver = load_dynamics(folder("bob"), target=target)
+        solver.q[:] = 0.0
+        with pytest.raises(SolveError, match="cannot be brought onto the constraints") as refused:
+            solver.simulate(1.0)
+        messages.add(str(refused.value))
+    assert len(messages) == 1
+
+
+def test_motion_that_needs_too_many_steps_stops_as_in_c(
+    compiler: Toolchain, folder: Folder
+) -> None:
+    messages = set()
+    for target in ("c", "numpy"):
+        solver = load_dynamics(folder("pendulum"), target=target)
+        with pytest.raises(MotionError, match="10 steps are made") as stopped:
+            solver.simulate(10.0, most_steps=10)
+        messages.add(str(stopped.value))
+    assert len(messages) == 1
+
+
+def test_state_of_another_solver_is_refused(in_numpy: Callable[[str], DynamicsSolver]) -> None:
+    solver = in_numpy("pendulum")
+    saved = solver.begin([0.0, 1.0]).save()
+    saved.state[0] += 2.0
+    with pytest.raises(SolveError, match="belongs to another solver"):
+        solver.resume(saved)
+
+
+def test_without_a_compiler_numpy_is_taken_after_one_line(
+    folder: Folder, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CC", "none")
+    monkeypatch.setattr(notice, "_said", set())
+    motion = load_dynamics(folder("pendulum")).simulate(0.1, samples=3)
+    assert motion.target == "numpy"
+    load_dynamics(folder("chain"))
+    why = "KOUSOKU_CC=none switches the C compiler off"
+    assert caplog.messages == [
+        f"kousoku uses the NumPy solver: {why}",
+        f"kousoku uses the NumPy solver, which takes a hundred times as long: {why}",
+    ]
+    with pytest.raises(NoCompilerError, match="KOUSOKU_CC=none"):
+        load_dynamics(folder("pendulum"), target="c")
+
+
+def test_numpy_that_is_asked_for_says_so_only_where_it_is_slow(
+    in_numpy: Callable[[str], DynamicsSolver],
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    monkeypatch.setattr(notice, "_said", set())
+    in_numpy("pendulum")
+    assert not caplog.messages
+    in_numpy("chain")
+    assert ["a hundred times as long" in message for message in caplog.messages] == [True]
+
+
+def test_folder_without_the_solver_in_python_is_refused(folder: Folder) -> None:
+    where = folder("pendulum")
+    manifest = read_manifest(where)
+    files = read_files(where, manifest)
+    del files["solver.py"]
+    with pytest.raises(TargetError, match=r"without NumPy: solver\.py is not listed"):
+        open_solver(where, manifest, files, "numpy")
+    other: Any = "fortran"
+    with pytest.raises(ValueError, match="fortran"):
+        open_solver(where, manifest, files, other)
+
+
+def test_command_line_simulates_without_a_compiler() -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "kousoku", "simulate", SCENES / "pendulum.toml", "--end", "0.5"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "KOUSOKU_CC": "none"},
+        check=True,
+    )
+    assert done.stderr.count("\n") == 1
+    assert "NumPy solver: KOUSOKU_CC=none" in done.stderr
+    assert "pendulum: rod" in done.stdout
+
+
+def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
+    code = (
+        "import sys, json, numpy as np, solver\n"
+        "data = json.load(open('motion.json'))\n"
+        "state, work = np.zeros(solver.STATE_SIZE), np.zeros(solver.WORK_SIZE)\n"
+        "q, v = np.array(data['q']), np.array(data['v'])\n"
+        "assert solver.start(0.0, q, v, state, work) == solver.GOOD\n"
+        "rows = np.zeros((3, solver.ROW_SIZE))\n"
+        "settings = solver.Settings(1e-9, 1e300, True, 1)\n"
+        "times = np.array([0.0, 0.5, 1.0])\n"
+        "assert solver.run(settings, times, 10**6, state, work, rows) == (solver.GOOD, 3)\n"
+        "assert not {'kousoku', 'sympy', 'jinja2'} & set(sys.modules)\n"
+        "print(json.dumps(rows[-1, 1:1 + solver.NQ].tolist()))"
+    )
+    where = folder("pendulum")
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=where, capture_output=True, text=True, check=True
+    )
+    run = load_dynamics(where, target="numpy").begin([0.0, 0.5, 1.0], method="dop853")
+    assert run.advance(10**6) == GOOD
+    wanted = run.save().rows[-1, 1 : 1 + len(run.solver.q)].tolist()
+    assert done.stdout.strip() == str(wanted)
