@@ -7,7 +7,7 @@ TESTS ?= tests
 # Each stamp remembers one set of extras; a changed pyproject.toml installs them again.
 installed = $(VENV)/.has-$(1)
 
-.PHONY: demo test quick lint types generate-check notebooks ledger bench compiler clean
+.PHONY: demo test quick lint types generate-check notebooks ledger bench bench-solvers compiler clean
 .NOTPARALLEL:
 
 demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of the 1981 paper, draw
@@ -43,6 +43,9 @@ ledger: $(call installed,test)  ## write the ledger's index and pages anew, afte
 
 bench: $(call installed,bench)  ## the speed of a kernel, beside CasADi, heyoka, SymForce and lambdify
 	$(BIN)/python benchmarks/kernels.py
+
+bench-solvers: $(call installed,bench)  ## the speed of scenes' solvers, beside Exudyn and Pinocchio
+	$(BIN)/python benchmarks/solvers.py
 
 compiler: $(call installed,compiler)  ## a C compiler as a Python package
 

@@ -28,7 +28,7 @@ void loop(size_t n, const double *const *in, double *const *out)
     }
 }
 """
-_INCLUDES = ("/usr/include", "/usr/local/include", "/opt/homebrew/include", "/opt/local/include")
+INCLUDES = ("/usr/include", "/usr/local/include", "/opt/homebrew/include", "/opt/local/include")
 
 
 class Loop:
@@ -82,7 +82,7 @@ def symforce_loop(folder: Path) -> Loop:
         SymForce, Eigen or a C++ compiler is not there.
     """
     header = symforce_header(folder)
-    eigen = [path for base in _INCLUDES if (path := Path(base) / "eigen3").is_dir()]
+    eigen = [path for base in INCLUDES if (path := Path(base) / "eigen3").is_dir()]
     if not eigen:
         raise MissingPeerError(
             "SymForce's C++ needs the headers of Eigen (apt-get install libeigen3-dev)"
@@ -163,7 +163,7 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
     files = [str(path) for path in (loop, *sources)]
     command = list(toolchain.compile_command(files, str(library), [f"-I{loop.parent}", *extra]))
     if loop.suffix == ".cpp":
-        command[: len(toolchain.command)] = _cpp_compiler(toolchain.command)
+        command[: len(toolchain.command)] = cpp_compiler(toolchain.command)
         command[command.index("-std=c99")] = "-std=c++17"
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
@@ -171,7 +171,7 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
     return Loop(library)
 
 
-def _cpp_compiler(command: Sequence[str]) -> list[str]:
+def cpp_compiler(command: Sequence[str]) -> list[str]:
     """Return the C++ compiler that goes with a C compiler."""
     *before, last = command
     name = Path(last).name
