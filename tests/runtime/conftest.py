@@ -188,3 +188,22 @@ def library(request: pytest.FixtureRequest, warm_package: Path) -> Library:
 def warm_package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of the small package, for tests that do not change it."""
     return write_tiny(tmp_path_factory.mktemp("package") / "tiny")
+
+
+@pytest.fixture(scope="session")
+def bodies_folder(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Return the folder of the solver of a scene of bodies, generated once for its outputs."""
+    from kousoku.codegen.dynamics.generate import generate_dynamics
+
+    known: dict[str, Path] = {}
+
+    def folder(scene: Any, outputs: tuple[str, ...] = ()) -> Path:
+        key = repr((scene, outputs))
+        if key not in known:
+            known[key] = tmp_path_factory.mktemp("bodies") / scene.name
+            known[key].mkdir()
+            for name, text in generate_dynamics(scene, outputs).items():
+                (known[key] / name).write_text(text, encoding="utf-8", newline="\n")
+        return known[key]
+
+    return folder

@@ -20,29 +20,17 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.model.scene import Scene
-    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.toolchain import Toolchain
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = ("accelerations", "reactions", "energies")
 Load = Any
 
 
-@pytest.fixture(scope="module")
-def load(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., DynamicsSolver]:
-    """Return the solver of a scene with outputs."""
-    known: dict[str, DynamicsSolver] = {}
-
-    def solver(scene: Scene, outputs: tuple[str, ...] = ALL) -> DynamicsSolver:
-        key = repr((scene, outputs))
-        if key not in known:
-            folder = tmp_path_factory.mktemp("bodies") / scene.name
-            folder.mkdir()
-            for name, text in generate_dynamics(scene, outputs).items():
-                (folder / name).write_text(text, encoding="utf-8", newline="\n")
-            known[key] = load_dynamics(folder)
-        return known[key]
-
-    return solver
+@pytest.fixture
+def load(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Load:
+    """Return the compiled solver of a scene with outputs."""
+    return lambda scene, outputs=ALL: load_dynamics(bodies_folder(scene, outputs), target="c")
 
 
 def tilted_pendulum(unit: str = "m") -> Scene:
