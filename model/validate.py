@@ -66,8 +66,7 @@ def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
     _check_settings(scene, problems)
     is_spatial = scene.is_spatial or problems.touches("bodies", "joints")
     if is_spatial:
-        if not problems.touches(*TABLES):
-            problems.check("bodies", (), check_spatial, scene)
+        check_spatial(scene, problems)
     else:
         if any(scene.gravity):
             problem = "belongs to bodies; a linkage of nodes and links has no masses"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, unknown
+from kousoku.model.decode import LARGEST, join, unknown
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import JOINTS, LATER, NAMES
 from kousoku.model.orientation import check_orientation
@@ -14,6 +14,7 @@ from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
     from kousoku.model.joints import JointKind
+    from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
 
@@ -24,31 +25,35 @@ ROTATION_KEYS = ("orientation", "angular_velocity", "angular_velocity_b")
 """Keys of a body that a point does not have."""
 
 
-def check_spatial(scene: Scene) -> None:
+def check_spatial(scene: Scene, problems: Problems) -> None:
     """Check bodies and joints; whether the mechanism can move is left to its solver.
 
-    Raises
-    ------
-    SceneError
-        The first problem that is found, with its dotted key.
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
     """
     for table in ("nodes", "links", "rigid", "sliders"):
         if getattr(scene, table):
-            raise SceneError(
-                "belongs to a planar linkage; wanted either nodes and links, or bodies and joints",
-                key=table,
+            problem = (
+                "belongs to a planar linkage; wanted either nodes and links, or bodies and joints"
             )
-    if not scene.bodies:
-        raise SceneError("is missing; joints need bodies to connect", key="bodies")
+            problems.add(problem, table, breaks=table)
+    if not scene.bodies and not problems.touches("bodies"):
+        problems.add("is missing; joints need bodies to connect", "bodies", breaks="bodies")
     if GROUND in scene.bodies:
-        raise SceneError(
-            f"{GROUND!r} is the fixed body that every scene has; choose another name",
-            key=f"bodies.{GROUND}",
-        )
+        key = f"bodies.{GROUND}"
+        problem = f"{GROUND!r} is the fixed body that every scene has; choose another name"
+        problems.add(problem, key, breaks=key)
     for name, body in scene.bodies.items():
-        _check_body(body, f"bodies.{name}")
+        key = join("bodies", name)
+        problems.check(key, [key], _check_body, body, key)
     for name, joint in scene.joints.items():
-        _check_joint(scene, joint, f"joints.{name}")
+        key = join("joints", name)
+        uses = [join("bodies", body) for body in joint.bodies]
+        problems.check(key, [key, *uses], _check_joint, scene, joint, key)
 
 
 def _check_body(body: Body, key: str) -> None:

@@ -142,6 +142,63 @@ def test_without_a_file_lines_are_named_and_without_a_text_there_are_none() -> N
         scene_from_dict({})
 
 
+SPATIAL = """\
+name = "chain"
+unit = "m"
+
+[bodies]
+arm = { position = [0, 0, 0], mass = 1, inertia = { xx = 1, yy = 1, zz = 1 } }
+hand = { position = [1, 0, 0], mass = 1, inertia = { xx = 1, yy = 1, zz = 1 } }
+
+[joints]
+shoulder = { type = "revolute", bodies = ["ground", "arm"], at = [0, 0, 0], axis = [0, 0, 1] }
+wrist = { type = "revolute", bodies = ["arm", "hand"], at = [1, 0, 0], axis = [0, 1, 0] }
+"""
+
+
+@pytest.mark.parametrize(
+    ("changes", "found"),
+    [
+        ({}, []),
+        ({"position = [1, 0, 0]": "position = [1, 0]"}, [(6, "bodies.hand.position")]),
+        ({'"arm", "hand"': '"arm", "hnad"'}, [(10, "joints.wrist.bodies[1]")]),
+        ({"[bodies]": "[bodeis]"}, [(4, "bodeis")]),
+        ({"[joints]": "[jonits]"}, [(8, "jonits")]),
+        (
+            {"arm = { position = [0, 0, 0], mass = 1": "arm = { position = [0, 0, 0], mass = -1"},
+            [(5, "bodies.arm.mass")],
+        ),
+        (
+            {"[1, 0, 0], mass = 1": "[1, 0, 0], mass = 0", "axis = [0, 0, 1]": "axis = [0, 0, 0]"},
+            [(6, "bodies.hand.mass"), (9, "joints.shoulder.axis")],
+        ),
+        (
+            {
+                '"m"': '"ell"',
+                "axis = [0, 0, 1]": "axis = 1",
+                '"revolute", bodies = ["a': '"x", bodies = ["a',
+            },
+            [(2, "unit"), (9, "joints.shoulder.axis"), (10, "joints.wrist.type")],
+        ),
+        (
+            {"[joints]": "[nodes]\nA = { at = [0, 0] }\n[joints]", "hand =": "ground ="},
+            [(6, "bodies.ground"), (8, "nodes"), (12, "joints.wrist.bodies[1]")],
+        ),
+    ],
+)
+def test_problems_of_bodies_and_joints_are_all_reported(
+    changes: dict[str, str], found: list[tuple[int, str]]
+) -> None:
+    text = SPATIAL
+    for old, new in changes.items():
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    if found:
+        assert problems_of(text) == found
+    else:
+        assert scene_from_toml(text).is_spatial
+
+
 def test_a_missing_key_is_reported_at_its_table() -> None:
     text = GOOD.replace("{ at = [35, 40] }", "{ fixed = false }")
     assert problems_of(text) == [(9, "nodes.C.at")]
