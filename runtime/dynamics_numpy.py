@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 #: The file of a scene's folder.
-SOURCE = "solver.py"
+NUMPY_SOURCE = "solver.py"
 #: Scenes with more coordinates than three bodies have are slow.
 SLOW = 21
 
@@ -89,9 +89,9 @@ def load_numpy(
     TargetError
         The folder was generated without it.
     """
-    if SOURCE not in files:
-        raise TargetError(f"{folder} was generated without NumPy: {SOURCE} is not listed")
-    module: Any = import_source(folder / SOURCE, files[SOURCE])
+    if NUMPY_SOURCE not in files:
+        raise TargetError(f"{folder} was generated without NumPy: {NUMPY_SOURCE} is not listed")
+    module: Any = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
     is_slow = int(module.NQ) > SLOW
     if reason is not None:
         cost = ", which takes a hundred times as long" if is_slow else ""

@@ -6,7 +6,7 @@ import ctypes
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
-from kousoku.model.errors import CacheError, NoCompilerError
+from kousoku.model.errors import CacheError, NoCompilerError, TargetError
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from kousoku.model.manifest import Manifest
 
     Array = npt.NDArray[np.float64]
+
+C_SOURCE = "solver.c"
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,17 +141,28 @@ def open_solver(
     target : {"auto", "c", "numpy"}
         ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
+
+    Raises
+    ------
+    TargetError
+        The folder was generated without this target.
+    CompilerError
+        The compiler refuses the source; with ``target="c"`` also if there is none.
+    CacheError
+        With ``target="c"``: the library cannot be kept.
     """
-    from kousoku.runtime.dynamics_numpy import load_numpy
+    from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE, load_numpy
 
     if target not in ("auto", "c", "numpy"):
         raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
-    if target == "numpy":
+    if target == "numpy" or (target == "auto" and C_SOURCE not in files):
         return load_numpy(folder, files)
+    if C_SOURCE not in files:
+        raise TargetError(f"{folder} was generated without C: {C_SOURCE} is not listed")
     try:
         return _compiled(manifest, files)
     except (NoCompilerError, CacheError) as error:
-        if target == "c":
+        if target == "c" or NUMPY_SOURCE not in files:
             raise
         return load_numpy(folder, files, error)
 

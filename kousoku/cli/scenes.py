@@ -84,12 +84,15 @@ def solver_of(scene: Scene, target: Target) -> LinkageSolver:
     return _loaded(scene, generate_scene(scene), partial(load_scene, target=target.value))
 
 
-def dynamics_of(scene: Scene, outputs: Sequence[str] | None = None) -> DynamicsSolver:
+def dynamics_of(
+    scene: Scene, target: Target, outputs: Sequence[str] | None = None
+) -> DynamicsSolver:
     """Return the loaded solver of a scene of bodies, as :func:`solver_of` does for linkages."""
     from kousoku.codegen.dynamics.generate import generate_dynamics
     from kousoku.runtime.dynamics import load_dynamics
 
-    return _loaded(scene, generate_dynamics(scene, outputs), load_dynamics)
+    tree = generate_dynamics(scene, outputs)
+    return _loaded(scene, tree, partial(load_dynamics, target=target.value))
 
 
 def _loaded(scene: Scene, tree: Mapping[str, str], load: Callable[[Path], Solver]) -> Solver:

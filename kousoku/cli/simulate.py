@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from kousoku.cli.console import AsJson, print_json, print_table
+from kousoku.cli.console import AsJson, Target, print_json, print_table
 from kousoku.model.errors import SolveError
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def simulate(
         list[Output] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),
     ] = None,
+    target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
     as_json: AsJson = False,
 ) -> None:
     """Integrate the motion of bodies under gravity, with joints that hold to rounding.
@@ -73,7 +74,7 @@ def simulate(
         raise SolveError(f"--body {body}: the scene has {', '.join(scene.bodies)}")
     begin = time.perf_counter()
     try:
-        solver = dynamics_of(scene, None if output is None else [one.value for one in output])
+        solver = dynamics_of(scene, target, output and [one.value for one in output])
         seconds = {"generate and compile": time.perf_counter() - begin}
         with _progress() as show:
             motion = solver.simulate(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -229,29 +230,43 @@ def test_numpy_that_is_asked_for_says_so_only_where_it_is_slow(
     assert ["a hundred times as long" in message for message in caplog.messages] == [True]
 
 
-def test_folder_without_the_solver_in_python_is_refused(folder: Folder) -> None:
+def test_folder_without_a_target_is_refused_or_the_other_is_taken(
+    compiler: Toolchain, folder: Folder, monkeypatch: pytest.MonkeyPatch
+) -> None:
     where = folder("pendulum")
     manifest = read_manifest(where)
     files = read_files(where, manifest)
-    del files["solver.py"]
+    only_c = {name: text for name, text in files.items() if name != "solver.py"}
+    only_numpy = {name: text for name, text in files.items() if name != "solver.c"}
     with pytest.raises(TargetError, match=r"without NumPy: solver\.py is not listed"):
-        open_solver(where, manifest, files, "numpy")
+        open_solver(where, manifest, only_c, "numpy")
+    with pytest.raises(TargetError, match=r"without C: solver\.c is not listed"):
+        open_solver(where, manifest, only_numpy, "c")
+    assert open_solver(where, manifest, only_numpy, "auto").name == "numpy"
+    assert open_solver(where, manifest, files, "auto").name == "c"
     other: Any = "fortran"
     with pytest.raises(ValueError, match="fortran"):
         open_solver(where, manifest, files, other)
+    monkeypatch.setenv("KOUSOKU_CC", "none")
+    with pytest.raises(NoCompilerError):
+        open_solver(where, manifest, only_c, "auto")
 
 
-def test_command_line_simulates_without_a_compiler() -> None:
+@pytest.mark.parametrize("target", ["auto", "numpy"])
+def test_command_line_simulates_without_a_compiler(target: str) -> None:
+    options = ["--end", "0.5", "--json", "--target", target]
     done = subprocess.run(
-        [sys.executable, "-m", "kousoku", "simulate", SCENES / "pendulum.toml", "--end", "0.5"],
+        [sys.executable, "-m", "kousoku", "simulate", SCENES / "pendulum.toml", *options],
         capture_output=True,
         text=True,
         env={**os.environ, "KOUSOKU_CC": "none"},
         check=True,
     )
-    assert done.stderr.count("\n") == 1
-    assert "NumPy solver: KOUSOKU_CC=none" in done.stderr
-    assert "pendulum: rod" in done.stdout
+    assert json.loads(done.stdout)["target"] == "numpy"
+    lines = done.stderr.splitlines()
+    assert ["NumPy solver: KOUSOKU_CC=none" in line for line in lines] == [True] * (
+        target == "auto"
+    )
 
 
 def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:

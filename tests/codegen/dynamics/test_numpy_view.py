@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import re
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -97,6 +98,27 @@ def test_a_kernel_unpacks_only_what_it_reads(mechanisms: SimpleNamespace) -> Non
         read = " ".join(text for _, text in kernel.statements) + " ".join(kernel.results)
         assert all(name in read for name in kernel.inputs)
         assert len(kernel.inputs) < program.size
+
+
+def test_both_languages_have_the_same_functions_and_the_same_state(
+    mechanisms: SimpleNamespace,
+) -> None:
+    system = mechanisms.chain(3)
+    outputs = ("accelerations", "reactions", "energies")
+    files = emit_dynamics(compose(system, ("checks", *outputs)), system, outputs)
+    c, python = files["solver.c"], files["solver.py"]
+    start = r"^(?:static )?(?:int|double|void|size_t|const char \*) ?(?:kousoku_chain3_)?(\w+)\("
+    in_c = set(re.findall(start, c, re.MULTILINE))
+    tree = ast.parse(python)
+    in_python = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    # NumPy and modules have these already
+    assert in_c - in_python == {"are_finite", "digest", "state_size", "work_size", "row_size"}
+    reading = {"numbers", "places", "tasks_of", "in_turn", "picker"}
+    assert in_python - in_c == reading | {"evaluated", "fmax", "parts_of", "mean_square", "advance"}
+    module = module_of(python)
+    enum = "    " + c[c.index("S_KEY") : c.index("S_COUNT")]
+    names = re.findall(r"^ *(S_\w+),", enum, re.MULTILINE)
+    assert [getattr(module, name) for name in names] == list(range(module.S_COUNT))
 
 
 def test_the_text_is_python_with_numpy_alone_in_lines_of_a_hundred(
