@@ -41,6 +41,8 @@ class KernelText:
         The arguments, taken from the slots ``s`` of a task on the workspace ``w``.
     slots : int
         How many slots a task of it lists.
+    unused : tuple of str
+        Parameters that the text does not name.
     """
 
     name: str
@@ -50,6 +52,7 @@ class KernelText:
     results: tuple[tuple[str, str], ...]
     call: str
     slots: int
+    unused: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,6 +156,7 @@ def kernel_text(number: int, kernel: Kernel) -> KernelText:
         results += [(f"{quantity.name}[{n}]", text) for n, text in enumerate(elements)]
     reads = [f"const double *restrict {quantity.name}" for quantity in kernel.inputs]
     writes = [f"double *restrict {quantity.name}" for quantity in kernel.outputs]
+    written = " ".join([*(s.text for s in statements), *(text for _, text in results)])
     return KernelText(
         name=f"kernel_{number}",
         parameters=_lines(f"{item}," for item in reads + writes).rstrip(","),
@@ -161,6 +165,7 @@ def kernel_text(number: int, kernel: Kernel) -> KernelText:
         results=tuple(results),
         call=_lines(f"w + s[{k}]," for k in range(len(names))).rstrip(","),
         slots=len(names),
+        unused=tuple(q.name for q in kernel.inputs if f"{q.name}[" not in written),
     )
 
 
