@@ -31,7 +31,8 @@ MESSAGES = {
     STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
     " fast, or the tolerance is too tight for doubles",
     NOT_PROJECTED: "the constraints cannot be met between two steps",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
+    NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
+    " motion there",
     BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     WRONG_STATE: "the state belongs to another solver",
 }
@@ -154,8 +155,7 @@ class Run:
         status = self.solver.target.start(0.0, self.solver.q, self.solver.v, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
-            where = joints_at_stop(self.solver.rows, self._residuals(), None)
-            raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{where}")
+            raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{self._where()}")
 
     def _check(self, saved: SavedRun) -> None:
         target = self.solver.target
@@ -248,11 +248,15 @@ class Run:
         )
 
     def _stop(self) -> str:
+        where = f"at t = {self.time:.9g} s"
+        return f"{self.solver.name}: {where}: {MESSAGES[self._status]}{self._where()}"
+
+    def _where(self) -> str:
+        """Name the joints that are open, and those whose rows are dependent."""
         residuals, pivots = self._residuals(), self._scratch()
-        is_started = self.solver.target.pivots(self._memory, pivots) == GOOD
-        where = joints_at_stop(self.solver.rows, residuals, pivots[:-1] if is_started else None)
-        text = MESSAGES[self._status]
-        return f"{self.solver.name}: at t = {self.time:.9g} s: {text}{where}"
+        if self.solver.target.pivots(self._memory, pivots) != GOOD:
+            return ""
+        return joints_at_stop(self.solver.rows, residuals, pivots[:-1])
 
     def motion(self) -> Motion:
         """Return what was computed so far."""

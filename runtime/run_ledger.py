@@ -187,7 +187,7 @@ def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Viol
     }
 
 
-def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array | None) -> str:
+def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:
     """Return the end of a message: the joints that are open, and those whose rows are dependent.
 
     Parameters
@@ -196,23 +196,24 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
         Joint and unit of each constraint.
     residuals : array
         What is left of each where they were evaluated last.
-    pivots : array or None
-        Of the factorisation at the last good state.
+    pivots : array
+        Of the factorisation at the last good state; those after one that is zero are no numbers.
     """
+    if not rows:
+        return ""
     parts = []
-    worst = np.argsort(-np.abs(residuals))
-    left = [k for k in worst.tolist() if abs(residuals[k]) > OPEN]
+    sizes = np.abs(residuals)
+    left = [k for k in np.argsort(-sizes).tolist() if sizes[k] > OPEN]
     if left:
-        first = {rows[k][0]: k for k in reversed(left)}
-        texts = [
-            f"joints.{name} by {abs(residuals[k]):.3g} {rows[k][1]}" for name, k in first.items()
-        ]
-        parts.append("open: " + ", ".join(texts[: -SHOWN - 1 : -1]))
-    if pivots is not None and len(pivots):
-        ratio = pivots.min() / pivots.max()
-        order = np.argsort(pivots).tolist()
-        weak = dict.fromkeys(rows[k][0] for k in order if pivots[k] <= NEAR * pivots.min())
-        names = ", ".join(f"joints.{name}" for name in list(weak)[:SHOWN])
-        dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
-        parts.append(f"{dependent} at {names} (pivot ratio {ratio:.1e})")
-    return f"; {'; '.join(parts)}" if parts else ""
+        worst = {rows[k][0]: k for k in reversed(left)}
+        shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:SHOWN]
+        texts = [f"joints.{name} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
+        parts.append(f"open: {', '.join(texts)}")
+    known = np.where(np.isfinite(pivots), pivots, np.inf)
+    most = pivots.max(where=np.isfinite(pivots), initial=0.0)
+    ratio = known.min() / most if most > 0.0 else 0.0
+    order = np.argsort(known).tolist()
+    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= NEAR * known.min())
+    names = ", ".join(f"joints.{name}" for name in list(weak)[:SHOWN])
+    dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
+    return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"

@@ -1,0 +1,127 @@
+"""Where a run cannot go on, what it says, and how it passes where the rank drops."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.builder import SceneBuilder
+from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.families import chain, n_four_bar
+from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.motion import Motion
+from kousoku.runtime.run_ledger import joints_at_stop
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.toolchain import Toolchain
+
+Load = Any
+#: A start from which a stage of a step falls near a position where the rank drops.
+ANGLE = 2 * math.pi / 10 + 0.1
+
+
+@pytest.fixture
+def load(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Load:
+    return lambda scene: load_dynamics(bodies_folder(scene), target="c")
+
+
+def four_bars(angle: float = ANGLE) -> Scene:
+    return n_four_bar(2, turned=(math.cos(angle), math.sin(angle)))
+
+
+def crank_angle(angle: float, end: float) -> float:
+    """Return where the cranks of a double parallelogram are, by small steps of fourth order."""
+    factor = 9.81 * (1.5 + 2) / (1 + 2)
+    steps = 40_000
+    h, theta, rate = end / steps, angle, -1.0
+    for _ in range(steps):
+        a = -factor * math.cos(theta)
+        b = -factor * math.cos(theta + h * rate / 2 + h * h * a / 8)
+        c = -factor * math.cos(theta + h * rate + h * h * b / 2)
+        theta += h * rate + h * h * (a + 2 * b) / 6
+        rate += h * (a + 4 * b + c) / 6
+    return theta
+
+
+def test_error_falls_with_the_tolerance_where_stages_come_near_a_loss_of_rank(load: Load) -> None:
+    solver, theta = load(four_bars()), crank_angle(ANGLE, 10.0)
+    errors = []
+    for tolerance in (1e-7, 1e-8, 1e-9, 1e-10, 1e-11):
+        motion = solver.simulate(10.0, samples=11, tolerance=tolerance)
+        x, y = motion.position["coupler_0"][-1, :2]
+        errors.append(math.hypot(x - math.cos(theta), y - math.sin(theta)))
+    assert errors == sorted(errors, reverse=True)
+    assert errors[-1] < 1e-8
+    assert errors[0] > 1e-7
+
+
+def test_ledger_notes_where_the_rank_nearly_dropped_and_how_it_was_passed(load: Load) -> None:
+    ledger = load(four_bars()).simulate(10.0, samples=1001, tolerance=1e-9).ledger
+    assert ledger.avoided > 0
+    assert ledger.growth < 1e-4
+    rows = load(four_bars()).simulate(times=[0.0, ledger.growth_time], tolerance=1e-9)
+    x, y = rows.position["coupler_0"][-1, :2]
+    assert abs(y) < 0.2 < abs(x)
+    elsewhere = load(four_bars(-math.pi / 2)).simulate(0.3, tolerance=1e-9).ledger
+    assert elsewhere.avoided == 0
+    assert elsewhere.growth > 1e-4
+
+
+@pytest.mark.parametrize("tolerance", [1e-13, 1e-14, 1e-15])
+def test_tolerances_near_rounding_do_not_stagnate(load: Load, tolerance: float) -> None:
+    ledger = load(four_bars()).simulate(10.0, samples=3, tolerance=tolerance).ledger
+    assert ledger.steps < 2000
+    assert ledger.rejected < 100
+
+
+def test_run_that_needs_too_many_steps_is_stopped_and_keeps_its_rows(load: Load) -> None:
+    with pytest.raises(MotionError, match=r"at t = \S+ s: 20 steps are made .* larger tol") as stop:
+        load(chain(3)).simulate(10.0, samples=1001, most_steps=20)
+    motion = stop.value.trajectory
+    assert isinstance(motion, Motion)
+    assert 10 < len(motion) < 1001
+    assert not motion.is_complete
+    assert motion.ledger.steps == 20
+
+
+def test_start_without_a_determined_motion_names_the_joint_that_depends(load: Load) -> None:
+    with pytest.raises(SolveError, match=r"do not determine.*dependent at joints\.after_0"):
+        load(four_bars(0.0)).simulate(1.0)
+
+
+def test_motion_that_is_too_fast_for_any_step_stops_at_its_last_good_state(load: Load) -> None:
+    builder = SceneBuilder("fast", unit="m").gravity(0, -9.81, 0)
+    builder.body(
+        "rod",
+        position=(0, 0, 0),
+        angular_velocity=(0, 0, 1e20),
+        boxes=[{"mass": 1, "size": (1, 1, 1), "at": (1, 0, 0)}],
+    )
+    builder.joint("hinge", type="revolute", bodies=("ground", "rod"), at=(0, 0, 0), axis=(0, 0, 1))
+    with pytest.raises(MotionError, match=r"at t = .* no step can be taken.*joints\.hinge") as stop:
+        load(builder.build()).simulate(1.0)
+    motion = stop.value.trajectory
+    assert isinstance(motion, Motion)
+    assert len(motion) == 1
+    assert np.isfinite(motion.position["rod"]).all()
+    assert not motion.is_complete
+
+
+def test_stop_names_open_joints_the_worst_first_and_joints_whose_rows_depend() -> None:
+    rows = [("a", "m"), ("a", "rad"), ("b", "m"), ("c", "rad"), ("d", "m")]
+    residuals = np.array([1e-3, -0.5, 1e-12, 2.0, 1e-2])
+    text = joints_at_stop(rows, residuals, np.array([1.0, 2.0, 1e-13, 5.0, np.nan]))
+    assert text == (
+        "; open: joints.c by 2 rad, joints.a by 0.5 rad, joints.d by 0.01 m;"
+        " rows are nearly dependent at joints.b (pivot ratio 2.0e-14)"
+    )
+    quiet = joints_at_stop(rows, np.zeros(5), np.array([1.0, 0.1, 0.01, 0.5, 0.6]))
+    assert quiet.startswith("; the smallest pivots are at joints.b, joints.a")
+    assert joints_at_stop([], np.zeros(0), np.zeros(0)) == ""
