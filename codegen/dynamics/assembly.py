@@ -86,8 +86,9 @@ def assemble(system: System) -> System:
     if not fits:
         pose = _nearest(system, positions, metric)
     v = _velocities(system, speeds, metric, pose)
+    fastest = max(_speed(v, k, metric.size) for k in range(len(system.bodies)))
     bodies = tuple(
-        _placed(body, pose, v, k, metric.size, is_moved=not fits)
+        _placed(body, pose, v, k, (metric.size, fastest), is_moved=not fits)
         for k, body in enumerate(system.bodies)
     )
     return replace(system, bodies=bodies)
@@ -111,14 +112,25 @@ def _moves(system: System, rows: Residuals, metric: Metric) -> bool:
     return bool(np.all(np.abs(rates) <= limits, where=np.arange(rows.rows) < kept))
 
 
+def _speed(v: Sequence[High], k: int, size: float) -> High:
+    """Return the largest velocity of a point of body k near its centre."""
+    turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
+    return precise.length(turning) * size + precise.length(v[COLUMNS * k : COLUMNS * k + 3])
+
+
 def _placed(
-    body: MovingBody, pose: Pose, v: Sequence[High], k: int, size: float, *, is_moved: bool
+    body: MovingBody,
+    pose: Pose,
+    v: Sequence[High],
+    k: int,
+    sizes: tuple[float, High],
+    *,
+    is_moved: bool,
 ) -> MovingBody:
-    """Return a body where assembly put it."""
+    """Return a body where assembly put it; sizes are the system's length and largest velocity."""
+    size, fastest = sizes
     vx, vy, vz = v[COLUMNS * k : COLUMNS * k + 3]
     turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
-    spin = precise.length(turning)
-    fastest = spin * size + precise.length((vx, vy, vz))
     vx, vy, vz = precise.rounded((vx, vy, vz), fastest, NOISE)
     wx, wy, wz = precise.rounded(turning, fastest / size, NOISE)
     moving = replace(body, v=(vx, vy, vz), omega_b=(wx, wy, wz))

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.runtime.toolchain import Toolchain
 
+    Mover = Callable[..., DynamicsSolver]
+
 SCENES = Path(__file__).parents[2] / "scenes"
 
 
@@ -56,19 +58,17 @@ def solver(backend: str, folder_of: Callable[[Scene], Path]) -> Callable[[str], 
 
 
 @pytest.fixture(scope="session")
-def mover(
-    tmp_path_factory: pytest.TempPathFactory, compiler: Toolchain
-) -> Callable[[str | Scene], DynamicsSolver]:
+def mover(tmp_path_factory: pytest.TempPathFactory, compiler: Toolchain) -> Mover:
     """Return the solver of a scene of bodies, by its file in ``scenes/`` or as it is, in C."""
-    known: dict[str, DynamicsSolver] = {}
+    known: dict[tuple[str, tuple[str, ...]], DynamicsSolver] = {}
 
-    def load(scene: str | Scene) -> DynamicsSolver:
-        key = repr(scene)
+    def load(scene: str | Scene, outputs: tuple[str, ...] = ()) -> DynamicsSolver:
+        key = repr(scene), outputs
         if key not in known:
             found = read_scene(SCENES / f"{scene}.toml") if isinstance(scene, str) else scene
             folder = tmp_path_factory.mktemp("bodies") / found.name
             folder.mkdir()
-            for name, text in generate_dynamics(found).items():
+            for name, text in generate_dynamics(found, outputs).items():
                 (folder / name).write_text(text, encoding="utf-8", newline="\n")
             known[key] = load_dynamics(folder)
         return known[key]
