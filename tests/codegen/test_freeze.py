@@ -17,8 +17,9 @@ from kousoku.model.errors import FreezeError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import KINDS, derive
 from kousoku.symbolic.derivation import Function, Output
+from kousoku.symbolic.fractions import Fraction
 from kousoku.symbolic.matrices import Named, Orientation, elements, mul, skew, transpose, vector
-from kousoku.symbolic.ring import Fraction, Ring
+from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
     from kousoku.codegen.kernel import Kernel

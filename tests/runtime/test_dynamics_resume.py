@@ -60,7 +60,7 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(
     solver = load(scene)
     wanted, end = whole(solver, method=method, tolerance=1e-8)
     run = solver.begin(TIMES, method=method, tolerance=1e-8)
-    calls = []
+    calls: list[int] = []
     while not calls or calls[-1] in (BUFFER_FULL, PAUSED):
         poison(run)
         calls.append(run.advance(steps, rows))
