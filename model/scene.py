@@ -12,7 +12,7 @@ from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Joint, Vector
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
-Output = Literal["positions", "velocities", "accelerations", "angles"]
+Output = Literal["positions", "velocities", "accelerations", "angles", "reactions", "energies"]
 
 TABLES = ("nodes", "links", "rigid", "sliders", "bodies", "joints", "inputs")
 """The tables of named elements; a name stands in one of them only."""
@@ -46,8 +46,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     divisions : int
         Steps from the first to the last value of the inputs: rows 0 … divisions are computed.
     outputs : tuple of str
-        What is wanted of nodes beside positions (``velocities``, ``accelerations``), and whether
-        the ``angles`` of links are wanted too.
+        What is wanted beside positions: ``velocities``, ``accelerations``, the ``angles`` of links,
+        and of a spatial mechanism the ``reactions`` of joints and the ``energies``.
     method : Method
         How positions are found.
     """

@@ -27,6 +27,9 @@ MOST_ITERATIONS = 100_000
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""
 
+OF_LINKS, OF_BODIES = ("angles",), ("reactions", "energies")
+"""Outputs that only planar linkages have, and only bodies and joints."""
+
 
 def check(scene: Scene) -> tuple[str, ...]:
     """Check a scene, and say what is worth knowing before it is solved.
@@ -125,6 +128,11 @@ def _check_settings(scene: Scene, problems: Problems) -> None:
         problems.add(problem, "method.residual", breaks="method")
     if len(set(scene.outputs)) < len(scene.outputs):
         problems.add("an output stands there twice; leave one out", "outputs")
+    foreign = OF_LINKS if scene.is_spatial else OF_BODIES
+    for index, output in enumerate(scene.outputs):
+        if output in foreign:
+            what = "bodies and joints" if scene.is_spatial else "a planar linkage"
+            problems.add(f"{output!r} is no output of {what}; leave it out", f"outputs[{index}]")
     title = scene.title
     unsafe = [mark for mark in ("\\", '"', "*/", "/*", "??/") if mark in title]
     if len(title) > LONGEST_TITLE or not title.isprintable() or unsafe:

@@ -55,6 +55,7 @@ def put(tree: Tree, place: str, value: object) -> Tree:
         ("inputs.alpha.turns", -601, "inputs.alpha.turns", "wanted at most 10 turns a division"),
         ("inputs.alpha.to", -1e9, "inputs.alpha.to", "cannot be followed"),
         ("outputs", ["angles", "angles"], "outputs", "stands there twice"),
+        ("outputs", ["angles", "energies"], "outputs[1]", "no output of a planar linkage"),
         ("outputs", ["speeds"], "outputs[0]", "one of 'positions', 'velocities'"),
         ("title", "a\nb", "title", "wanted one line"),
         ("title", "\u202egnp.exe", "title", "wanted one line"),

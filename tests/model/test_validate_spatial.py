@@ -48,6 +48,12 @@ def test_a_spatial_pendulum_is_valid(bar: Tree) -> None:
     assert scene_from_dict(bar).is_spatial
 
 
+def test_outputs_of_bodies_are_not_those_of_links(bar: Tree) -> None:
+    outputs = ["reactions", "energies"]
+    assert scene_from_dict(bar | {"outputs": outputs}).outputs == tuple(outputs)
+    refused(bar | {"outputs": ["reactions", "angles"]}, "outputs[1]", "no output of bodies")
+
+
 @pytest.mark.parametrize(
     ("place", "value", "key", "says"),
     [
