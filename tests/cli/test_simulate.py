@@ -1,0 +1,145 @@
+"""``kousoku simulate``: what it prints, writes and refuses, and what it keeps of a broken run."""
+
+from __future__ import annotations
+
+import json
+import signal
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.runtime.dynamics import DynamicsSolver
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.runtime.motion import Motion
+    from kousoku.runtime.toolchain import Toolchain
+
+    Run = Callable[..., tuple[int, str, str]]
+
+ROOT = Path(__file__).parents[2]
+PENDULUM = ROOT / "scenes" / "pendulum.toml"
+BODY = ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z")
+WANTED = ("--output", "reactions", "--output", "energies")
+
+pytestmark = pytest.mark.usefixtures("needs_compiler")
+
+
+@pytest.fixture
+def needs_compiler(compiler: Toolchain) -> Toolchain:
+    return compiler
+
+
+def test_ledger_of_the_run_is_printed_below_the_rows(run: Run) -> None:
+    code, out, err = run("simulate", PENDULUM, "--end", 2)
+    assert (code, err) == (0, "")
+    for text in (
+        "dop853, tolerance 1e-09:",
+        "rejected",
+        "energy 0 J at the start, largest change",
+        "left of the constraints, position:",
+        "left of the constraints, acceleration:",
+        "smallest pivot ratio",
+        "generate and compile",
+    ):
+        assert text in out
+
+
+def test_json_has_the_ledger(run: Run) -> None:
+    code, out, _ = run("simulate", PENDULUM, "--end", 2, "--samples", 5, "--json")
+    data = json.loads(out)
+    assert code == 0
+    assert data["rows"] == 5
+    assert data["is_complete"] is True
+    ledger = data["ledger"]
+    assert ledger["steps"] > 10
+    assert 0 < ledger["energy_error"] < 1e-6
+    assert list(ledger["violations"]) == ["hinge"]
+    assert 0 < ledger["violations"]["hinge"]["metres"][1] < 1e-12
+    assert set(ledger["seconds"]) == {"generate and compile", "start", "run"}
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+def test_file_has_a_column_for_all_that_is_wanted(run: Run, tmp_path: Path, suffix: str) -> None:
+    out = tmp_path / f"pendulum.{suffix}"
+    assert run("simulate", PENDULUM, "--end", 1, "--samples", 3, "--out", out, *WANTED)[0] == 0
+    names = ["time", *(f"rod.{name}" for name in BODY)]
+    names += [f"hinge.{name}" for name in ("fx", "fy", "fz", "mx", "my", "mz")]
+    names += ["energy.kinetic", "energy.potential", "energy.total"]
+    if suffix == "csv":
+        assert out.read_text(encoding="utf-8").splitlines()[0].split(",") == names
+        table = dict(zip(names, np.loadtxt(out, delimiter=",", skiprows=1).T, strict=True))
+    else:
+        with np.load(out) as columns:
+            table = dict(columns)
+        assert list(table) == names
+    assert table["hinge.fy"][0] == pytest.approx(9.81 / 4)
+    np.testing.assert_allclose(table["energy.total"], 0.0, atol=1e-8)
+
+
+def test_run_without_end_of_steps_keeps_its_rows_in_the_file(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begin = DynamicsSolver.begin
+    monkeypatch.setattr(
+        DynamicsSolver, "begin", lambda *a, **options: begin(*a, most_steps=20, **options)
+    )
+    out = tmp_path / "part.csv"
+    code, _, err = run("simulate", PENDULUM, "--end", 100, "--out", out)
+    assert code == 2
+    assert "20 steps are made" in err
+    assert f"what was computed before is in {out}" in err
+    assert 2 < len(out.read_text(encoding="utf-8").splitlines()) < 1002
+
+
+def test_interrupt_keeps_its_rows_in_the_file(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    simulate = DynamicsSolver.simulate
+
+    def pressed(solver: DynamicsSolver, end: float, **options: Any) -> Motion:
+        options["progress"] = lambda *_: signal.raise_signal(signal.SIGINT)
+        return simulate(solver, end, **options)
+
+    monkeypatch.setattr(DynamicsSolver, "simulate", pressed)
+    out = tmp_path / "part.csv"
+    code, _, err = run("simulate", PENDULUM, "--end", 100, "--out", out)
+    assert code == 130
+    assert "stopped at t = " in err
+    assert f"what was computed before is in {out}" in err
+    assert 2 < len(out.read_text(encoding="utf-8").splitlines()) < 1002
+
+
+def test_progress_is_shown_on_a_terminal_only(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(type(sys.stderr), "isatty", lambda _: True)
+    _, out, err = run("simulate", PENDULUM, "--end", 3, "--json")
+    assert " s of 3 s" in err
+    assert json.loads(out)["rows"] == 1001
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (("--end", 0), "wanted an end above 0"),
+        (("--end", 1, "--tolerance", 0), "wanted a tolerance from 1e-15"),
+        (("--end", 1, "--body", "bob"), "the scene has rod"),
+        (("--end", 1, "--out", "rows.txt"), "must end in"),
+        (("--end", 1, "--output", "angles"), "angles"),
+    ],
+)
+def test_options_that_are_not_possible_are_refused(
+    run: Run, options: tuple[object, ...], says: str
+) -> None:
+    code, _, err = run("simulate", PENDULUM, *options)
+    assert code == 2
+    assert says in err
+
+
+def test_linkage_is_sent_to_solve(run: Run) -> None:
+    code, _, err = run("simulate", ROOT / "scenes" / "lever_crank.toml", "--end", 1)
+    assert code == 2
+    assert "kousoku solve" in err
