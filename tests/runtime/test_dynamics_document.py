@@ -1,0 +1,47 @@
+"""The programs in docs/dynamics.md run, and its numbers hold."""
+
+from __future__ import annotations
+
+import re
+import runpy
+import shutil
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import pytest
+
+    from kousoku.runtime.toolchain import Toolchain
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "dynamics.md").read_text(encoding="utf-8")
+
+
+def test_programs_of_the_document_run(
+    compiler: Toolchain, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(ROOT / "scenes", tmp_path / "scenes")
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    for number, block in enumerate(re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)):
+        program = tmp_path / f"program_{number}.py"
+        program.write_text(block, encoding="utf-8")
+        names = runpy.run_path(str(program), init_globals=names)
+    assert names["motion"].time.tolist() == [0.0, 0.5, 1.0, 1.5]
+    assert names["motion"].is_complete
+    assert (tmp_path / "top.csv").is_file()
+
+
+def test_table_of_the_ledger_has_every_field_of_it() -> None:
+    from kousoku.runtime.run_ledger import RunLedger
+
+    table = TEXT.partition("## The ledger")[2].partition("`checks=False`")[0]
+    assert set(re.findall(r"`(\w+)`", table)) == set(RunLedger.__slots__)
+
+
+def test_return_values_are_those_of_the_header(compiler: Toolchain) -> None:
+    from kousoku.runtime import run
+
+    table = TEXT.partition("A call of `…_run` returns")[2]
+    listed = {int(x.replace("−", "-")) for x in re.findall(r"−?\d+(?=[,; ])", table)}
+    assert set(run.MESSAGES) | {0, 1, 2} <= listed
