@@ -41,7 +41,8 @@ def derive(package: str) -> Derivation:
     return derive_constraint(_point() if package == "point" else _distance())
 
 
-def _d_components() -> list[Any]:
+def point_offset() -> list[Any]:
+    """Return d, from the point on i to the point on j, on the component level."""
     x = COMPONENTS
     ends = [plus(x[f"r_{body}"], rotate(x[f"p_{body}"], x[f"s_{body}_b"])) for body in "ij"]
     return subtract(ends[1], ends[0])
@@ -62,7 +63,7 @@ def _point() -> Constraint:
             Step(left, D.value, "d resolved", "8.8"),
         ),
         value=D.value,
-        components=tuple(_d_components()),
+        components=tuple(point_offset()),
     )
 
 
@@ -88,13 +89,13 @@ def _distance_gamma() -> Step:
     where the bodies move together, and none holds what a point far from its own origin adds to
     ḋ·ḋ and takes from d·d̈, so that no digits cancel.
     """
-    of_body = {body: _parts_of_gamma(body) for body in BODIES}
+    of_body = {body: parts_of_motion(body) for body in BODIES}
     s, w, u, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
     total = add(
-        mul(transpose(_less(v)), add(_less(v), mul(Integer(2), _less(w)))),
-        mul(transpose(_less(r)), _less(u)),
+        mul(transpose(relative(v)), add(relative(v), mul(Integer(2), relative(w)))),
+        mul(transpose(relative(r)), relative(u)),
         mul(
-            transpose(_less(omega)),
+            transpose(relative(omega)),
             add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"]))),
         ),
     )
@@ -103,7 +104,7 @@ def _distance_gamma() -> Step:
     return Step(MatrixSymbol("gamma", 1, 1), gamma, rule, "7.15")
 
 
-def _parts_of_gamma(body: str) -> tuple[Matrix, ...]:
+def parts_of_motion(body: str) -> tuple[Matrix, ...]:
     """Return s, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
     p, s, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"s_{body}_b"], SYMBOLS[f"omega_{body}_b"]
     turned = mul(skew(spin), s)
@@ -119,7 +120,7 @@ def _parts_of_gamma(body: str) -> tuple[Matrix, ...]:
     )
 
 
-def _less(of_body: dict[str, Matrix]) -> Matrix:
+def relative(of_body: dict[str, Matrix]) -> Matrix:
     """Return what belongs to body j less what belongs to body i."""
     return Named(of_body["j"].name.removesuffix("_j"), add(of_body["j"], neg(of_body["i"])))
 
@@ -129,7 +130,7 @@ def _distance() -> Constraint:
     square = mul(length**2, Identity(1))
     value = mul(Rational(1, 2) / length, add(mul(transpose(D), D), neg(square)))
     left = MatrixSymbol("C", 1, 1)
-    d = _d_components()
+    d = point_offset()
     return Constraint(
         name="distance",
         kind="distance",

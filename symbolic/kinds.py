@@ -58,6 +58,12 @@ KINDS: dict[str, Kind] = {
     ),
     "distance": Kind("two points at a given distance", "joints", ("distance",), ("distance-1",)),
     "norm": Kind("Euler parameters of norm one", "joints", ("norm",), ("euler parameter norm",)),
+    "spring_damper": Kind(
+        "spring and damper between two points",
+        "spring",
+        ("spring_damper",),
+        ("tsda",),
+    ),
     "link": Kind("planar link element", "link", ("link",), ("link element",)),
     "mass_points": Kind(
         "Newton-Euler equations of mass points", "mass", ("mass_points",), ("mass points",)

@@ -1,0 +1,196 @@
+"""A spring and damper between two points: tension, generalised forces and energy.
+
+A tension T, here k (l − l⁰) + c dl/dt, does the virtual work −T δl. What stands beside each column
+of δl is the generalised force, so that it is dual to the columns of every Jacobian. Where the
+points coincide there is no line between them; the force is then zero, as its limit is without free
+length and damping.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import sympy
+from sympy import Rational
+from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol
+from sympy.matrices.immutable import ImmutableDenseMatrix
+
+from kousoku.model.quantity import Quantity
+from kousoku.symbolic.bodies import (
+    BODIES,
+    COLUMNS,
+    CONFIGURATION,
+    DELTA,
+    MOTION,
+    RATE,
+    SYMBOLS,
+    A,
+    motion_flow,
+    unit_flows,
+)
+from kousoku.symbolic.components import dot
+from kousoku.symbolic.derivation import Derivation, Function, Output, Step
+from kousoku.symbolic.joints import FROM_OWN_ORIGIN, parts_of_motion, point_offset, relative
+from kousoku.symbolic.matrices import (
+    Divisor,
+    Dot,
+    Matrix,
+    Named,
+    NamedScalar,
+    add,
+    elements,
+    mul,
+    neg,
+    skew,
+    symbol,
+    transpose,
+)
+from kousoku.symbolic.pairs import D
+from kousoku.symbolic.variation import coefficient
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+TITLE = "spring_damper, spring and damper between two points (TSDA)"
+SOURCE = "lecture 8.2, (8.8)"
+LENGTH = Quantity("l", (), "m", "distance of the points")
+LENGTH_RATE = Quantity("l_dot", (), "m/s", "its time derivative")
+TENSION = Quantity("T", (), "N", "tension: it draws the points together")
+STIFFNESS = Quantity("stiffness", (), "N/m", "k, tension by elongation")
+DAMPING = Quantity("damping", (), "N s/m", "c, tension by rate of elongation")
+FREE_LENGTH = Quantity("free_length", (), "m", "l⁰, length without tension")
+
+LAW_INPUTS = (LENGTH, LENGTH_RATE, STIFFNESS, DAMPING, FREE_LENGTH)
+PLACES = tuple(q for q in CONFIGURATION if q.name[0] in "rps")
+
+L = NamedScalar("l", sympy.sqrt(Dot(D, D)))
+ALONG = Named("n", mul(1 / Divisor(L), D))
+D_RATE = Named("d_dot", RATE(D))
+ELONGATION = symbol(LENGTH) - symbol(FREE_LENGTH)
+LAW = symbol(STIFFNESS) * ELONGATION + symbol(DAMPING) * symbol(LENGTH_RATE)
+ENERGY = Rational(1, 2) * symbol(STIFFNESS) * ELONGATION**2
+
+
+def derive(_: str) -> Derivation:
+    """Return the derivation of ``spring_damper``."""
+    return Derivation(
+        "spring_damper", "spring_damper", TITLE, SOURCE, _steps(), (_length(), _law(), _force())
+    )
+
+
+def length_rate() -> Matrix:
+    """Return dl/dt = (r·(v + w) + s·v + Ω·(s_i × s_j)) / l.
+
+    r and v belong to the origins, s = A s′ and w = A ω̃′s′ to the points, Ω to the orientations;
+    those without an index are of body j less those of body i. Each term is small where the bodies
+    move together, and none holds what a point far from its own origin adds to d·ḋ and takes from
+    it, so that no digits cancel.
+    """
+    of_body = {body: parts_of_motion(body) for body in BODIES}
+    s, w, _, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
+    total = add(
+        mul(transpose(relative(r)), add(relative(v), relative(w))),
+        mul(transpose(relative(s)), relative(v)),
+        mul(transpose(relative(omega)), skew(s["i"]), s["j"]),
+    )
+    return mul(1 / Divisor(L), total)
+
+
+def generalised_forces() -> tuple[Matrix, ...]:
+    """Return force on i in frame O, torque in the frame of i, and those of j.
+
+    In a torque the point's own arm drops out, (A s′)ᵀA s̃′ = 0, and with it digits where the point
+    is far from its origin.
+    """
+    found = []
+    tension = symbol(TENSION)
+    for body, sign in zip(BODIES, (1, -1), strict=True):
+        turning = mul(skew(SYMBOLS[f"s_{body}_b"]), transpose(A[body]), FROM_OWN_ORIGIN[body])
+        arm = Named(f"m_{body}", mul(1 / Divisor(L), turning))
+        found += [mul(sign * tension, ALONG), mul(sign * tension, arm)]
+    return tuple(found)
+
+
+def _steps() -> tuple[Step, ...]:
+    variation, rate = MatrixSymbol("δl", 1, 1), MatrixSymbol("l_dot", 1, 1)
+    delta = mul(transpose(ALONG), DELTA(D))
+    steps = [
+        Step(MatrixSymbol("d", 3, 1), D.value, "vector between the points", "8.8"),
+        Step(L, L.value, "its length", ""),
+        Step(MatrixSymbol("n", 3, 1), ALONG.value, "its direction", ""),
+        Step(variation, mul(1 / Divisor(L), transpose(D), DELTA(D)), "l δl = dᵀδd", ""),
+        Step(variation, delta, "n = d/l, and δA = A δθ̃′", "7.16"),
+        Step(MatrixSymbol("d_dot", 3, 1), D_RATE.value, "δ → d/dt", "5.16"),
+        Step(rate, mul(Dot(ALONG, D_RATE), Identity(1)), "dl/dt = nᵀ dd/dt", ""),
+        Step(rate, length_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
+        Step(MatrixSymbol("T", 1, 1), mul(LAW, Identity(1)), "spring and damper, linear", ""),
+        Step(MatrixSymbol("V", 1, 1), mul(ENERGY, Identity(1)), "energy of the spring", ""),
+    ]
+    for column, force in zip(COLUMNS, generalised_forces(), strict=True):
+        left = MatrixSymbol(f"f_{column.name}", 3, 1)
+        beside = neg(mul(symbol(TENSION), transpose(coefficient(delta, column.delta))))
+        steps += [
+            Step(left, beside, f"−T δl, coefficient of {column.delta.name}", ""),
+            Step(left, force, "d resolved; (A s′)ᵀA s~′ = 0 for the point's own arm", ""),
+        ]
+    return tuple(steps)
+
+
+def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
+    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+
+
+def _component_length() -> Any:
+    offset = point_offset()
+    return sympy.sqrt(dot(offset, offset))
+
+
+def _number(quantity: Quantity, expression: Any, component: Any) -> Output:
+    return _output(quantity, mul(expression, Identity(1)), [component])
+
+
+def _length() -> Function:
+    length = _component_length()
+    return Function(
+        "length",
+        f"{TITLE}: length and its rate",
+        "l = |d|, dl/dt = d·(dd/dt)/l",
+        SOURCE,
+        (*PLACES, *MOTION),
+        (
+            _number(replace(LENGTH, shape=(1,)), L, length),
+            _output(replace(LENGTH_RATE, shape=(1,)), length_rate(), [motion_flow()(length)]),
+        ),
+    )
+
+
+def _law() -> Function:
+    length, rate, k, c, free = (elements(q)[0] for q in LAW_INPUTS)
+    energy = Quantity("V", (1,), "N m", "energy of the spring")
+    return Function(
+        "law",
+        f"{TITLE}: tension and energy, linear",
+        "T = k (l − l⁰) + c dl/dt, V = ½ k (l − l⁰)²",
+        SOURCE,
+        LAW_INPUTS,
+        (
+            _number(replace(TENSION, shape=(1,)), LAW, k * length - k * free + c * rate),
+            _number(energy, ENERGY, k * (length**2 - 2 * length * free + free**2) / 2),
+        ),
+    )
+
+
+def _force() -> Function:
+    length, (tension,) = _component_length(), elements(TENSION)
+    meaning = "force in frame O and torque in the body frame, of i, then of j"
+    components = [-tension * flow(length) for flow in unit_flows()]
+    forces = BlockMatrix([[f] for f in generalised_forces()])
+    return Function(
+        "force",
+        f"{TITLE}: generalised force",
+        "f = −T dl/d(δr, δθ′)",
+        SOURCE,
+        (*PLACES, TENSION),
+        (_output(Quantity("force", (12,), "N, N m", meaning), forces, components),),
+    )
