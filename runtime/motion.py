@@ -256,14 +256,14 @@ def _of_body(
         p, omega = _columns(body.p, q), _columns(body.omega_b, v)
         alpha = _rates(body.omega_b, v_dot)
         arm, axes = np.array(body.origin_b), np.array(body.axes_b)
-        turn = np.cross(omega, arm)
+        turn = crossed(omega, arm)
         r = r + rotated(p, np.broadcast_to(arm, r.shape))
         velocity = velocity + rotated(p, turn)
         found["orientation"] = composed(p, np.broadcast_to(axes, p.shape))
         back = np.broadcast_to(axes * [1, -1, -1, -1], p.shape)
         found["angular_velocity"] = rotated(back, omega)
         if acceleration is not None and alpha is not None:
-            acceleration = acceleration + rotated(p, np.cross(alpha, arm) + np.cross(omega, turn))
+            acceleration = acceleration + rotated(p, crossed(alpha, arm) + crossed(omega, turn))
             found["angular_acceleration"] = rotated(back, alpha)
     found |= {"position": r / unit, "velocity": velocity / unit}
     return found if acceleration is None else found | {"acceleration": acceleration / unit}
@@ -283,7 +283,7 @@ def _of_joint(
         point = _columns(other.r, q) + (rotated(_columns(other.p, q), point) if other.p else 0.0)
     if body.p:
         torque = rotated(_columns(body.p, q), torque)
-    return force, torque + np.cross(center - point, force)
+    return force, torque + crossed(center - point, force)
 
 
 def _hide(pair: tuple[Array, Array], joint: ReactionPlaces, *, turns: bool) -> None:
@@ -307,15 +307,24 @@ def _columns(places: Sequence[int | float], rows: Array) -> Array:
     )
 
 
+def crossed(a: Array, b: Array) -> Array:
+    """Return a × b for rows of vectors: as NumPy does, in a fraction of the time for few rows."""
+    result = np.empty(np.broadcast(a, b).shape)
+    for x in range(3):
+        y, z = (x + 1) % 3, (x + 2) % 3
+        result[..., x] = a[..., y] * b[..., z] - a[..., z] * b[..., y]
+    return result
+
+
 def rotated(p: Array, v: Array) -> Array:
     """Return A(p) v for rows of Euler parameters of norm one, and of vectors."""
     e0, e = p[:, :1], p[:, 1:]
-    t = 2.0 * np.cross(e, v)
-    return v + e0 * t + np.cross(e, t)
+    t = 2.0 * crossed(e, v)
+    return v + e0 * t + crossed(e, t)
 
 
 def composed(p: Array, q: Array) -> Array:
     """Return p∘q for rows of Euler parameters, scalar first."""
     scalar = p[:, :1] * q[:, :1] - np.sum(p[:, 1:] * q[:, 1:], axis=1, keepdims=True)
-    vector = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + np.cross(p[:, 1:], q[:, 1:])
+    vector = p[:, :1] * q[:, 1:] + q[:, :1] * p[:, 1:] + crossed(p[:, 1:], q[:, 1:])
     return np.concatenate([scalar, vector], axis=1)

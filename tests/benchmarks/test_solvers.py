@@ -63,7 +63,7 @@ def test_the_loosest_tolerance_reaches_both_limits_and_a_looser_one_does_not(
 ) -> None:
     bars = solvers.four_bars
     solver = bars.load(tmp_path)
-    tolerance, method = bars.fastest(solver)
+    tolerance, method = bars.cheapest(solver)
     reached = bars.kousoku_run(solver, tolerance, method, bars.ROWS)
     assert reached.position <= 1e-6 and reached.energy <= 5e-6
     looser = bars.kousoku_run(solver, 10 * tolerance, method, bars.ROWS)
