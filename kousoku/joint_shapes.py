@@ -1,0 +1,232 @@
+"""What the pictures of joints show: two bodies, a point, axes, and the freedoms that are left.
+
+A joint of the table is drawn where its point is the origin. Lengths are those of the picture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Vector = tuple[float, float, float]
+Owner = Literal["i", "j", "-"]
+
+X, Y, Z, ORIGIN = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Box:
+    """A box along the axes between two of its corners; ``owner`` is its body."""
+
+    owner: Owner
+    low: Vector
+    high: Vector
+
+
+@dataclass(frozen=True, slots=True)
+class Cylinder:
+    """A cylinder between the middles of its faces."""
+
+    owner: Owner
+    start: Vector
+    end: Vector
+    radius: float
+
+
+@dataclass(frozen=True, slots=True)
+class Ball:
+    """A ball."""
+
+    owner: Owner
+    at: Vector
+    radius: float
+
+
+Solid = Box | Cylinder | Ball
+
+
+@dataclass(frozen=True, slots=True)
+class Freedom:
+    """A motion of body j that the joint allows while body i rests.
+
+    Parameters
+    ----------
+    kind : {"shift", "turn"}
+        Along a direction, or about it.
+    direction : (3,)
+        Of norm one.
+    at : (3,)
+        Where the arrow stands; a turn is about the line through it.
+    size : float
+        Half the length of the arrow, or the radius of the arc.
+    """
+
+    kind: Literal["shift", "turn"]
+    direction: Vector
+    at: Vector = ORIGIN
+    size: float = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Shape:
+    """The picture of a joint.
+
+    Parameters
+    ----------
+    solids : tuple
+        From back to front.
+    freedoms : tuple of Freedom
+        As many as 6 less the rows of the joint.
+    axes : tuple of (point, direction)
+        Axis of body i, and that of body j where it is another one.
+    points : tuple of (3,)
+        Point of body i, and that of body j where it is another one.
+    """
+
+    solids: tuple[Solid, ...]
+    freedoms: tuple[Freedom, ...]
+    axes: tuple[tuple[Vector, Vector], ...] = ()
+    points: tuple[Vector, ...] = (ORIGIN,)
+
+
+def _turns(
+    at: Vector = ORIGIN, x: float = 1.0, y: float = -1.0, z: float = 1.0
+) -> tuple[Freedom, ...]:
+    """Return the turns about the axes through a point, drawn at distances x, y, z from it."""
+    places = ((at[0] + x, at[1], at[2]), (at[0], at[1] + y, at[2]), (at[0], at[1], at[2] + z))
+    return tuple(
+        Freedom("turn", axis, place, 0.28) for axis, place in zip((X, Y, Z), places, strict=True)
+    )
+
+
+def _shifts(at: Vector) -> tuple[Freedom, ...]:
+    return tuple(Freedom("shift", axis, at, 0.75) for axis in (X, Y, Z))
+
+
+_PLATE = Box("i", (-1.5, -1.0, -0.2), (1.5, 1.0, 0.0))
+_IN_PLATE = (Freedom("shift", X, (0.0, -0.8, 0.0), 0.7), Freedom("shift", Y, (1.1, 0.0, 0.0), 0.7))
+_START, _END = (-1.5, 0.0, -0.2), (0.6, 0.0, 0.2)
+_LENGTH = (2.1**2 + 0.4**2) ** 0.5
+_ACROSS = (-0.4 / _LENGTH, 0.0, 2.1 / _LENGTH)
+_APART = (
+    Box("i", (-1.6, -0.3, -0.4), (-0.8, 0.3, 0.4)),
+    Box("j", (0.6, -0.3, -0.3), (1.4, 0.3, 0.5)),
+)
+_MIDDLE = (1.0, 0.0, 0.1)
+
+SHAPES: dict[str, Shape] = {
+    "fixed": Shape(
+        (
+            Box("i", (-1.5, -0.35, -0.35), (0.0, 0.35, 0.35)),
+            Box("j", (0.0, -0.25, -0.25), (1.4, 0.25, 0.25)),
+        ),
+        (),
+    ),
+    "revolute": Shape(
+        (
+            Box("i", (-1.6, -0.25, -0.3), (0.3, 0.25, 0.0)),
+            Box("j", (-0.3, -0.25, 0.0), (1.6, 0.25, 0.3)),
+            Cylinder("i", (0.0, 0.0, 0.3), (0.0, 0.0, 0.42), 0.12),
+        ),
+        (Freedom("turn", Z, (0.0, 0.0, 0.75), 0.5),),
+        ((ORIGIN, Z),),
+    ),
+    "prismatic": Shape(
+        (
+            Box("i", (-1.7, -0.17, -0.17), (-0.5, 0.17, 0.17)),
+            Box("j", (-0.5, -0.4, -0.4), (0.5, 0.4, 0.4)),
+            Box("i", (0.5, -0.17, -0.17), (1.7, 0.17, 0.17)),
+        ),
+        (Freedom("shift", X, (0.0, 0.0, 0.75), 0.8),),
+        ((ORIGIN, X),),
+    ),
+    "cylindrical": Shape(
+        (
+            Cylinder("i", (-1.7, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
+            Cylinder("j", (-0.5, 0.0, 0.0), (0.5, 0.0, 0.0), 0.4),
+            Cylinder("i", (0.5, 0.0, 0.0), (1.7, 0.0, 0.0), 0.15),
+        ),
+        (Freedom("shift", X, (0.0, 0.0, 0.75), 0.8), Freedom("turn", X, (1.15, 0.0, 0.0), 0.5)),
+        ((ORIGIN, X),),
+    ),
+    "spherical": Shape(
+        (
+            Box("i", (-0.35, -0.35, -1.3), (0.35, 0.35, -0.2)),
+            Ball("j", ORIGIN, 0.36),
+            Cylinder("j", (0.25, 0.0, 0.25), (1.0, 0.0, 1.15), 0.14),
+        ),
+        _turns(z=0.85),
+    ),
+    "universal": Shape(
+        (
+            Cylinder("i", (-1.8, 0.0, 0.0), (-0.7, 0.0, 0.0), 0.15),
+            Box("i", (-0.75, -0.5, -0.14), (-0.6, 0.5, 0.14)),
+            Box("i", (-0.6, 0.38, -0.14), (0.15, 0.5, 0.14)),
+            Box("j", (-0.15, -0.14, -0.5), (0.6, 0.14, -0.38)),
+            Cylinder("-", (0.0, 0.4, 0.0), (0.0, -0.4, 0.0), 0.09),
+            Cylinder("-", (0.0, 0.0, -0.38), (0.0, 0.0, 0.4), 0.09),
+            Box("j", (0.6, -0.14, -0.5), (0.75, 0.14, 0.5)),
+            Box("j", (-0.15, -0.14, 0.38), (0.6, 0.14, 0.5)),
+            Cylinder("j", (0.75, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
+            Box("i", (-0.6, -0.5, -0.14), (0.15, -0.38, 0.14)),
+        ),
+        (Freedom("turn", Y, (0.0, -0.95, 0.0), 0.35), Freedom("turn", Z, (0.0, 0.0, 0.85), 0.4)),
+        ((ORIGIN, Y), (ORIGIN, Z)),
+    ),
+    "planar": Shape(
+        (_PLATE, Box("j", (-0.45, -0.35, 0.0), (0.45, 0.35, 0.45))),
+        (*_IN_PLATE, Freedom("turn", Z, (0.0, 0.0, 0.75), 0.45)),
+        ((ORIGIN, Z),),
+    ),
+    "rod": Shape(
+        (
+            Box("i", (-1.9, -0.35, -0.9), (-1.2, 0.35, -0.2)),
+            Cylinder("-", _START, _END, 0.05),
+            Box("j", (0.6, -0.3, -0.05), (1.3, 0.3, 0.55)),
+        ),
+        (
+            Freedom("shift", Y, _END, 0.7),
+            Freedom("shift", _ACROSS, _END, 0.7),
+            *_turns(_END, 1.05, -1.0, 0.95),
+        ),
+        points=(_START, _END),
+    ),
+    "point_on_line": Shape(
+        (
+            Box("i", (-1.9, -0.25, -0.7), (-1.6, 0.25, 0.25)),
+            Cylinder("i", (-1.6, 0.0, 0.0), (1.6, 0.0, 0.0), 0.05),
+            Box("i", (1.6, -0.25, -0.7), (1.9, 0.25, 0.25)),
+            Cylinder("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
+            Ball("j", ORIGIN, 0.13),
+            Box("j", (-0.35, -0.3, 0.45), (0.35, 0.3, 0.95)),
+        ),
+        (Freedom("shift", X, (0.5, 0.0, -0.72), 0.7), *_turns(x=0.95, z=1.25)),
+        ((ORIGIN, X),),
+    ),
+    "point_on_plane": Shape(
+        (
+            _PLATE,
+            Cylinder("j", ORIGIN, (0.0, 0.0, 0.5), 0.07),
+            Box("j", (-0.35, -0.3, 0.45), (0.35, 0.3, 0.95)),
+        ),
+        (*_IN_PLATE, *_turns(x=1.9, y=-1.4, z=1.25)),
+        ((ORIGIN, Z),),
+    ),
+    "parallel_axes": Shape(
+        _APART,
+        (*_shifts(_MIDDLE), Freedom("turn", Z, (1.0, 0.0, 1.05), 0.35)),
+        (((-1.2, 0.0, 0.0), Z), (_MIDDLE, Z)),
+        (),
+    ),
+    "perpendicular_axes": Shape(
+        _APART,
+        (
+            *_shifts(_MIDDLE),
+            Freedom("turn", Z, (1.0, 0.0, 1.05), 0.35),
+            Freedom("turn", X, (2.0, 0.0, 0.1), 0.35),
+        ),
+        (((-1.2, 0.0, 0.0), Z), (_MIDDLE, X)),
+        (),
+    ),
+}
+"""The picture of each joint, by its name in :data:`kousoku.model.joints.JOINTS`."""

@@ -1,0 +1,138 @@
+"""docs/joints.md says of each joint what the code does, and its pictures show the freedoms left."""
+
+from __future__ import annotations
+
+import importlib
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pytest
+
+from kousoku.model.builder import SceneBuilder
+from kousoku.model.joints import JOINTS, LATER, NAMES
+from kousoku.model.read import scene_from_toml
+from kousoku.model.system import system_of
+
+matplotlib = pytest.importorskip("matplotlib")
+
+from kousoku.joint_plots import draw_joint  # noqa: E402
+from kousoku.joint_shapes import SHAPES  # noqa: E402
+from kousoku.plots import to_svg  # noqa: E402
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from kousoku.joint_shapes import Freedom
+    from kousoku.model.mechanism import System
+
+ROOT = Path(__file__).parents[1]
+TEXT = (ROOT / "docs" / "joints.md").read_text(encoding="utf-8")
+SECTIONS = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", TEXT, re.M | re.S))
+BALL = {"mass": 1.0, "inertia": {"xx": 1.0, "yy": 1.0, "zz": 1.0}}
+HEAD = """
+name = "two_bodies"
+unit = "m"
+[bodies.i]
+position = [0, 0, 0]
+mass = 1
+[bodies.j]
+position = [1, 0, 0]
+mass = 1
+"""
+
+
+def two_bodies(joint: str) -> System:
+    """Return two bodies at the origin with a joint as it is drawn."""
+    kind, shape = JOINTS[joint], SHAPES[joint]
+    keys: dict[str, object] = {}
+    if kind.has_point:
+        keys["points"] = (shape.points[0], shape.points[-1])
+    if kind.axes:
+        keys["axes"] = (shape.axes[0][1], shape.axes[-1][1])
+    builder = SceneBuilder("two", unit="m")
+    for body in "ij":
+        builder.body(body, position=(0, 0, 0), **BALL)
+    return system_of(builder.joint("k", type=joint, bodies=("i", "j"), **keys).build())
+
+
+def rows_of(joint: str) -> NDArray[np.float64]:
+    """Return the columns of body j of the Jacobian of a joint."""
+    system = two_bodies(joint)
+    state = {"r_i": np.zeros(3), "p_i": np.eye(4)[0], "r_j": np.zeros(3), "p_j": np.eye(4)[0]}
+    rows = []
+    for instance in system.constraints:
+        module = importlib.import_module(f"kousoku.generated.kinds.{instance.kind}")
+        given = state | {name: np.array(value) for name, value in instance.constants}
+        given["length"] = given["length"][0] if "length" in given else None
+        wanted = [quantity.name for quantity in module.constraint.manifest.inputs]
+        C, C_q = module.constraint(*(given[name] for name in wanted))
+        np.testing.assert_allclose(C, 0.0, atol=1e-15)
+        rows.append(C_q[:, 6:])
+    return np.concatenate(rows)
+
+
+def motion_of(freedom: Freedom) -> NDArray[np.float64]:
+    """Return velocity and angular velocity of body j, whose origin is the origin."""
+    direction, at = np.array(freedom.direction), np.array(freedom.at)
+    if freedom.kind == "shift":
+        return np.concatenate([direction, np.zeros(3)])
+    return np.concatenate([np.cross(at, direction), direction])
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_the_arrows_of_a_picture_are_the_freedoms_that_the_joint_leaves(joint: str) -> None:
+    rows = rows_of(joint)
+    assert np.linalg.matrix_rank(rows) == JOINTS[joint].rows
+    motions = np.array([motion_of(freedom) for freedom in SHAPES[joint].freedoms]).reshape(-1, 6)
+    assert np.linalg.matrix_rank(motions) == len(motions) if len(motions) else True
+    assert len(motions) == 6 - JOINTS[joint].rows
+    np.testing.assert_allclose(rows @ motions.T, 0.0, atol=1e-14)
+
+
+def counted(pairs: list[tuple[int, str]]) -> str:
+    return ", ".join(f"{n} {word}{'s' * (n > 1)}" for n, word in pairs if n) or "none"
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_the_table_says_what_the_code_does(joint: str) -> None:
+    entry, rows = JOINTS[joint], rows_of(joint)
+    drawn = [freedom.kind for freedom in SHAPES[joint].freedoms]
+    freedoms = counted([(drawn.count("shift"), "displacement"), (drawn.count("turn"), "turn")])
+    forces = int(np.linalg.matrix_rank(rows[:, :3]))
+    carries = counted([(forces, "force"), (entry.rows - forces, "torque")])
+    aliases = ", ".join(f"`{alias}`" for alias in entry.aliases)
+    kinds = ", ".join(part.kind for part in entry.parts)
+    cells = (f"[`{joint}`](#{joint})", aliases, kinds, str(entry.rows), freedoms, carries)
+    assert "| " + " | ".join(cells).replace("|  |", "| |") + " |" in TEXT
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_each_joint_has_a_section_with_its_picture_its_names_and_a_scene(joint: str) -> None:
+    section, entry = SECTIONS[joint], JOINTS[joint]
+    assert f"](joints/{joint}.svg)" in section
+    assert entry.title in section.replace(section[:1], section[:1].lower()).lower()
+    assert re.search(rf"^- {entry.rows} rows?:", section, re.M)
+    assert all(f"`{alias}`" in section for alias in entry.aliases)
+    (snippet,) = re.findall(r"```toml\n(.*?)```", section, re.S)
+    system = system_of(scene_from_toml(HEAD + snippet))
+    assert {instance.joint for instance in system.constraints} == {joint}
+    assert NAMES[joint] == joint
+
+
+def test_the_document_shows_the_joints_of_the_code_and_no_others() -> None:
+    pictures = {path.stem for path in (ROOT / "docs" / "joints").iterdir()}
+    assert pictures == set(JOINTS) == set(SHAPES)
+    assert all(f"`{name}`" in TEXT for name in LATER)
+
+
+@pytest.mark.parametrize("joint", JOINTS)
+def test_the_committed_picture_is_the_one_that_is_drawn(joint: str) -> None:
+    committed = (ROOT / "docs" / "joints" / f"{joint}.svg").read_text(encoding="utf-8")
+    drawn = to_svg(draw_joint(SHAPES[joint]))
+    version = f"Matplotlib v{matplotlib.__version__},"
+    if version in committed:
+        assert drawn == committed
+    else:  # another version writes the same shapes with other bytes
+        assert drawn.count("<path") == committed.count("<path")
