@@ -50,6 +50,7 @@ MAKERS: dict[str, Callable[[], Scene]] = {
     "heavy_top": lambda: read_scene(SCENES / "heavy_top.toml"),
     "chain": lambda: chain(5),
     "long_chain": lambda: chain(20),
+    "free_body": lambda: read_scene(SCENES / "free_body.toml"),
     "bob": bob,
 }
 
@@ -85,6 +86,8 @@ def in_numpy(folder: Folder) -> Callable[[str], DynamicsSolver]:
         ("chain", 1.0, 1e-9),
         ("chain", 1.0, 1e-4),
         ("long_chain", 0.02, 1e-6),
+        ("free_body", 1.0, 1e-10),
+        ("bob", 1.0, 1e-10),
     ],
 )
 def test_rows_are_those_of_c(
@@ -107,7 +110,7 @@ def test_rows_are_those_of_c(
     assert ledgers[0].energy_error == pytest.approx(ledgers[1].energy_error, abs=1e-12)
     for joint, violation in ledgers[0].violations.items():
         np.testing.assert_allclose(violation.metres, ledgers[1].violations[joint].metres, atol=1e-9)
-    assert max(ledger.worst("acceleration")[0] for ledger in ledgers[1:]) > 0.0
+    assert ledgers[1].worst("acceleration")[0] > 0.0 or not ledgers[0].violations
 
 
 def test_run_in_small_calls_gives_the_same_bits(
