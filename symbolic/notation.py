@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from math import ceil
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -204,7 +205,46 @@ def in_text(words: str) -> str:
 
 
 def _word(word: str) -> str:
-    math = re.sub(r"([^\W_]+′?)~", r"\\widetilde{\1}", word)
+    formula = word.rstrip(",;:")
+    if formula.endswith(")") and "(" not in formula:
+        formula = formula[:-1]
+    math = re.sub(r"([^\W_]+′?(?:_[^\W_]+)?)~", r"\\widetilde{\1}", formula)
+    math = re.sub(r"_([A-Za-z]{2,})", r"_{\1}", math)
+    math = re.sub(r"(\w)\N{COMBINING MACRON}", r"\\bar{\1}", math)
     for sign, command in {**SIGNS, **LATEX_GREEK}.items():
         math = math.replace(sign, command)
-    return word if math == word and "_" not in word else f"${math}$"
+    if math == formula and "_" not in formula:
+        return word
+    return f"${math}${word[len(formula) :]}"
+
+
+#: The glyphs of a right-hand side that fit on one line of a notebook, beside its rule.
+WIDEST = 56
+
+
+def in_lines(formula: str) -> list[str]:
+    """Return LaTeX cut before signs that stand in no group, in lines of about one width."""
+    wanted = ceil(_glyphs(formula) / WIDEST)
+    room = 1.1 * _glyphs(formula) / wanted
+    depth, start = 0, 0
+    lines = [""]
+    for mark in re.finditer(r"\\(?:begin|left)\b|\\(?:end|right)\b|[{}]| (?=[+-] )|$", formula):
+        found = mark.group()
+        if found in {"{", "\\begin", "\\left"}:
+            depth += 1
+        elif found in {"}", "\\end", "\\right"}:
+            depth -= 1
+        elif depth == 0:
+            term, start = formula[start : mark.start()], mark.start()
+            if lines[-1] and _glyphs(lines[-1] + term) > room:
+                lines.append(term.lstrip())
+            else:
+                lines[-1] += term
+    return lines
+
+
+def _glyphs(formula: str) -> int:
+    """Return about how many letters and signs LaTeX shows."""
+    faces = r"\\(?:mathbf|boldsymbol|mathit|widetilde|d?dot|begin|end|left|right|[tf]?frac)\b"
+    shown = re.sub(r"\\[A-Za-z]+", "x", re.sub(faces, "", formula))
+    return len(re.sub(r"[{}^_&\\\s]", "", shown))

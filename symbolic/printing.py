@@ -33,7 +33,7 @@ from kousoku.symbolic.matrices import (
     coefficient_and_factors,
     description,
 )
-from kousoku.symbolic.notation import Latex, Piece, Text, at_least, in_text
+from kousoku.symbolic.notation import Latex, Piece, Text, at_least, in_lines, in_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -191,7 +191,9 @@ def print_steps(derivation: Derivation, style: Literal["text", "latex"] = "text"
         if style == "text":
             lines.append(f"{number:3d}. {step.rule}{source}\n       {left} = {right}")
         else:
-            lines.append(f"{left} &= {right} && \\text{{{in_text(step.rule + source)}}}")
+            first, *more = in_lines(right)
+            lines.append(f"{left} &= {first} && \\text{{{in_text(step.rule + source)}}}")
+            lines += [f"&\\qquad {part}" for part in more]
     if style == "latex":
         body = " \\\\\n".join(lines)
         return f"\\begin{{align*}}\n{body}\n\\end{{align*}}\n"

@@ -11,6 +11,7 @@ from sympy.matrices.expressions import Identity, MatrixSymbol
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.bodies import SYMBOLS, A
 from kousoku.symbolic.matrices import Dot, Named, NamedScalar, add, mul, neg, skew, transpose
+from kousoku.symbolic.notation import in_lines, in_text
 from kousoku.symbolic.printing import print_steps, show
 
 if TYPE_CHECKING:
@@ -106,3 +107,35 @@ def test_every_kind_prints_every_step_in_both_styles(derived: Callable[[str], De
         assert latex.count("&=") >= len(derivation.steps)
         assert latex.count(r"\text{") == len(derivation.steps)
         assert latex.count("{") == latex.count("}")
+
+
+@pytest.mark.parametrize(
+    ("words", "latex"),
+    [
+        (
+            "J_k = s′_k~ᵀ s′_k~: inertia",
+            r"$J_k$ = $\widetilde{s'_k}^T$ $\widetilde{s'_k}$: inertia",
+        ),
+        ("(cos β, sin β)", r"(cos $\beta $, sin $\beta $)"),
+        ("r_AG = 0, block of C_qᵀλ", r"$r_{AG}$ = 0, block of $C_q^T\lambda $"),
+        ("A(p) obeys (5.16)", "A(p) obeys (5.16)"),
+    ],
+)
+def test_formulas_in_a_rule_are_whole_and_its_stops_are_text(words: str, latex: str) -> None:
+    assert in_text(words) == latex
+
+
+def test_no_line_of_a_long_formula_is_much_wider_than_the_others(
+    derived: Callable[[str], Derivation],
+) -> None:
+    x = SYMBOLS["r_i"]
+    names = [MatrixSymbol(f"x_{n}", 3, 1) for n in range(40)]
+    lines = in_lines(show(add(*names), "latex"))
+    assert len(lines) > 1
+    assert max(map(len, lines)) < 2 * min(map(len, lines))
+    assert " ".join(lines) == show(add(*names), "latex")
+    assert in_lines(show(add(x, x), "latex")) == [show(add(x, x), "latex")]
+    steps = print_steps(derived("n1"), style="latex")
+    for line in steps.splitlines():
+        assert line.count(r"\left") == line.count(r"\right")
+        assert line.count("{") == line.count("}")
