@@ -94,10 +94,10 @@ def load_numpy(
     module: Any = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
     is_slow = int(module.NQ) > SLOW
     if reason is not None:
-        cost = ", which takes a hundred times as long" if is_slow else ""
+        cost = ", which takes 100 to 200 times as long" if is_slow else ""
         say_once(f"kousoku uses the NumPy solver{cost}: {reason}")
     elif is_slow:
         say_once(
-            f"{folder.name}: the NumPy solver takes a hundred times as long as the compiled one"
+            f"{folder.name}: the NumPy solver takes 100 to 200 times as long as the compiled one"
         )
     return NumpySolver(module)
