@@ -27,6 +27,13 @@ def check_constraint(c: Constraint, given: Sequence[str]) -> None:
     DerivationError
         Names the constraint, what was got and what was wanted.
     """
+    for name, wanted in (("components", "expressions"), ("inputs", "quantities")):
+        got = getattr(c, name)
+        if not isinstance(got, (tuple, list)):
+            raise DerivationError(
+                f"{c.name}: {name} is of type {type(got).__name__}, wanted a tuple of {wanted}; "
+                f"of one, write ({name[:-1]},)"
+            )
     rows = len(c.components)
     shape = tuple(getattr(c.value, "shape", ()))
     if shape != (rows, 1) or not rows:

@@ -33,7 +33,7 @@ def derive_constraint(c: Constraint) -> Derivation:
         The value is no column of as many rows as there are components, holds what is not declared,
         or has no linear form; the message says which.
     """
-    check_constraint(c, [*(q.name for q in (*CONFIGURATION, *MOTION)), c.lam.name])
+    check_constraint(c, [*(q.name for q in (*CONFIGURATION, *MOTION)), "lam"])
     forms = collect(c)
     derivation = Derivation(
         name=c.name,

@@ -44,6 +44,8 @@ from sympy.matrices.expressions import (
 from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.model.errors import DerivationError
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -197,6 +199,10 @@ def mul(*factors: Any) -> Matrix:
         inner, parts = coefficient_and_factors(factor)
         scalar = scalar * inner
         matrices.extend(parts)
+    if not matrices:
+        raise DerivationError(
+            f"a product of {scalar} alone is a number; multiply it by Identity(1) for a matrix"
+        )
     rows, columns = matrices[0].shape[0], matrices[-1].shape[1]
     if scalar == 0 or any(is_zero(matrix) for matrix in matrices):
         return ZeroMatrix(rows, columns)

@@ -155,12 +155,25 @@ def test_a_wrong_transpose_on_the_matrix_level_is_refused_by_the_proof() -> None
             {"value": mul(transpose(AXES["i"]), MatrixSymbol("W", 3, 3), AXES["j"])},
             "holds W, which is not among the inputs",
         ),
+        (
+            {"components": dot(*TURNED) - elements(COSINE)[0]},
+            "angle: components is of type Add, wanted a tuple of expressions; of one",
+        ),
+        (
+            {"inputs": COSINE},
+            "angle: inputs is of type Quantity, wanted a tuple of quantities; of one",
+        ),
     ],
 )
 def test_a_mistake_gets_one_clear_message(change: dict[str, Any], message: str) -> None:
     with pytest.raises(DerivationError, match=message) as caught:
         generate(derive_constraint(replace(ANGLE, **change)))
     assert "\n" not in str(caught.value)
+
+
+def test_a_number_in_place_of_a_matrix_is_refused_where_it_stands() -> None:
+    with pytest.raises(DerivationError, match=r"-cos_theta alone is a number; .* by Identity\(1\)"):
+        neg(symbol(COSINE))
 
 
 @pytest.mark.parametrize(
