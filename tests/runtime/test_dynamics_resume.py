@@ -14,7 +14,7 @@ import pytest
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.run import BUFFER_FULL, GOOD, PAUSED, Interrupted
+from kousoku.runtime.run import BUFFER_FULL, GOOD, PAUSED, WRONG_STATE, Interrupted
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -103,6 +103,13 @@ def test_state_of_another_solver_is_refused(load: Load) -> None:
     empty = replace(saved, state=np.zeros_like(saved.state))
     with pytest.raises(SolveError, match="is not started"):
         load(chain(2)).resume(empty)
+
+
+def test_state_that_was_damaged_is_not_run(load: Load) -> None:
+    run = load(chain(2)).begin(TIMES)
+    run.state[0] += 1.0
+    assert run.advance() == WRONG_STATE
+    assert run.written == 0
 
 
 def test_method_cannot_change_on_the_way(load: Load) -> None:

@@ -13,7 +13,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import Motion
-from kousoku.runtime.run_ledger import joints_at_stop
+from kousoku.runtime.run_ledger import COUNTERS, joints_at_stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -72,6 +72,15 @@ def test_ledger_notes_where_the_rank_nearly_dropped_and_how_it_was_passed(load: 
     elsewhere = load(four_bars(-math.pi / 2)).simulate(0.3, tolerance=1e-9).ledger
     assert elsewhere.avoided == 0
     assert elsewhere.growth > 1e-4
+
+
+def test_steps_are_not_made_shorter_where_small_pivots_are_the_rule(load: Load) -> None:
+    usual = load(chain(3)).simulate(1.0, samples=3).ledger
+    run = load(chain(3)).begin([0.0, 0.5, 1.0])
+    run.state[COUNTERS.index("best growth")] = 1e30
+    ledger = run.finish().ledger
+    assert 0 < ledger.avoided < 10
+    assert ledger.steps < usual.steps + 5
 
 
 @pytest.mark.parametrize("tolerance", [1e-13, 1e-14, 1e-15])
