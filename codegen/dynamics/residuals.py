@@ -136,6 +136,35 @@ class Residuals:
                 )
         return c, rates
 
+    def doubles(self, r: Array, p: Array) -> tuple[Array, Array]:
+        """Return C and C_q, dense, in doubles.
+
+        Parameters
+        ----------
+        r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
+            Positions of all bodies, that of the ground last.
+        """
+        c, matrix = np.zeros(self.rows), np.zeros((self.rows, self.columns))
+        state = {"r": r, "p": p}
+        for kind, places in self._by_kind().items():
+            of_kind = [self.constraints[place] for place in places]
+            kernel = frozen(kind, "constraint")
+            result = evaluate(kernel, _stacked(of_kind, state), ARRAY)
+            first = np.array([self.first[place] for place in places])
+            for row, value in enumerate(result["C"]):
+                c[first + row] = value
+            columns = [
+                [self._column(instance, k) for instance in of_kind] for k in range(2 * COLUMNS)
+            ]
+            places_of = [np.array(own) for own in columns]
+            for at, value in enumerate(result["C_q"]):
+                row, k = divmod(at, 2 * COLUMNS)
+                if np.ndim(value) or value:
+                    own = places_of[k] >= 0
+                    values = value[own] if np.ndim(value) else value
+                    matrix[(first + row)[own], places_of[k][own]] = values
+        return c, matrix
+
     def _by_kind(self) -> Mapping[str, list[int]]:
         groups: dict[str, list[int]] = {}
         for place, instance in enumerate(self.constraints):

@@ -1,0 +1,227 @@
+"""Degrees of freedom of a scene, the rows that depend on others, and which can be left out.
+
+Only joints that loops connect can depend on each other. For each such part the rank of C_q is
+taken at the start and at positions along the branch that the part is assembled on, because rows
+may depend on each other only there (Bricard's linkage), or only at some of its positions (a
+parallelogram that lies flat). The rows that are left out can be left out at all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.branch import Branch
+from kousoku.codegen.dynamics.least import Metric
+from kousoku.codegen.dynamics.loops import loops_of
+from kousoku.codegen.dynamics.operations import COLUMNS
+from kousoku.codegen.dynamics.rank import rows_to_leave
+from kousoku.codegen.dynamics.residuals import Residuals
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.loops import Part
+    from kousoku.codegen.dynamics.program import Program, Row
+    from kousoku.codegen.dynamics.rank import Factors
+    from kousoku.model.mechanism import System
+
+#: Rows of the largest part that is looked at; the time grows with their cube.
+MOST_ROWS = 700
+#: Positions that are looked at, where they are cheap, and rows times positions where not.
+POSITIONS, ROWS_AND_POSITIONS = 24, 1800
+#: What is smaller in a unit vector of a dependence does not take part in it.
+TAKES_PART = 1e-7
+
+
+@dataclass(frozen=True, slots=True)
+class DependentSet:
+    """Rows that depend on each other.
+
+    Parameters
+    ----------
+    joints : tuple of str
+        Whose rows take part: what these joints carry is not determined.
+    rows : int
+        How many rows take part.
+    dimension : int
+        How many of them can be left out.
+    is_everywhere : bool
+        Whether they depend on each other along the branch, or only at the start.
+    """
+
+    joints: tuple[str, ...]
+    rows: int
+    dimension: int
+    is_everywhere: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Freedom:
+    """What the rows of a program leave free.
+
+    Parameters
+    ----------
+    columns, rows : int
+        Velocities, and rows that are not structurally zero.
+    rank : int
+        Of C_q along the branch.
+    dependent : tuple of DependentSet
+        Those along the branch, then those at the start only.
+    dropped : tuple of Row
+        Rows that depend on the others and are left out.
+    worst : float
+        How well the remaining rows keep their rank at the worst position: 1 is best.
+    positions : int
+        How many positions were looked at in the part with the fewest; 0 without a loop.
+    unknown : tuple of str
+        Joints of parts that have too many rows: nothing is known of them.
+    """
+
+    columns: int
+    rows: int
+    rank: int
+    dependent: tuple[DependentSet, ...] = ()
+    dropped: tuple[Row, ...] = ()
+    worst: float = 1.0
+    positions: int = 0
+    unknown: tuple[str, ...] = ()
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom."""
+        return self.columns - self.rank
+
+    @property
+    def not_unique(self) -> tuple[str, ...]:
+        """Joints whose reactions are not unique."""
+        sets = (one.joints for one in self.dependent if one.is_everywhere)
+        return tuple(dict.fromkeys(joint for joints in sets for joint in joints))
+
+
+def freedom_of(system: System, program: Program) -> Freedom:
+    """Return degrees of freedom and dependent rows of a program that keeps all rows.
+
+    Parameters
+    ----------
+    system : System
+        An assembled scene.
+    program : Program
+        What it was composed to; which rows and columns are there is taken from it.
+    """
+    columns = program.region("v").size
+    total = Freedom(columns, len(program.rows), len(program.rows))
+    by_instance: dict[int, list[Row]] = {}
+    for row in program.rows:
+        by_instance.setdefault(row.instance, []).append(row)
+    for part in loops_of(system):
+        rows = [row for place in part.instances for row in by_instance.get(place, ())]
+        if len(rows) > MOST_ROWS:
+            total = replace(total, unknown=(*total.unknown, *_joints(rows)))
+            continue
+        found = _freedom_of_part(system, program, part, rows)
+        total = replace(
+            total,
+            rank=total.rank - len(found.dropped),
+            dependent=total.dependent + found.dependent,
+            dropped=total.dropped + found.dropped,
+            worst=min(total.worst, found.worst),
+            positions=min(total.positions or found.positions, found.positions),
+        )
+    return total
+
+
+def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]:
+    """Return the rows of instances of which some are left out, as composing wants them."""
+    left = dict.fromkeys((row.instance, row.row) for row in freedom.dropped)
+    touched = dict.fromkeys(row.instance for row in freedom.dropped)
+    kept: dict[int, list[int]] = {instance: [] for instance in touched}
+    for row in program.rows:
+        if row.instance in kept and (row.instance, row.row) not in left:
+            kept[row.instance].append(row.row)
+    return kept
+
+
+def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
+    branch = _branch(system, program, part, rows)
+    count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
+    positions = branch.positions([system.bodies[k] for k in part.bodies], count)
+    rank = max(position.factors.rank for position in positions)
+    regular = [position for position in positions if position.factors.rank == rank]
+    dependences = [position.factors.dependences() for position in regular]
+    left, worst = rows_to_leave(dependences)
+    everywhere = _components([position.factors for position in regular])
+    sets = [_set(rows, places, count, is_everywhere=True) for places, count in everywhere]
+    if positions[0].factors.rank < rank:
+        for places, count in _components([positions[0].factors]):
+            more = count - sum(n for other, n in everywhere if set(other) <= set(places))
+            if more > 0:
+                sets.append(_set(rows, places, more, is_everywhere=False))
+    return Freedom(
+        columns=0,
+        rows=len(rows),
+        rank=rank,
+        dependent=tuple(sets),
+        dropped=tuple(rows[place] for place in left),
+        worst=worst,
+        positions=len(positions),
+    )
+
+
+def _branch(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Branch:
+    """Return the rows of a part between its own bodies; one of them stays if none is the ground."""
+    place = {body: k for k, body in enumerate(part.bodies)} | {-1: -1}
+    instances = [system.constraints[k] for k in part.instances]
+    own = [replace(one, i=place[one.i], j=place[one.j]) for one in instances]
+    bodies = [system.bodies[k] for k in part.bodies]
+    residuals = Residuals(own, bodies)
+    first = dict(zip(part.instances, residuals.first, strict=False))
+    free = part.bodies if part.is_grounded else part.bodies[1:]
+    columns = [
+        COLUMNS * place[body] + k
+        for body in free
+        for k, coordinate in enumerate((*program.bodies[body].v, *program.bodies[body].omega_b))
+        if coordinate.slot >= 0
+    ]
+    chosen = [first[row.instance] + row.row for row in rows]
+    return Branch(residuals, chosen, columns, Metric(system).size)
+
+
+def _components(factors: Sequence[Factors]) -> list[tuple[tuple[int, ...], int]]:
+    """Return the sets of rows that depend on each other at some of the positions, and dimensions.
+
+    Rows are in one set when a row that depends on others is made of them.
+    """
+    leader = list(range(len(factors[0].taken) + len(factors[0].left)))
+
+    def find(row: int) -> int:
+        while leader[row] != row:
+            leader[row] = leader[leader[row]]
+            row = leader[row]
+        return row
+
+    for one in factors:
+        takes_part = np.abs(one.combinations()) > TAKES_PART
+        for row, parts in zip(one.left, takes_part, strict=True):
+            for k in np.flatnonzero(parts):
+                a, b = sorted((find(row), find(one.taken[int(k)])))
+                leader[b] = a
+    found: dict[int, list[int]] = {}
+    for row in range(len(leader)):
+        found.setdefault(find(row), []).append(row)
+    left = factors[0].left
+    sets = [(tuple(rows), sum(row in rows for row in left)) for rows in found.values()]
+    return [(rows, count) for rows, count in sets if count]
+
+
+def _set(
+    rows: Sequence[Row], places: Sequence[int], dimension: int, *, is_everywhere: bool
+) -> DependentSet:
+    joints = _joints(rows[place] for place in places)
+    return DependentSet(joints, len(places), dimension, is_everywhere)
+
+
+def _joints(rows: Iterable[Row]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(row.joint for row in rows))

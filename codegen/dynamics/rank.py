@@ -1,0 +1,191 @@
+"""Ranks of matrices, which rows depend on which, and which of them can be left out.
+
+Everything here is sums and products of doubles in an order that is ours: no library that may add
+up in another order decides which rows a solver keeps. Of rows that are equally good up to rounding
+the first is taken.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    Array = np.ndarray[Any, np.dtype[np.float64]]
+
+#: What is left of a row that depends on others, as a part of the largest row, is below this.
+DEPENDENT = 1e-8
+#: Rows whose sizes differ by less are equally good.
+EQUAL = 1e-6
+
+
+@dataclass(frozen=True, slots=True)
+class Factors:
+    """A = L Q for the rows that were taken, and what the others are made of.
+
+    Parameters
+    ----------
+    taken, left : tuple of int
+        Rows that are independent, in the order in which they were taken, and the others.
+    lower : (rank, rank)
+        L.
+    basis : (columns, rank)
+        Qᵀ: the space of the rows.
+    others : (rows − rank, rank)
+        The other rows in this basis.
+    least, noise : float
+        The smallest pivot that was taken and what was left of the largest other row, as parts of
+        the largest row.
+    """
+
+    taken: tuple[int, ...]
+    left: tuple[int, ...]
+    lower: Array
+    basis: Array
+    others: Array
+    least: float
+    noise: float
+
+    @property
+    def rank(self) -> int:
+        """Count of independent rows."""
+        return len(self.taken)
+
+    def least_change(self, wanted: Array) -> Array:
+        """Return the smallest x that changes the rows that were taken as wanted of all rows."""
+        right = wanted[list(self.taken)].copy()
+        for k in range(self.rank):
+            right[k] /= self.lower[k, k]
+            right[k + 1 :] -= self.lower[k + 1 :, k] * right[k]
+        return _combined(self.basis.T, right)
+
+    def null_part(self, x: Array) -> Array:
+        """Return the part of x that changes no row."""
+        for _ in range(2):
+            x = x - _combined(self.basis.T, _products(self.basis, x))
+        return x
+
+    def combinations(self) -> Array:
+        """Return B with left rows = B · taken rows."""
+        combined = self.others.copy()
+        for k in reversed(range(self.rank)):
+            combined[:, k] /= self.lower[k, k]
+            combined[:, :k] -= combined[:, k : k + 1] * self.lower[k, :k]
+        return combined
+
+    def dependences(self) -> Array:
+        """Return an orthonormal basis, row by row, of the y with yᵀA = 0."""
+        count = len(self.left)
+        rows = np.zeros((count, self.rank + count))
+        rows[:, list(self.taken)] = -self.combinations()
+        rows[range(count), list(self.left)] = 1.0
+        return factorise(rows).basis.T if count else rows
+
+
+def factorise(matrix: Array) -> Factors:
+    """Take the largest row again and again and remove it from all others (Gram and Schmidt)."""
+    rest = np.ascontiguousarray(matrix.T)
+    columns, rows = rest.shape
+    parts, basis = np.zeros((rows, 0)), np.zeros((columns, 0))
+    largest = least = noise = 0.0
+    taken: list[int] = []
+    found_parts: list[Array] = []
+    found_basis: list[Array] = []
+    while True:
+        squares = (rest * rest).sum(axis=0) if columns else np.zeros(rows)
+        best = float(squares.max(initial=0.0))
+        size = best**0.5
+        largest = largest or size
+        if size <= DEPENDENT * largest or len(taken) == columns:
+            noise = size / largest if largest else 0.0
+            break
+        row = int(np.argmax(squares >= (1 - EQUAL) * best))
+        size = float(squares[row]) ** 0.5
+        direction = rest[:, row] / size
+        part = _products(rest, direction)
+        rest -= direction[:, None] * part
+        rest[:, row] = 0.0
+        least = size / largest
+        taken.append(row)
+        found_parts.append(part)
+        found_basis.append(direction)
+    if taken:
+        parts, basis = np.array(found_parts).T, np.array(found_basis).T
+    left = tuple(row for row in range(rows) if row not in set(taken))
+    lower = np.tril(parts[taken])
+    return Factors(tuple(taken), left, lower, basis, parts[list(left)], least, noise)
+
+
+def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]:
+    """Return rows that can be left out at all positions, and how well the worst position takes it.
+
+    Parameters
+    ----------
+    dependences : sequence of (count, rows)
+        Orthonormal bases of the y with yᵀ C_q = 0, one for each position. Rows are left out well
+        where the part of these bases that belongs to them is far from singular.
+
+    Returns
+    -------
+    tuple of int
+        As many rows as there are dependences, in increasing order.
+    float
+        The smallest pivot: 1 is best, 0 means that the remaining rows lose rank somewhere.
+    """
+    rest = list(dependences)
+    chosen: list[int] = []
+    worst = 1.0
+    for _ in range(len(rest[0])):
+        squares = np.min([(basis * basis).sum(axis=0) for basis in rest], axis=0)
+        squares[chosen] = -1.0
+        best = float(squares.max())
+        row = int(np.argmax(squares >= (1 - EQUAL) * best))
+        worst = min(worst, max(best, 0.0) ** 0.5)
+        chosen.append(row)
+        rest = [_without(basis, row) for basis in rest]
+    return tuple(sorted(chosen)), worst
+
+
+def _without(basis: Array, row: int) -> Array:
+    """Return columns without the direction of one of them."""
+    column = basis[:, row]
+    size = float((column * column).sum()) ** 0.5
+    if not size:
+        return basis
+    column = column / size
+    rest: Array = basis - column[:, None] * _products(basis, column)
+    return rest
+
+
+def damped_change(matrix: Array, wanted: Array, damping: float) -> Array:
+    """Return Aᵀ (A Aᵀ + damping)⁻¹ wanted."""
+    rows = len(matrix)
+    square = np.zeros((rows, rows))
+    for column in matrix.T:
+        square += column[:, None] * column
+    square[range(rows), range(rows)] += damping
+    right = wanted.copy()
+    for k in range(rows):
+        below = square[k + 1 :, k] / square[k, k]
+        square[k + 1 :, k + 1 :] -= below[:, None] * square[k, k + 1 :]
+        right[k + 1 :] -= below * right[k]
+    for k in reversed(range(rows)):
+        right[k] /= square[k, k]
+        right[:k] -= square[:k, k] * right[k]
+    return _combined(matrix, right)
+
+
+def _products(columns: Array, x: Array) -> Array:
+    """Return the products of all columns with a vector."""
+    products: Array = (columns * x[:, None]).sum(axis=0)
+    return products
+
+
+def _combined(rows: Array, factors: Array) -> Array:
+    """Return the sum of rows times factors."""
+    total: Array = (rows * factors[:, None]).sum(axis=0)
+    return total
