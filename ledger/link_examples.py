@@ -18,6 +18,9 @@ PISTON_COUNT = (
     r"解の収束までの反復回数は各ステップにおいて6回~7回であった."
 )
 LEVER_COUNT = r"反復回数は, 各ステップにおいて6回~7回であった."
+#: As they should read.
+PISTON_TRUE = PISTON_COUNT.replace("6回~7回", "10回")
+LEVER_TRUE = LEVER_COUNT.replace("6回~7回", "11回")
 BESIDE = "the {} count beside that of the corrections, with 30 digits"
 RENEWED = (
     " Only if x″ is computed anew by (23) in each pass too, and the passes are counted instead of"
@@ -41,7 +44,7 @@ ENTRIES: tuple[Entry, ...] = (
         "link-piston-iterations",
         "misprint",
         PISTON_COUNT,
-        PISTON_COUNT.replace("6回~7回", "10回"),
+        PISTON_TRUE,
         "With (26) to (28), D and x″ those of the reference position, every step takes 10"
         f" corrections.{RENEWED} 6 at every step.",
         refutation=(
@@ -50,7 +53,7 @@ ENTRIES: tuple[Entry, ...] = (
         checks=(
             Check(
                 BESIDE.format("corrected"),
-                exact.takes("piston", PISTON_COUNT.replace("6回~7回", "10回"), is_true=True),
+                exact.takes("piston", PISTON_TRUE, is_true=True),
             ),
             Check("with x″ renewed", exact.takes_when_renewed("piston", (6, 6))),
         ),
@@ -111,7 +114,7 @@ ENTRIES: tuple[Entry, ...] = (
         "link-lever-iterations",
         "misprint",
         LEVER_COUNT,
-        LEVER_COUNT.replace("6回~7回", "11回"),
+        LEVER_TRUE,
         "With (26) to (28), D and x″ those of the reference position, every step takes 11"
         f" corrections.{RENEWED} 6 to 7.",
         refutation=(
@@ -120,7 +123,7 @@ ENTRIES: tuple[Entry, ...] = (
         checks=(
             Check(
                 BESIDE.format("corrected"),
-                exact.takes("lever", LEVER_COUNT.replace("6回~7回", "11回"), is_true=True),
+                exact.takes("lever", LEVER_TRUE, is_true=True),
             ),
             Check("with x″ renewed", exact.takes_when_renewed("lever", (6, 7))),
         ),

@@ -52,6 +52,21 @@ def test_a_sentence_states_its_numbers(sentence: str, numbers: tuple[int, int]) 
     assert link_exact.counted_in(sentence) == numbers
 
 
+@pytest.mark.parametrize("name", ["piston", "lever"])
+def test_the_corrected_sentence_is_the_one_that_is_compared(
+    name: str,
+) -> None:
+    entry = ENTRIES[f"link-{name}-iterations"]
+    assert link_exact.counted_in(entry.corrected) == run(name).range
+    assert (
+        entry.corrected
+        == {
+            "piston": link_examples.PISTON_TRUE,
+            "lever": link_examples.LEVER_TRUE,
+        }[name]
+    )
+
+
 def test_a_sentence_with_other_numbers_is_refused() -> None:
     wrong = link_exact.takes("piston", "9回~10回", is_true=True)
     with pytest.raises(LedgerError, match="it takes 10 to 10"):
