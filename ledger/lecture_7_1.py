@@ -3,77 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache, partial
-from typing import Any
+from functools import partial
 
-from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
+from sympy.matrices.expressions import MatrixSymbol, ZeroMatrix
 
 from kousoku.ledger.entry import LECTURE_7_1, Check, Entry
+from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import difference, different, equal, equality
-from kousoku.ledger.turning import along, flat, orientation, spatial, turned
+from kousoku.ledger.rotation_words import DTHETA_B, OMEGA_B, P, in_code, in_steps, words
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic import derive
-from kousoku.symbolic.components import Flow, cross, half_turn, plus
-from kousoku.symbolic.matrices import Orientation, elements, symbol
-
-R = Quantity("r", (3,), "m", "position of frame B's origin, frame O")
-P = Quantity("p", (4,), "-", "Euler parameters of frame B")
-S_B = Quantity("s_b", (3,), "m", "point P, frame B")
-DR = Quantity("dr", (3,), "m", "virtual displacement of frame B's origin, frame O")
-DTHETA_B = Quantity("dtheta_b", (3,), "rad", "virtual rotation, frame B")
-OMEGA_B = Quantity("omega_b", (3,), "rad/s", "angular velocity, frame B")
+from kousoku.symbolic.components import Flow, cross, half_turn
+from kousoku.symbolic.matrices import elements, symbol
 
 _entry = partial(Entry, LECTURE_7_1)
-
-
-@cache
-def words() -> Vocabulary:
-    """Return what the lecture's symbols mean; δA, δs, δr and δθ are differentiated, not stated."""
-    delta, rate = along((R, DR), (P, DTHETA_B)), along((P, OMEGA_B))
-    arm = turned(P, elements(S_B))
-    a = Orientation(symbol(P))
-    given: dict[str, list[Any]] = {
-        "r_P": plus(elements(R), arm),
-        "δA": [delta(x) for x in flat(orientation(P))],
-        "s": arm,
-        "δs": [delta(x) for x in arm],
-        "δr_P": [delta(x) for x in plus(elements(R), arm)],
-        "δθ": spatial(P, DTHETA_B),
-        "A_dot": [rate(x) for x in flat(orientation(P))],
-        "ω": spatial(P, OMEGA_B),
-    }
-    meanings = {
-        "A^OB": a,
-        "I_3": Identity(3),
-        "r^B": symbol(R),
-        "r^P": MatrixSymbol("r_P", 3, 1),
-        "s'^P": symbol(S_B),
-        "s^P": MatrixSymbol("s", 3, 1),
-        "δr^B": symbol(DR),
-        "δr^P": MatrixSymbol("δr_P", 3, 1),
-        "δs^P": MatrixSymbol("δs", 3, 1),
-        "δA^OB": MatrixSymbol("δA", 3, 3),
-        "δθ^OB": MatrixSymbol("δθ", 3, 1),
-        "δθ'^OB": symbol(DTHETA_B),
-        "d/dt A^OB": MatrixSymbol("A_dot", 3, 3),
-        "ω^OB": MatrixSymbol("ω", 3, 1),
-        "ω'^OB": symbol(OMEGA_B),
-    }
-    return Vocabulary((R, P, S_B, DR, DTHETA_B, OMEGA_B), meanings, given)
-
-
-def derived(function: str, output: str) -> Any:
-    """Return what the code's derivation of the rotation says an output is."""
-    functions = {f.name: f for f in derive("rotation").functions}
-    found = {o.quantity.name: o.expression for o in functions[function].outputs}
-    return found[output]
-
-
-def _in_code(function: str, output: str, formula: str) -> Check:
-    statement = f"the code's rotation.{function} gives this as {output}"
-    return equal(statement, words, lambda: derived(function, output), formula)
 
 
 def _commutator() -> str:
@@ -92,26 +36,65 @@ def _commutator() -> str:
     return f"{seen}; not zero: {witness}"
 
 
-def _rate_for_variation() -> str:
+def _moving() -> Vocabulary:
+    """Return the words with ω′ in place of δθ′."""
     swap = dict(zip(elements(DTHETA_B), elements(OMEGA_B), strict=True))
     known = words()
-    given = {**known.given, "swapped": [x.xreplace(swap) for x in known.given["δA"]]}
-    return equality(
-        replace(known, given=given),
-        MatrixSymbol("swapped", 3, 3),
-        known.meanings["d/dt A^OB"],
+    given = {name: [x.xreplace(swap) for x in cells] for name, cells in known.given.items()}
+    return replace(known, given=given).knowing({"δθ'^OB": symbol(OMEGA_B)})
+
+
+def _rate_for_variation() -> str:
+    return equality(_moving(), MatrixSymbol("δA", 3, 3), words().meanings["d/dt A^OB"])
+
+
+def _sides_correspond() -> str:
+    known = _moving()
+    (varied,), (moved,) = parse(VARIATION), parse(POISSON)
+    left, spatial, body = moved.sides[0], moved.sides[2], moved.sides[1]
+    pairs = zip(varied.sides, (left, spatial, body), strict=True)
+    return "; ".join(
+        f"side {k}, {equality(known, known.value(one), known.value(other))}"
+        for k, (one, other) in enumerate(pairs, 1)
     )
 
 
-def _numbers_in_order() -> str:
-    """Look at the numbers around 7.1.9: only 7.13 is free there."""
+def _missing_number() -> str:
+    """Look at the numbers around 7.1.9: only one is free there."""
     numbers = [e.equation for e in ENTRIES if e.equation.startswith("7.")]
     place = numbers.index("7.1.9")
     around = numbers[place - 1], numbers[place + 1]
     if around != ("7.12", "7.14") or "7.13" in numbers:
         raise LedgerError(f"7.1.9 stands between {around}")
-    return "7.1.9 stands between 7.12 and 7.14; no equation is printed as (7.13), which is cited"
+    return "7.13"
 
+
+def _numbers_in_order() -> str:
+    free = _missing_number()
+    return f"7.1.9 stands between 7.12 and 7.14; no equation is printed as ({free}), which is cited"
+
+
+def _is_missing_number() -> str:
+    if not DEFINITION.endswith(rf"\quad ({_missing_number()})"):
+        raise LedgerError("the number is another one")
+    return f"({_missing_number()}), the one that is missing between 7.12 and 7.14"
+
+
+#: (7.1.9) with the number that it should have.
+DEFINITION = (
+    r"\delta \tilde{\boldsymbol{\theta}}^{OB}"
+    r" \equiv \delta \mathbf{A}^{OB} (\mathbf{A}^{OB})^T \quad (7.13)"
+)
+
+#: (7.16), and (5.16) as it should read: its sides stand in the other order.
+VARIATION = (
+    r"\delta\mathbf{A}^{OB} \underset{(7.14)}{=} \tilde{\delta\theta}^{OB} \mathbf{A}^{OB}"
+    r" = \mathbf{A}^{OB} \tilde{\delta\theta}'^{OB}"
+)
+POISSON = (
+    r"\dot{\mathbf{A}}^{OB} = \mathbf{A}^{OB} \tilde{\boldsymbol{\omega}}'^{OB}"
+    r" = \tilde{\boldsymbol{\omega}}^{OB} \mathbf{A}^{OB}"
+)
 
 ENTRIES: tuple[Entry, ...] = (
     _entry(
@@ -151,6 +134,28 @@ ENTRIES: tuple[Entry, ...] = (
         r" \delta \mathbf{r}^B + \delta \mathbf{A}^{OB} \mathbf{s}'^{P}",
         "The prime of s′ is printed as I.",
         vocabulary=words,
+        checks=(in_steps("7.10", r"\delta \mathbf{r}^P"),),
+    ),
+    _entry(
+        "variation-needed",
+        "holds",
+        r"式の変形を進めるためには $\delta \mathbf{A}^{OB}$  の計算が必要である",
+        reason="The second term of (7.10) does not vanish, and δA is all in it that varies.",
+        checks=(
+            different(
+                "without δA: δr of P is not that of the origin",
+                words,
+                r"\delta \mathbf{r}^P",
+                r"\delta \mathbf{r}^B",
+            ),
+            equal(
+                "with it nothing is left over",
+                words,
+                r"\delta \mathbf{r}^P - \delta \mathbf{A}^{OB} \mathbf{s}'^P",
+                r"\delta \mathbf{r}^B",
+            ),
+        ),
+        is_sentence=True,
     ),
     _entry(
         "orthogonality",
@@ -159,13 +164,17 @@ ENTRIES: tuple[Entry, ...] = (
         reason="The transformation matrix is orthogonal.",
         aliases=("4.3",),
         vocabulary=words,
-        checks=(_in_code("orientation", "A", r"\mathbf{A}^{OB}"),),
+        checks=(
+            in_steps("4.3", r"\mathbf{I}_3"),
+            in_code("orientation", "A", r"\mathbf{A}^{OB}"),
+        ),
     ),
     _entry(
         "7.11",
         "holds",
         r"\mathbf{A}^{OB} (\delta \mathbf{A}^{OB})^T = -\delta \mathbf{A}^{OB} (\mathbf{A}^{OB})^T",
         vocabulary=words,
+        checks=(in_steps("7.11", r"\mathbf{A}^{OB} (\delta \mathbf{A}^{OB})^T"),),
     ),
     _entry(
         "7.12",
@@ -173,6 +182,7 @@ ENTRIES: tuple[Entry, ...] = (
         r"\mathbf{A}^{OB} (\delta \mathbf{A}^{OB})^T"
         r" = (\delta \mathbf{A}^{OB} (\mathbf{A}^{OB})^T)^T",
         vocabulary=words,
+        checks=(in_steps("7.12", r"\mathbf{A}^{OB} (\delta \mathbf{A}^{OB})^T"),),
     ),
     _entry(
         "skew-symmetric",
@@ -194,18 +204,14 @@ ENTRIES: tuple[Entry, ...] = (
         "misprint",
         r"\delta \tilde{\boldsymbol{\theta}}^{OB}"
         r" \equiv \delta \mathbf{A}^{OB} (\mathbf{A}^{OB})^T",
-        r"\delta \tilde{\boldsymbol{\theta}}^{OB}"
-        r" \equiv \delta \mathbf{A}^{OB} (\mathbf{A}^{OB})^T \quad (7.13)",
+        DEFINITION,
         "The formula is right, its number is not: it is (7.13), by which the lecture cites it.",
         aliases=("7.13",),
+        vocabulary=words,
         refutation=(Check("the number as printed is out of order", _numbers_in_order),),
         checks=(
-            equal(
-                "δθ, found by quaternions, has this skew matrix",
-                words,
-                r"\delta \tilde{\boldsymbol{\theta}}^{OB}",
-                r"\delta \mathbf{A}^{OB} (\mathbf{A}^{OB})^T",
-            ),
+            Check("the corrected number", _is_missing_number),
+            in_steps("7.13", r"\delta \tilde{\boldsymbol{\theta}}^{OB}"),
         ),
     ),
     _entry(
@@ -243,13 +249,17 @@ ENTRIES: tuple[Entry, ...] = (
         "holds",
         r"\delta\mathbf{A}^{OB} = \tilde{\delta\theta}^{OB} \mathbf{A}^{OB}",
         vocabulary=words,
+        checks=(in_steps("7.14", r"\delta\mathbf{A}^{OB}"),),
     ),
     _entry(
         "7.15",
         "holds",
         r"\delta\theta^{OB} = \mathbf{A}^{OB} \delta\theta'^{OB}",
         vocabulary=words,
-        checks=(_in_code("virtual_rotation", "dtheta", r"\delta\theta^{OB}"),),
+        checks=(
+            in_steps("7.15", r"\delta\theta^{OB}"),
+            in_code("virtual_rotation", "dtheta", r"\delta\theta^{OB}"),
+        ),
     ),
     _entry(
         "tilde-turned",
@@ -260,14 +270,27 @@ ENTRIES: tuple[Entry, ...] = (
         reason="The skew matrix of a turned vector; (4.20) states it for any vector.",
         aliases=("4.20",),
         vocabulary=words,
+        checks=(in_steps("4.20", r"\tilde{\delta\theta}^{OB}"),),
     ),
     _entry(
         "7.16",
         "holds",
-        r"\delta\mathbf{A}^{OB} \underset{(7.14)}{=} \tilde{\delta\theta}^{OB} \mathbf{A}^{OB}"
-        r" = \mathbf{A}^{OB} \tilde{\delta\theta}'^{OB}",
+        VARIATION,
         vocabulary=words,
-        checks=(_in_code("virtual_rotation", "dA", r"\delta\mathbf{A}^{OB}"),),
+        checks=(
+            in_steps("7.16", r"\delta\mathbf{A}^{OB}"),
+            in_code("virtual_rotation", "dA", r"\delta\mathbf{A}^{OB}"),
+        ),
+    ),
+    _entry(
+        "poisson",
+        "holds",
+        r"この式は  $\mathbf{A}^{OB}$  の時間微分に関するポアソンの方程式(5.16) ([付]参照)"
+        r"   と対応している",
+        reason="With ω′ in place of δθ′ the sides of (7.16) are those of (5.16) as corrected, the"
+        " second and the third exchanged.",
+        checks=(Check("(7.16) with ω′ for δθ′ is (5.16)", _sides_correspond),),
+        is_sentence=True,
     ),
     _entry(
         "variation-and-rate",
@@ -283,6 +306,7 @@ ENTRIES: tuple[Entry, ...] = (
         "holds",
         r"\tilde{\delta\theta}'^{OB} = \left( \mathbf{A}^{OB} \right)^T \delta\mathbf{A}^{OB}",
         vocabulary=words,
+        checks=(in_steps("7.17", r"\tilde{\delta\theta}'^{OB}"),),
     ),
     _entry(
         "s-in-frame-O",
@@ -298,6 +322,7 @@ ENTRIES: tuple[Entry, ...] = (
         r" + \tilde{\delta\theta}^{OB} \mathbf{A}^{OB} \mathbf{s}'^P"
         r" = \delta\mathbf{r}^B + \tilde{\delta\theta}^{OB} \mathbf{s}^P",
         vocabulary=words,
+        checks=(in_steps("7.18", r"\delta\mathbf{r}^P"),),
     ),
     _entry(
         "7.19",
@@ -311,6 +336,10 @@ ENTRIES: tuple[Entry, ...] = (
         "The last factor is the vector δθ′: printed are a tilde that makes it a matrix, and no"
         " prime.",
         vocabulary=words,
+        checks=(
+            in_code("virtual_displacement", "dr_P", r"\delta\mathbf{r}^P"),
+            in_steps("7.19", r"\delta\mathbf{r}^P"),
+        ),
     ),
     _entry(
         "7.20",
@@ -323,6 +352,7 @@ ENTRIES: tuple[Entry, ...] = (
         r" = -\mathbf{A}^{OB} \tilde{\mathbf{s}}'^P \delta\theta'^{OB}",
         "The last factor is the vector δθ′, as in (7.19).",
         vocabulary=words,
+        checks=(in_steps("7.20", r"\delta\mathbf{s}^P"),),
     ),
     _entry(
         "4.28",
@@ -333,18 +363,20 @@ ENTRIES: tuple[Entry, ...] = (
         r" = \mathbf{r}^B + \mathbf{A}^{OB} \mathbf{s}'^{P}",
         "The prime belongs to s, not to the point P.",
         vocabulary=words,
-        checks=(_in_code("point", "r_P", r"\mathbf{r}^P"),),
+        checks=(
+            in_steps("4.28", r"\mathbf{r}^P"),
+            in_code("point", "r_P", r"\mathbf{r}^P"),
+        ),
     ),
     _entry(
         "5.16",
         "misprint",
         r"\dot{\mathbf{A}}^{OB} = \mathbf{A}^{OB} \tilde{\boldsymbol{\omega}}^{P'OB}"
         r" = \tilde{\boldsymbol{\omega}}^{OB} \mathbf{A}^{OB}",
-        r"\dot{\mathbf{A}}^{OB} = \mathbf{A}^{OB} \tilde{\boldsymbol{\omega}}'^{OB}"
-        r" = \tilde{\boldsymbol{\omega}}^{OB} \mathbf{A}^{OB}",
+        POISSON,
         "The P is an index that does not belong: the angular velocity is that of frame B against"
         " frame O, whatever the point; the prime belongs to ω.",
         vocabulary=words,
-        checks=(_in_code("orientation_rate", "A_dot", r"\dot{\mathbf{A}}^{OB}"),),
+        checks=(in_code("orientation_rate", "A_dot", r"\dot{\mathbf{A}}^{OB}"),),
     ),
 )

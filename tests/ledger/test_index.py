@@ -127,7 +127,8 @@ def test_everything_that_a_document_displays_has_an_entry(document: Document) ->
 
 #: Words by which the prose states a condition; each sentence with one of them has an entry.
 CONDITION = re.compile(
-    "独立|ならない|成り立|成立し|一致して|一致は|未知|既知|一定の|反復回数|最大値|不変|逆になる|反転|固定されて"
+    "独立|ならない|成り立|成立し|一致して|一致は|未知|既知|一定の|反復回数|最大値|不変|逆になる|反転|固定されて|必要である"
+    "|対応し"
 )
 
 

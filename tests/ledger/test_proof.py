@@ -21,6 +21,9 @@ def test_a_proof_tells_each_statement_and_what_was_seen() -> None:
         "as printed: cannot be formed: a sum of terms of shapes (3, 1), (3, 3)",
         "corrected: sides 1 and 2 of 3: all 3 elements equal, identically",
         "corrected: sides 2 and 3 of 3: all 3 elements equal, identically",
+        "the code's rotation.virtual_displacement gives this as dr_P: all 3 elements equal,"
+        " identically",
+        "the code's steps that cite this: 2, both sides: all 3 elements equal, identically",
     ]
 
 
