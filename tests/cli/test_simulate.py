@@ -96,6 +96,7 @@ def test_run_without_end_of_steps_keeps_its_rows_in_the_file(
     assert 2 < len(out.read_text(encoding="utf-8").splitlines()) < 1002
 
 
+@pytest.mark.usefixtures("interrupts")
 def test_interrupt_keeps_its_rows_in_the_file(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -121,6 +121,7 @@ def test_method_cannot_change_on_the_way(load: Load) -> None:
         solver.resume(replace(saved, options=replace(saved.options, method="dop853"))).finish()
 
 
+@pytest.mark.usefixtures("interrupts")
 def test_interrupt_keeps_what_was_computed_and_the_run_can_go_on(load: Load) -> None:
     solver = load(chain(2))
     wanted, _ = whole(solver, tolerance=1e-12)
