@@ -105,6 +105,11 @@ class RunLedger:
             max((one.radians[k] for one in found), default=0.0),
         )
 
+    def worst_joint(self, level: str) -> str:
+        """Return the joint with the largest violation at a level; there is one at least."""
+        k, found = LEVELS.index(level), self.violations
+        return max(found, key=lambda name: max(found[name].metres[k], found[name].radians[k]))
+
     def as_data(self) -> dict[str, object]:
         """Return it ready for JSON."""
         named = {name: getattr(self, name) for name in self.__slots__}
@@ -129,7 +134,8 @@ class RunLedger:
             if self.violations:
                 metres, radians = self.worst(level)
                 lines.append(
-                    f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per}"
+                    f"left of the constraints, {level}: {metres:.1e} m{per},"
+                    f" {radians:.1e} rad{per}, most at joints.{self.worst_joint(level)}"
                 )
         if self.violations:
             lines.append(
