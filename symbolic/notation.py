@@ -89,6 +89,9 @@ class Text:
     def skew(self, x: str) -> str:
         return f"{x}~"
 
+    def beside(self, factors: Sequence[str]) -> str:
+        return " ".join(factors)
+
     def power(self, x: str, n: str) -> str:
         return f"{x}^{n}"
 
@@ -149,6 +152,11 @@ class Latex(Text):
 
     def skew(self, x: str) -> str:
         return f"\\widetilde{{{x}}}"
+
+    def beside(self, factors: Sequence[str]) -> str:
+        trigonometric = ("\\cos", "\\sin")  # last: cos β length is no cosine of a product
+        body = " ".join(sorted(factors, key=lambda factor: factor.startswith(trigonometric)))
+        return re.sub(r"(\\mathit\{\w+\}) (?=[\w\\{(])", r"\1 \\, ", body)
 
     def power(self, x: str, n: str) -> str:
         return f"{{{x}}}^{{{n}}}"

@@ -116,7 +116,7 @@ class _Printer:
         if denominator != 1:
             return style.ratio(self.piece(numerator), self.piece(denominator)), 1
         factors = sorted(x.args, key=description)
-        return " ".join(at_least(self.piece(factor), 1) for factor in factors), 1
+        return style.beside([at_least(self.piece(factor), 1) for factor in factors]), 1
 
     def _power(self, x: Any) -> Piece:
         base, exponent = x.args
@@ -137,9 +137,10 @@ class _Printer:
         return text
 
     def _product(self, scalar: Any, factors: Sequence[Piece]) -> Piece:
-        body = " ".join(at_least(factor, 1) for factor in factors)
+        body = self._style.beside([at_least(factor, 1) for factor in factors])
         if len(factors) > 1:
-            body = " ".join(at_least(factor, 2 if factor[1] == 0 else 1) for factor in factors)
+            parts = [at_least(factor, 2 if factor[1] == 0 else 1) for factor in factors]
+            body = self._style.beside(parts)
         if scalar == 1:
             return body, 1
         is_negative = scalar.could_extract_minus_sign() and not scalar.is_Add
@@ -147,7 +148,8 @@ class _Printer:
         size = -scalar if sign else scalar
         if size == 1:
             return sign + body, 0
-        return f"{sign}{at_least(self.piece(size), 1)} {body}", 0 if sign else 1
+        product = self._style.beside([at_least(self.piece(size), 1), body])
+        return sign + product, 0 if sign else 1
 
 
 def _positive_first(term: Any) -> tuple[bool, str]:

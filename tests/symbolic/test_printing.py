@@ -69,6 +69,9 @@ def test_scalars_print_in_an_order_of_their_own() -> None:
 def test_scalars_in_latex_are_letters_or_words() -> None:
     length = Symbol("length")
     assert show(2 * length, "latex") == r"2 \mathit{length}"
+    assert show(mul(length, SYMBOLS["r_i"]), "latex") == r"\mathit{length} \, \mathbf{r}^{i}"
+    cosine = NamedScalar("cos β", length)
+    assert show(length * cosine, "latex") == r"\mathit{length} \, \cos \beta"
     assert show(SYMBOLS["p_i"][0, 0], "latex") == r"e_{0}^{i}"
     assert show(NamedScalar("cos β", length), "latex") == r"\cos \beta"
 
