@@ -117,3 +117,12 @@ def test_four_bars_stay_parallelograms_and_their_error_falls_with_the_tolerance(
             )
         assert errors[-1] < errors[-2] < errors[-3] < errors[-4], (angle, errors)
         assert max(errors[2:]) <= 1e-6, (angle, errors)
+
+
+@pytest.mark.parametrize("count", [2, 40])
+def test_a_stage_is_brought_only_as_near_as_the_tolerance_asks_for(
+    mover: Mover, count: int
+) -> None:
+    """Newton to rounding at every stage would take more than three factorisations for each."""
+    ledger = mover(n_four_bar(count)).simulate(END, samples=2, tolerance=1e-8).ledger
+    assert ledger.factorisations < 2.75 * ledger.derivatives
