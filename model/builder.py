@@ -102,6 +102,10 @@ class SceneBuilder:
         """Add a joint with the keys of :class:`kousoku.model.spatial.Joint`."""
         return self._add("joints", name, **keys)
 
+    def force(self, name: str, **keys: Any) -> Self:
+        """Add a force, torque or spring with the keys of :class:`kousoku.model.spatial.Force`."""
+        return self._add("forces", name, **keys)
+
     def gravity(self, x: float, y: float, z: float) -> Self:
         """Set the acceleration of free fall, in frame O, in the unit of the scene per s²."""
         self._tree["gravity"] = (x, y, z)

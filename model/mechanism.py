@@ -82,6 +82,39 @@ class Instance:
 
 
 @dataclass(frozen=True, slots=True)
+class ForceElement:
+    """A force, a torque, or a spring and damper.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    kind : str
+        ``force`` and ``torque`` in frame O, ``force_b`` and ``torque_b`` in the principal frame,
+        ``spring_damper``.
+    i, j : int
+        Of a spring the two bodies; a force or torque acts on body j, and i is the ground.
+    constants : tuple of (str, tuple of float)
+        ``s_j_b`` [m] and ``force`` [N] of a force, ``torque`` [N m] of a torque; of a spring
+        ``s_i_b``, ``s_j_b``, ``stiffness`` [N/m], ``damping`` [N s/m], ``free_length`` [m]. Points
+        are in the principal frames, frame O for the ground.
+    """
+
+    name: str
+    kind: str
+    i: int
+    j: int
+    constants: tuple[tuple[str, tuple[float, ...]], ...]
+
+    @property
+    def is_conservative(self) -> bool:
+        """Whether all its work is potential energy."""
+        return self.kind == "force" or (
+            self.kind == "spring_damper" and dict(self.constants)["damping"] == (0.0,)
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class System:
     """A spatial scene, ready to be specialised.
 
@@ -102,6 +135,8 @@ class System:
         ``joint`` is the key in the scene.
     held_rates : tuple of Instance
         What it keeps of the velocities: constraints whose rates stay what they are.
+    forces : tuple of ForceElement
+        What acts beside gravity, in the order of the scene.
     """
 
     name: str
@@ -111,3 +146,4 @@ class System:
     gravity: Vector = (0.0, 0.0, 0.0)
     held: tuple[Instance, ...] = ()
     held_rates: tuple[Instance, ...] = ()
+    forces: tuple[ForceElement, ...] = ()

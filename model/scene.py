@@ -9,12 +9,12 @@ from typing import Literal
 import msgspec
 
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
-from kousoku.model.spatial import Body, Joint, Vector
+from kousoku.model.spatial import Body, Force, Joint, Vector
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal["positions", "velocities", "accelerations", "angles", "reactions", "energies"]
 
-TABLES = ("nodes", "links", "rigid", "sliders", "bodies", "joints", "inputs")
+TABLES = ("nodes", "links", "rigid", "sliders", "bodies", "joints", "forces", "inputs")
 """The tables of named elements; a name stands in one of them only."""
 
 
@@ -39,6 +39,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         The planar linkage.
     bodies, joints : mapping of str to element
         The spatial mechanism.
+    forces : mapping of str to Force
+        Forces, torques and springs beside gravity; of a spatial mechanism only.
     gravity : (3,) [unit of the scene per s²]
         Acceleration of free fall, in frame O; of a spatial mechanism only.
     inputs : mapping of str to Input
@@ -61,6 +63,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     sliders: Mapping[str, Slider] = {}
     bodies: Mapping[str, Body] = {}
     joints: Mapping[str, Joint] = {}
+    forces: Mapping[str, Force] = {}
     gravity: Vector = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
     divisions: int = 60

@@ -19,6 +19,7 @@ from kousoku.model.joints import NAMES
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
 from kousoku.model.validate import LONGEST_TITLE, MOST_DIVISIONS, MOST_ITERATIONS
+from kousoku.model.validate_forces import KEYS
 
 LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
@@ -34,6 +35,7 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
     },
     "Body": {"mass": {"exclusiveMinimum": 0}},
     "Joint": {"type": {"enum": list(NAMES)}, "length": {"exclusiveMinimum": 0}},
+    "Force": {"type": {"enum": list(KEYS)}, "free_length": {"minimum": 0}},
     "MassPoint": {"mass": {"exclusiveMinimum": 0}},
     "Box": {"mass": {"exclusiveMinimum": 0}},
     "Rod": {"mass": {"exclusiveMinimum": 0}},

@@ -6,6 +6,7 @@ What a number of the scene becomes is computed in 50 digits and rounded once.
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
@@ -25,6 +26,7 @@ from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
+from kousoku.model.system_forces import force_elements
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -81,19 +83,16 @@ def system_of(scene: Scene) -> System:
         kept = held_of(name, body, frame, unit)
         held += kept[0]
         held_rates += kept[1]
-    constraints = (
-        instance
-        for name, joint in scene.joints.items()
-        for instance in _instances(name, joint, frames, unit)
-    )
+    joints = (_instances(name, joint, frames, unit) for name, joint in scene.joints.items())
     return System(
         name=scene.name,
         unit=float(unit),
         bodies=tuple(bodies),
-        constraints=tuple(constraints),
+        constraints=tuple(chain.from_iterable(joints)),
         gravity=to_vector(precise.scale(unit, precise.triple(scene.gravity))),
         held=tuple(held),
         held_rates=tuple(held_rates),
+        forces=force_elements(scene.forces, frames, unit),
     )
 
 

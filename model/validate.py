@@ -74,6 +74,9 @@ def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
         if any(scene.gravity):
             problem = "belongs to bodies; a linkage of nodes and links has no masses"
             problems.add(problem, "gravity")
+        if scene.forces or problems.touches("forces"):
+            problem = "belong to bodies; a linkage of nodes and links has no masses"
+            problems.add(problem, "forces")
         check_planar(scene, problems)
     check_inputs(scene, problems)
     if is_spatial or problems.found:

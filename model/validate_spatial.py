@@ -1,4 +1,4 @@
-"""Check the bodies and joints of a spatial scene one by one."""
+"""Check the bodies, joints and forces of a spatial scene one by one."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.joints import JOINTS, LATER, NAMES
 from kousoku.model.orientation import check_orientation
 from kousoku.model.spatial import GROUND
+from kousoku.model.validate_forces import check_force
 from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ ROTATION_KEYS = ("orientation", "angular_velocity", "angular_velocity_b")
 
 
 def check_spatial(scene: Scene, problems: Problems) -> None:
-    """Check bodies and joints; whether the mechanism can move is left to its solver.
+    """Check bodies, joints and forces; whether the mechanism can move is left to its solver.
 
     Parameters
     ----------
@@ -54,6 +55,10 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
         key = join("joints", name)
         uses = [join("bodies", body) for body in joint.bodies]
         problems.check(key, [key, *uses], _check_joint, scene, joint, key)
+    for name, force in scene.forces.items():
+        key = join("forces", name)
+        uses = [join("bodies", body) for body in (force.body, *(force.bodies or ())) if body]
+        problems.check(key, [key, *uses], check_force, scene, force, key)
 
 
 def _check_body(body: Body, key: str) -> None:

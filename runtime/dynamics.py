@@ -60,6 +60,8 @@ class DynamicsSolver:
         Where the forces of joints stand.
     is_flat : bool
         Whether all lies in one plane, so that no force leads out of it.
+    working : tuple of str
+        Forces whose work is not counted in the energy of a run.
     """
 
     name: str
@@ -72,6 +74,7 @@ class DynamicsSolver:
     parts: tuple[tuple[str, int], ...]
     reactions: tuple[ReactionPlaces, ...]
     is_flat: bool
+    working: tuple[str, ...]
 
     def simulate(
         self,
@@ -219,4 +222,5 @@ def load_dynamics(
         parts=tuple((part, size) for part, size in data["parts"]),
         reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),
         is_flat=data["is_flat"],
+        working=tuple(data["working"]),
     )

@@ -25,7 +25,7 @@ COUNTERS = (
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
-#: Joints that a text names.
+#: Joints or forces that a text names.
 SHOWN = 3
 #: A joint is open when its residual is larger, in metres or radians.
 OPEN = 1e-9
@@ -74,7 +74,9 @@ class RunLedger:
         it is near zero where the rank drops.
     energy, energy_error : float, float or None [J]
         Energy at the start, and the largest change since then that no work explains; None where
-        rows were not checked.
+        rows were not checked, and where forces do work that is not counted.
+    working : tuple of str
+        Forces whose work is not counted: dampers, torques, and forces that turn with a body.
     violations : mapping of str to Violation
         What is left of the constraints by joint; empty where rows were not checked.
     seconds : mapping of str to float
@@ -93,6 +95,7 @@ class RunLedger:
     growth_time: float
     energy: float
     energy_error: float | None
+    working: tuple[str, ...]
     violations: Mapping[str, Violation]
     seconds: Mapping[str, float]
 
@@ -130,6 +133,13 @@ class RunLedger:
             lines.append(
                 f"energy {self.energy:.9g} J at the start, largest change {self.energy_error:.1e} J"
             )
+        if self.working:
+            names = ", ".join(f"forces.{name}" for name in self.working[:SHOWN])
+            names += ", …" if len(self.working) > SHOWN else ""
+            lines.append(
+                f"energy {self.energy:.9g} J at the start; its change is no error: the work of"
+                f" {names} is not counted"
+            )
         for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
             if self.violations:
                 metres, radians = self.worst(level)
@@ -147,7 +157,11 @@ class RunLedger:
 
 
 def ledger_of(
-    state: Array, rows: Sequence[tuple[str, str]], options: Options, seconds: Mapping[str, float]
+    state: Array,
+    rows: Sequence[tuple[str, str]],
+    options: Options,
+    seconds: Mapping[str, float],
+    working: tuple[str, ...] = (),
 ) -> RunLedger:
     """Return the ledger of a state.
 
@@ -161,6 +175,8 @@ def ledger_of(
         How the run is made.
     seconds : mapping of str to float
         Time that each phase took.
+    working : tuple of str
+        Forces whose work is not counted.
     """
     numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
     counts = {
@@ -175,7 +191,8 @@ def ledger_of(
         growth=numbers["growth"],
         growth_time=numbers["growth time"],
         energy=numbers["energy"],
-        energy_error=numbers["energy error"] if options.checks else None,
+        energy_error=numbers["energy error"] if options.checks and not working else None,
+        working=working,
         violations=MappingProxyType(_violations(worst, rows) if options.checks else {}),
         seconds=MappingProxyType(dict(seconds)),
         **counts,

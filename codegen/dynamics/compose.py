@@ -20,6 +20,7 @@ from kousoku.codegen.dynamics.bodies import (
     require_masses,
     sizes,
 )
+from kousoku.codegen.dynamics.forces import SPRING, Load, Spring, Stored
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of
 from kousoku.codegen.dynamics.operations import (
     Energy,
@@ -287,8 +288,42 @@ class _Composer:
             ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))
             operation = FreeAcceleration(blocks.columns)
             free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
+        self._add_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
         self._pull(self.schur.solve(self._rates("gamma", free), targets), free, self.v_dot)
+
+    def _add_forces(self, free: list[Block]) -> None:
+        """Add what forces beside gravity give each body."""
+        shares: list[list[Block]] = [[block] for block in free]
+        for force in self.system.forces:
+            i, j = self.body(force.i), self.body(force.j)
+            constants = [self.recorder.constant(values) for _, values in force.constants]
+            if force.kind == SPRING:
+                ends = [
+                    block
+                    for body in (i, j)
+                    for block in (
+                        *(body.r, body.p, body.orientation),
+                        *(body.v_r, body.omega_b, body.inverse_mass),
+                    )
+                ]
+                found = self.recorder.call(Spring(i.columns, j.columns), *ends, *constants)
+            else:
+                blocks = (j.p, j.orientation, j.inverse_mass, *constants)
+                found = (column(()), *self.recorder.call(Load(force.kind, j.columns), *blocks))
+            for index, block in zip((force.i, force.j), found, strict=True):
+                if index != GROUND_INDEX:
+                    shares[index].append(block)
+        free[:] = [self._sum(parts) for parts in shares]
+
+    def _sum(self, parts: list[Block]) -> Block:
+        """Return the sum of blocks, a few at a time."""
+        while len(parts) > 1:
+            parts = [
+                self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]
+                for k in range(0, len(parts), CHUNK)
+            ]
+        return parts[0]
 
     def _reaction(self) -> None:
         """Record force and torque of each joint on body j, or on i where j is the ground."""
@@ -324,6 +359,11 @@ class _Composer:
             parts += self.recorder.call(
                 Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight
             )
+        for force in self.system.forces:
+            if force.kind in {SPRING, "force"}:
+                i, j = self.body(force.i), self.body(force.j)
+                constants = [self.recorder.constant(values) for _, values in force.constants]
+                parts += self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)
         while len(parts) > CHUNK:
             parts = [
                 self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.forces import leaves_plane
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -49,6 +50,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
         "is_flat": is_flat(program, system),
+        "working": [force.name for force in system.forces if not force.is_conservative],
     }
 
 
@@ -66,6 +68,8 @@ def is_flat(program: Program, system: System) -> bool:
             index = one.i if name == "s_i_b" else one.j
             if name in {"s_i_b", "s_j_b"}:
                 heights.append(_height(values, None if index < 0 else system.bodies[index], normal))
+    if any(leaves_plane(system, force, normal) for force in system.forces):
+        return False
     spread = max(heights) - min(heights)
     return system.gravity[normal] == 0.0 and spread <= 1e-12 * max(1.0, *map(abs, heights))
 

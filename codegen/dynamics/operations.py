@@ -63,7 +63,7 @@ def _orientation(trace: Trace, p: Matrix) -> Matrix:
     return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
 
 
-def _share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
+def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
     """Let A be read where a kind computes it from p."""
     trace.is_known(_orientation(trace, p).flat, orientation.flat)
 
@@ -117,8 +117,8 @@ class Joint:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return C (n,), C_q of i and of j, C_q M⁻¹ of i and of j, and C_q M⁻¹ C_qᵀ (n, n)."""
         r_i, p_i, a_i, weights_i, r_j, p_j, a_j, weights_j, *constants = blocks
-        _share(trace, p_i, a_i)
-        _share(trace, p_j, a_j)
+        share(trace, p_i, a_i)
+        share(trace, p_j, a_j)
         state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
         found = _evaluate(trace, self.parts, "constraint", state, *constants)
         residual = stack(trace.graph, (_pick(trace, x["C"], part, 1) for part, x in found), 1)
@@ -172,8 +172,8 @@ class Rates:
         """Return the difference (n,)."""
         p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
         r_i, r_j, *constants = blocks[12:]
-        _share(trace, p_i, a_i)
-        _share(trace, p_j, a_j)
+        share(trace, p_i, a_i)
+        share(trace, p_j, a_j)
         state = {"r_i": r_i, "p_i": p_i, "v_i": v_i, "omega_i_b": omega_i}
         state |= {"r_j": r_j, "p_j": p_j, "v_j": v_j, "omega_j_b": omega_j}
         found = _evaluate(trace, self.parts, "rates", state, *constants)

@@ -24,6 +24,7 @@ from kousoku.codegen.dynamics.bodies import (
     sizes,
     start,
 )
+from kousoku.codegen.dynamics.forces import leaves_plane
 from kousoku.codegen.dynamics.joints import live_rows
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.dynamics.recorder import Recorder
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12
+NORMAL = 2
 #: Columns of one body that lead out of the plane.
 OUT = (2, 3, 4)
 #: Smallest singular value of rows that hold a body in the plane.
@@ -74,7 +76,11 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         axes = [value for name, value in instance.constants if name.startswith("a_")]
         joint.turns_about_z &= all(axis in ALONG_Z for axis in axes)
     held = _held(system, joints)
-    wants_hold = must_be_held or system.gravity[2] != 0
+    wants_hold = (
+        must_be_held
+        or system.gravity[2] != 0
+        or any(leaves_plane(system, force, NORMAL) for force in system.forces)
+    )
     return (all(held) or not wants_hold) and all(
         joint.stays_in_plane or all(held[k] for k in (i, j) if k != GROUND_INDEX)
         for (_, i, j), joint in joints.items()

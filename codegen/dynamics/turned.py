@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     T = TypeVar("T")
     Triple = tuple[T, T, T]
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 AXES = "xyz"
 #: The kinds that know which of their axes is which.
@@ -40,6 +41,9 @@ def turned(system: System, shift: int) -> System:
         bodies=tuple(_turned_body(body, shift) for body in system.bodies),
         constraints=tuple(_turned_instance(one, shift) for one in system.constraints),
         gravity=_triple(system.gravity, shift),
+        forces=tuple(
+            replace(one, constants=_turned_constants(one.constants, shift)) for one in system.forces
+        ),
     )
 
 
@@ -93,11 +97,14 @@ def _turned_body(body: MovingBody, shift: int) -> MovingBody:
 
 
 def _turned_instance(instance: Instance, shift: int) -> Instance:
-    constants = tuple(
-        (name, _triple(values, shift) if len(values) == 3 else values)
-        for name, values in instance.constants
-    )
+    constants = _turned_constants(instance.constants, shift)
     return replace(instance, kind=_turned_kind(instance.kind, shift), constants=constants)
+
+
+def _turned_constants(constants: Constants, shift: int) -> Constants:
+    return tuple(
+        (name, _triple(values, shift) if len(values) == 3 else values) for name, values in constants
+    )
 
 
 def _turned_kind(kind: str, shift: int) -> str:

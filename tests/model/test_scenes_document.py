@@ -90,6 +90,7 @@ def test_the_shown_message_is_the_one_that_comes() -> None:
         planar.Method,
         spatial.Body,
         spatial.Joint,
+        spatial.Force,
         Orientation,
     ],
 )

@@ -173,7 +173,7 @@ def random_state(system: System, rng: np.random.Generator) -> dict[str, Any]:
     return state
 
 
-def dense(system: System, state: dict[str, Any]) -> tuple[Any, Any, Any]:
+def dense(system: System, state: dict[str, Any], loads: Any | None = None) -> tuple[Any, Any, Any]:
     """Return v̇ (n, 6), λ and C by NumPy, from the kinds as they are shipped.
 
     Parameters
@@ -182,6 +182,8 @@ def dense(system: System, state: dict[str, Any]) -> tuple[Any, Any, Any]:
         The bodies and constraints.
     state : dict
         ``r`` (n, 3), ``p`` (n, 4), ``v`` (n, 3) and ``omega_b`` (n, 3).
+    loads : (n, 6) array, optional
+        Force in frame O and torque in the body frame on each body, beside gravity.
     """
     n = 6 * len(system.bodies)
     mass, force = np.zeros((n, n)), np.zeros(n)
@@ -200,6 +202,8 @@ def dense(system: System, state: dict[str, Any]) -> tuple[Any, Any, Any]:
             N_b=[0.0] * 3,
         )
         mass[own, own], force[own] = found["M"].reshape(6, 6), found["h"]
+    if loads is not None:
+        force += np.ravel(loads)
     rows, gammas, residuals = [], [], []
     for one in system.constraints:
         inputs = dict(one.constants)

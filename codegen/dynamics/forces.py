@@ -1,0 +1,206 @@
+"""What acts on bodies beside gravity: accelerations, potential energy, and planes that it leaves.
+
+Forces on points come from the kernel ``resultant`` of ``mass_points``, springs from the kind
+``spring_damper``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.matrix import Matrix
+from kousoku.codegen.dynamics.operations import COLUMNS, frozen, share
+from kousoku.model import precise
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.traces import Trace
+    from kousoku.model.mechanism import ForceElement, System
+
+#: Heights up to this part of the largest do not count: rounding.
+FLAT = 1e-12
+SPRING = "spring_damper"
+#: Names of the constants of a spring, in their order.
+ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
+
+
+@dataclass(frozen=True, slots=True)
+class Load:
+    """M⁻¹f of a force or torque. Blocks: p, A and the diagonal of M⁻¹ of the body, the constants.
+
+    Parameters
+    ----------
+    kind : str
+        ``force``, ``force_b``, ``torque`` or ``torque_b``.
+    columns : tuple of int
+        The body's coordinates.
+    """
+
+    kind: str
+    columns: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """Name the kind."""
+        return f"{self.kind} on a body"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return what it adds to the acceleration of each coordinate."""
+        p, orientation, weights, *constants = blocks
+        share(trace, p, orientation)
+        given = constants[-1]
+        zeros = (trace.graph.const(0),) * 3
+        if self.kind == "torque":
+            forces = (*zeros, *(orientation.T @ given).flat)
+        elif self.kind == "torque_b":
+            forces = (*zeros, *given.flat)
+        elif self.kind == "force":
+            forces = _at_point(trace, p.flat, constants[0], given)
+        else:
+            still = (trace.graph.const(1), *zeros)
+            torque = _at_point(trace, still, constants[0], given)[3:]
+            forces = (*(orientation @ given).flat, *torque)
+        return (_accelerations(trace, forces, self.columns, weights),)
+
+
+@dataclass(frozen=True, slots=True)
+class Spring:
+    """M⁻¹f of a spring and damper.
+
+    Blocks: r, p, A, v, ω′ and the diagonal of M⁻¹ of body i, those of body j, then the two ends,
+    stiffness, damping and free length.
+
+    Parameters
+    ----------
+    columns_i, columns_j : tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    """
+
+    columns_i: tuple[int, ...]
+    columns_j: tuple[int, ...]
+    title: str = "spring and damper"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return what it adds to the acceleration of each coordinate of i, and of j."""
+        r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
+        r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
+        share(trace, p_i, a_i)
+        share(trace, p_j, a_j)
+        places = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
+        places |= dict(zip(ENDS, blocks[12:14], strict=True))
+        motion = {"v_i": v_i, "omega_i_b": omega_i, "v_j": v_j, "omega_j_b": omega_j}
+        found = _inline(trace, "length", places | motion)
+        law = dict(zip(LAW, blocks[14:], strict=True))
+        tension = _inline(trace, "law", found | law)["T"]
+        force = _inline(trace, "force", places | {"T": tension})["force"].flat
+        return (
+            _accelerations(trace, force[:COLUMNS], self.columns_i, weights_i),
+            _accelerations(trace, force[COLUMNS:], self.columns_j, weights_j),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Stored:
+    """Potential energy of a force that has one. Blocks: r and p of both bodies, the constants.
+
+    Parameters
+    ----------
+    kind : str
+        ``force`` or ``spring_damper``.
+    """
+
+    kind: str
+
+    @property
+    def title(self) -> str:
+        """Name the kind."""
+        return f"energy of {self.kind}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return (0, V): V = ½ k (l − l⁰)² of a spring, −F·(r + A s′) of a force."""
+        graph = trace.graph
+        zero = graph.const(0)
+        if self.kind == SPRING:
+            places = dict(zip(("r_i", "p_i", "r_j", "p_j", *ENDS), blocks[:6], strict=True))
+            still = Matrix(graph, ((zero,),) * 3, 1)
+            motion = dict.fromkeys(("v_i", "omega_i_b", "v_j", "omega_j_b"), still)
+            found = _inline(trace, "length", places | motion)
+            law = dict(zip(LAW, blocks[6:], strict=True))
+            (energy,) = _inline(trace, "law", found | law)["V"].flat
+        else:
+            _, _, r, p, point, force = blocks
+            inputs = {"r": r.flat, "p": p.flat, "s_b": point.flat}
+            place = trace.inline(frozen("rotation", "point"), inputs)["r_P"]
+            work = graph.sum(graph.mul(a, b) for a, b in zip(force.flat, place, strict=True))
+            energy = graph.neg(work)
+        return (Matrix(graph, ((zero,), (energy,)), 1),)
+
+
+def _inline(trace: Trace, kernel: str, inputs: dict[str, Matrix]) -> dict[str, Matrix]:
+    """Rebuild a kernel of the spring; return its outputs as columns."""
+    nodes = {name: block.flat for name, block in inputs.items()}
+    found = trace.inline(frozen(SPRING, kernel), nodes)
+    return {
+        name: Matrix(trace.graph, tuple((node,) for node in flat), 1)
+        for name, flat in found.items()
+    }
+
+
+def _at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:
+    """Return the force in frame O and its torque in the body frame."""
+    rest = (trace.graph.const(0),) * 6
+    inputs = {"p": p, "s_b": (*point.flat, *rest), "f": (*force.flat, *rest)}
+    found = trace.inline(frozen("mass_points", "resultant"), inputs)
+    return (*found["F"], *found["N_b"])
+
+
+def _accelerations(
+    trace: Trace, forces: Sequence[int], columns: Sequence[int], weights: Matrix
+) -> Matrix:
+    mul = trace.graph.mul
+    pairs = zip(columns, weights.flat, strict=True)
+    return Matrix(trace.graph, tuple((mul(forces[k], weight),) for k, weight in pairs), 1)
+
+
+def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
+    """Return whether a force of a system that starts in a coordinate plane leads out of it.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    force : ForceElement
+        One of its forces.
+    normal : int
+        Which axis is normal to the plane; it is so in all principal frames.
+    """
+    given = dict(force.constants)
+    if force.kind in {"torque", "torque_b"}:
+        return any(x for k, x in enumerate(given["torque"]) if k != normal)
+    heights = [given["s_j_b"][normal]]
+    if force.kind == SPRING:
+        heights.append(given["s_i_b"][normal] if force.i != GROUND_INDEX else 0.0)
+        start, end = (_height(system, force, end, normal) for end in "ij")
+        heights.append(end - start)
+        if force.j == GROUND_INDEX:
+            heights[0] = 0.0
+    elif given["force"][normal]:
+        return True
+    return max(map(abs, heights)) > FLAT * max(
+        1.0, *(abs(x) for values in given.values() for x in values)
+    )
+
+
+def _height(system: System, force: ForceElement, end: str, normal: int) -> float:
+    """Return a coordinate of an end of a spring at the start."""
+    point = dict(force.constants)[f"s_{end}_b"]
+    index = force.i if end == "i" else force.j
+    if index == GROUND_INDEX:
+        return point[normal]
+    body = system.bodies[index]
+    w, x, y, z = map(precise.number, body.p)
+    seen = precise.rotate((w, x, y, z), precise.triple(point))
+    return body.r[normal] + float(seen[normal])

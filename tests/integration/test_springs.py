@@ -1,0 +1,97 @@
+"""A free body on a spring and damper moves as an independent model of the ADAMS case does.
+
+Definition: ``tsda_case02`` of ``data/testing/joints`` of projectchrono/chrono, commit 7689fbc0.
+1 kg, gravity 9.80665 m/s² along −z, from rest at (0, 2, 0), a spring of 100 N/m and a damper of
+5 N s/m from the origin to the centre, free length 2 m. The positions come from minimal coordinates
+and a multi-precision Taylor series; what ADAMS prints agrees with them to 3e-5 m.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.read import scene_from_dict
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+POSITIONS = {
+    0.5: [0.0, 1.773547003577, -1.162132877054],
+    1.0: [0.0, -0.597327430558, -2.189068610195],
+    2.0: [0.0, -1.983834264865, -0.324760555785],
+    3.0: [0.0, 1.553451759993, -1.561142220902],
+    4.0: [0.0, 1.78500666335, -1.105278252823],
+    5.0: [0.0, -1.945197850454, -0.767400995044],
+}
+
+
+def scene(unit: str = "m", factor: float = 1.0, **spring: Any) -> Any:
+    """Return the case, its lengths in another unit."""
+    own = {"stiffness": 100, "damping": 5, "free_length": 2 * factor} | spring
+    inertia = {"xx": 0.04 * factor**2, "yy": 0.1 * factor**2, "zz": 0.1 * factor**2}
+    tree = {
+        "name": "bob",
+        "unit": unit,
+        "gravity": [0, 0, -9.80665 * factor],
+        "bodies": {"bob": {"position": [0, 2 * factor, 0], "mass": 1, "inertia": inertia}},
+        "forces": {
+            "spring": {
+                "type": "spring_damper",
+                "bodies": ["ground", "bob"],
+                "points": [[0, 0, 0], [0, 0, 0]],
+                **{name: value for name, value in own.items() if value is not None},
+            }
+        },
+    }
+    return scene_from_dict(tree)
+
+
+@pytest.mark.parametrize(
+    ("unit", "factor", "free"), [("m", 1.0, 2.0), ("mm", 1000.0, 2000.0), ("m", 1.0, None)]
+)
+def test_a_body_on_a_spring_moves_as_the_independent_model(
+    mover: Callable[..., DynamicsSolver], unit: str, factor: float, free: float | None
+) -> None:
+    solver = mover(scene(unit, factor, free_length=free))
+    motion = solver.simulate(times=[0.0, *POSITIONS], tolerance=1e-12)
+    found = motion.position["bob"][1:] / factor
+    np.testing.assert_allclose(found, list(POSITIONS.values()), rtol=0, atol=1e-11)
+    assert motion.ledger.working == ("spring",)
+    assert motion.ledger.energy_error is None
+
+
+def test_a_spring_without_a_damper_keeps_the_energy(mover: Callable[..., DynamicsSolver]) -> None:
+    motion = mover(scene(damping=None), outputs=("energies",)).simulate(2.0, tolerance=1e-10)
+    assert motion.ledger.working == ()
+    assert motion.ledger.energy_error is not None
+    assert motion.ledger.energy_error < 1e-7
+    assert np.ptp(motion.energy["kinetic"]) > 1.0
+
+
+def test_a_constant_force_is_as_gravity(mover: Callable[..., DynamicsSolver]) -> None:
+    tree: Any = {
+        "name": "thrown",
+        "unit": "m",
+        "bodies": {"ball": {"position": [0, 0, 0], "point": True, "mass": 2}},
+        "forces": {"push": {"type": "force", "body": "ball", "force": [3, 0, -1]}},
+    }
+    motion = mover(scene_from_dict(tree)).simulate(times=[0.0, 2.0])
+    np.testing.assert_allclose(motion.position["ball"][1], [3.0, 0.0, -1.0], rtol=0, atol=1e-12)
+    assert motion.ledger.energy_error == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_torque_spins_a_free_body(mover: Callable[..., DynamicsSolver]) -> None:
+    inertia = {"xx": 0.5, "yy": 0.5, "zz": 0.25}
+    tree: Any = {
+        "name": "wheel",
+        "unit": "m",
+        "bodies": {"wheel": {"position": [0, 0, 0], "mass": 2, "inertia": inertia}},
+        "forces": {"motor": {"type": "torque", "body": "wheel", "torque_b": [0, 0, 2]}},
+    }
+    motion = mover(scene_from_dict(tree)).simulate(times=[0.0, 0.5])
+    np.testing.assert_allclose(motion.angular_velocity["wheel"][1], [0, 0, 4], rtol=0, atol=1e-12)

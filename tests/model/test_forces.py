@@ -1,0 +1,112 @@
+"""What is refused of forces, and what becomes of them in a system."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from kousoku.model.builder import SceneBuilder
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.read import scene_from_dict, scene_from_toml
+from kousoku.model.system import system_of
+from kousoku.model.write import to_toml
+
+Tree = dict[str, Any]
+
+SPRING: Tree = {
+    "type": "spring_damper",
+    "bodies": ["ground", "bar"],
+    "points": [[0, 0, 0], [30, 0, 0]],
+    "stiffness": 40,
+}
+
+
+def scene(**force: Any) -> Tree:
+    """Return a bar and a point in mm under one force."""
+    turned = {"axis": [0, 0, 1], "angle": 1.5707963267948966}
+    bar = {"position": [0, 100, 0], "orientation": turned, "mass": 2, "center": [10, 0, 0]}
+    inertia = {"xx": 300, "yy": 500, "zz": 600}
+    dot = {"position": [50, 0, 0], "point": True, "mass": 1}
+    return {
+        "name": "loaded",
+        "unit": "mm",
+        "bodies": {"bar": bar | {"inertia": inertia}, "dot": dot},
+        "forces": {"f": force},
+    }
+
+
+@pytest.mark.parametrize(
+    ("force", "key", "says"),
+    [
+        ({"type": "spring"}, "type", "unknown force 'spring'"),
+        ({"type": "rotational_spring_damper"}, "type", "must count turns"),
+        ({"type": "force", "force": [1, 0, 0]}, "body", "is missing"),
+        ({"type": "force", "body": "ground", "force": [1, 0, 0]}, "body", "unknown body 'ground'"),
+        ({"type": "force", "body": "bar"}, "force", "or in the body frame as 'force_b'"),
+        (
+            {"type": "force", "body": "bar", "force": [1, 0, 0], "force_b": [1, 0, 0]},
+            "force_b",
+            "wanted one of them",
+        ),
+        ({"type": "torque", "body": "bar", "force": [1, 0, 0]}, "force", "a torque has none"),
+        ({"type": "torque", "body": "dot", "torque": [1, 0, 0]}, "body", "a point does not turn"),
+        ({"type": "force", "body": "dot", "force_b": [1, 0, 0]}, "force_b", "no axes of its own"),
+        (
+            {"type": "force", "body": "dot", "force": [1, 0, 0], "point": [1, 0, 0]},
+            "point",
+            "its only point",
+        ),
+        ({**SPRING, "bodies": ["bar", "bar"]}, "bodies", "to itself"),
+        ({**SPRING, "bodies": ["bar", "baz"]}, "bodies[1]", "did you mean 'bar'"),
+        ({**SPRING, "bodies": ["bar", "dot"]}, "points[1]", "its only point"),
+        ({"type": "spring_damper", "bodies": ["ground", "bar"]}, "points", "is missing"),
+        ({k: x for k, x in SPRING.items() if k != "stiffness"}, "stiffness", "a damping or both"),
+        ({**SPRING, "free_length": -1}, "free_length", "wanted none that is negative"),
+    ],
+)
+def test_a_force_that_cannot_act_is_refused(force: Tree, key: str, says: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(scene(**force))
+    assert caught.value.key == f"forces.f.{key}"
+    assert says in caught.value.problem
+
+
+def test_a_linkage_of_nodes_and_links_has_no_forces(lever: Tree) -> None:
+    with pytest.raises(SceneError, match="forces: belong to bodies"):
+        scene_from_dict(lever | {"forces": {"f": SPRING}})
+
+
+def test_a_spring_is_given_in_metres_and_principal_frames() -> None:
+    (spring,) = system_of(scene_from_dict(scene(**SPRING))).forces
+    given = dict(spring.constants)
+    assert (spring.kind, spring.i, spring.j) == ("spring_damper", GROUND_INDEX, 0)
+    assert given["s_j_b"] == pytest.approx((0.02, 0, 0), abs=1e-15)
+    assert given["stiffness"] == (40.0,)
+    assert given["damping"] == (0.0,)
+    assert given["free_length"] == pytest.approx((0.13,), abs=1e-15)
+    assert spring.is_conservative
+
+
+def test_loads_are_given_in_newtons() -> None:
+    push = {"type": "force", "body": "bar", "point": [0, 5, 0], "force": [2000, 0, 0]}
+    (force,) = system_of(scene_from_dict(scene(**push))).forces
+    given = dict(force.constants)
+    assert given["s_j_b"] == pytest.approx((-0.01, 0.005, 0), abs=1e-15)
+    assert given["force"] == pytest.approx((2, 0, 0), abs=1e-15)
+    (torque,) = system_of(
+        scene_from_dict(scene(type="torque", body="bar", torque_b=[0, 0, 3e6]))
+    ).forces
+    assert (torque.kind, torque.constants) == ("torque_b", (("torque", (0.0, 0.0, 3.0)),))
+
+
+def test_the_builder_writes_forces_that_read_back_the_same() -> None:
+    built = (
+        SceneBuilder("pushed", unit="m")
+        .body("bar", position=(0, 0, 0), mass=1, inertia={"xx": 1, "yy": 1, "zz": 1})
+        .force("push", type="force", body="bar", force=(1, 0, 0))
+        .force("hold", **{**SPRING, "damping": 0.5})
+        .build()
+    )
+    assert scene_from_toml(to_toml(built)).forces == built.forces
