@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.joints import JOINTS, LATER, NAMES
+from kousoku.model.joints import JOINTS, LATER, NAMES, ROWS_OF
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 
@@ -119,6 +119,11 @@ def test_each_joint_has_a_section_with_its_picture_its_names_and_a_scene(joint: 
     system = system_of(scene_from_toml(HEAD + snippet))
     assert {instance.joint for instance in system.constraints} == {joint}
     assert NAMES[joint] == joint
+
+
+@pytest.mark.parametrize("kind", ROWS_OF)
+def test_the_table_of_kinds_counts_their_rows(kind: str) -> None:
+    assert re.search(rf"^\| `{kind}` \| {ROWS_OF[kind]} \|", TEXT, re.M)
 
 
 def test_the_document_shows_the_joints_of_the_code_and_no_others() -> None:
