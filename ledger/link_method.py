@@ -13,6 +13,8 @@ from kousoku.ledger.link_motion import words
 _entry = partial(Entry, LINK_PAPER)
 
 PARTED = r"\mathbf{u} = [L^1] \mathbf{u}^1 + [L^2] \mathbf{u}^2"
+#: What (19) says of derivatives by α.
+PARTED_SLOPE = r"\mathbf{x}' = [L^1] \mathbf{x}'^1 + [L^2] \mathbf{x}'^2"
 SUBSTITUTED = r"[D^0]([L^1] \mathbf{u}^1 + [L^2] \mathbf{u}^2) = \mathbf{0}"
 SOLVED = r"\mathbf{u}^1 = -([D^0][L^1])^{-1}[D^0][L^2] \mathbf{u}^2"
 FIRST = r"\mathbf{x}'^1 = -([D^0][L^1])^{-1}[D^0][L^2] \mathbf{x}'^2"
@@ -88,7 +90,7 @@ ENTRIES: tuple[Entry, ...] = (
         "holds",
         PARTED,
         vocabulary=motion.parted,
-        checks=(steps.in_code("u", PARTED),),
+        checks=(steps.in_code("u", PARTED), steps.in_code("x′", PARTED_SLOPE)),
     ),
     _entry(
         "20",

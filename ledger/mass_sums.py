@@ -111,7 +111,10 @@ ENTRIES: tuple[Entry, ...] = (
         TOTAL_MASS,
         reason="A definition.",
         vocabulary=words,
-        checks=(in_code("mass_points", "inertia.mass", r"m_1+m_2+m_3"),),
+        checks=(
+            in_code("mass_points", "inertia.mass", r"m_1+m_2+m_3"),
+            in_step("mass_points", "mass", r"m_1+m_2+m_3"),
+        ),
     ),
     _entry(
         "centre-of-mass",
@@ -127,6 +130,7 @@ ENTRIES: tuple[Entry, ...] = (
                 r"r_{AG}^A",
             ),
             in_code("mass_points", "inertia.r_AG_b", r"r_{AG}^A"),
+            in_step("mass_points", "c", r"M_A r_{AG}^A"),
         ),
     ),
     _entry(
@@ -148,7 +152,10 @@ ENTRIES: tuple[Entry, ...] = (
         TOTAL_FORCE,
         reason="A definition: the sum of the external forces.",
         vocabulary=words,
-        checks=(in_code("mass_points", "resultant.F", r"f_1^O + f_2^O + f_3^O"),),
+        checks=(
+            in_code("mass_points", "resultant.F", r"f_1^O + f_2^O + f_3^O"),
+            in_step("mass_points", "F", r"f_1^O + f_2^O + f_3^O"),
+        ),
     ),
     _entry(
         "torque-definition",
@@ -158,7 +165,10 @@ ENTRIES: tuple[Entry, ...] = (
         "The torque has components in frame A, and C_OA leads from A to O: its transpose belongs"
         " there.",
         vocabulary=words,
-        checks=(in_code("mass_points", "resultant.N_b", TORQUE),),
+        checks=(
+            in_code("mass_points", "resultant.N_b", TORQUE),
+            in_step("mass_points", "N_b", TORQUE),
+        ),
     ),
     _entry(
         "resultants",
@@ -239,7 +249,10 @@ ENTRIES: tuple[Entry, ...] = (
         rf"I_A^A = {INERTIA}",
         reason="A definition: about the origin of frame A, Σ m (r·r E − r rᵀ).",
         vocabulary=words,
-        checks=(in_code("mass_points", "inertia.I_A_b", INERTIA),),
+        checks=(
+            in_code("mass_points", "inertia.I_A_b", INERTIA),
+            in_step("mass_points", "I_A", INERTIA),
+        ),
     ),
     _entry(
         "moment-balance",

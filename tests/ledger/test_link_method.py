@@ -82,6 +82,7 @@ def test_the_misplaced_superscript_is_notation_and_the_lost_index_is_not() -> No
     ("left", "key"),
     [
         ("u", "19"),
+        ("x′", "19"),
         ("u_1", "21"),
         ("x′_1", "22"),
         ("x″_1", "23"),

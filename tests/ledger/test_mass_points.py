@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.ledger import mass_words
+from kousoku.ledger import find, mass_words
+from kousoku.ledger.entry import MASS_POINTS
 from kousoku.ledger.mass_points import ENTRIES
 from kousoku.ledger.mass_words import centred, in_step, one_point, unreadable, words
 from kousoku.ledger.proof import equal, prove, proved, refuted
@@ -145,6 +146,21 @@ def test_an_entry_fails_when_the_code_differs(
         if check.statement.startswith("the code's"):
             with pytest.raises(LedgerError, match=r"element|at a rational point"):
                 check.run()
+
+
+def test_every_quantity_that_the_code_derives_from_an_equation_is_compared_with_it() -> None:
+    named = {
+        (getattr(step.left, "name", ""), find(key).equation)
+        for step in derive("mass_points").steps
+        for key in filter(None, step.source.split(", "))
+        if find(key).document == MASS_POINTS
+    }
+    of = {name: [key for left, key in sorted(named) if left == name] for name, _ in named}
+    assert len(of) > 12
+    for name, keys in of.items():
+        statements = [check.statement for key in keys for check in BY_KEY[key].checks]
+        ends = (f"mass_points end with this as {name}", f"newton_euler gives this as {name}")
+        assert any(statement.endswith(ends) for statement in statements), name
 
 
 def test_a_step_that_the_code_does_not_have_is_named() -> None:
