@@ -154,7 +154,7 @@ class Latex(Text):
         return f"\\widetilde{{{x}}}"
 
     def beside(self, factors: Sequence[str]) -> str:
-        trigonometric = ("\\cos", "\\sin")  # last: cos β length is no cosine of a product
+        trigonometric = ("\\cos ", "\\sin ")  # last: cos β length is no cosine of a product
         body = " ".join(sorted(factors, key=lambda factor: factor.startswith(trigonometric)))
         return re.sub(r"(\\mathit\{\w+\}) (?=[\w\\{(])", r"\1 \\, ", body)
 

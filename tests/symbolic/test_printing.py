@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, cast
 
 import pytest
-from sympy import Symbol
+from sympy import Symbol, cos
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
 from kousoku.model.errors import DerivationError
@@ -72,6 +72,7 @@ def test_scalars_in_latex_are_letters_or_words() -> None:
     assert show(mul(length, SYMBOLS["r_i"]), "latex") == r"\mathit{length} \, \mathbf{r}^{i}"
     cosine = NamedScalar("cos β", length)
     assert show(length * cosine, "latex") == r"\mathit{length} \, \cos \beta"
+    assert show(mul(cos(length), SYMBOLS["r_i"]), "latex").startswith(r"\cos\left(")
     assert show(SYMBOLS["p_i"][0, 0], "latex") == r"e_{0}^{i}"
     assert show(NamedScalar("cos β", length), "latex") == r"\cos \beta"
 
