@@ -14,6 +14,9 @@ Quaternion = tuple[float, float, float, float]
 
 GROUND_INDEX = -1
 
+LAW_NAMES = ("x", "v", "t")
+"""What the tension of a spring may depend on: elongation, rate of its length, time."""
+
 
 @dataclass(frozen=True, slots=True)
 class MovingBody:
@@ -97,7 +100,10 @@ class ForceElement:
     constants : tuple of (str, tuple of float)
         ``s_j_b`` [m] and ``force`` [N] of a force, ``torque`` [N m] of a torque; of a spring
         ``s_i_b``, ``s_j_b``, ``stiffness`` [N/m], ``damping`` [N s/m], ``free_length`` [m]. Points
-        are in the principal frames, frame O for the ground.
+        are in the principal frames, frame O for the ground. Of a spring with a law of its own
+        ``unit`` [m] in place of stiffness and damping.
+    law : str
+        Tension as a formula of :data:`LAW_NAMES`, in the unit of the scene; empty where linear.
     """
 
     name: str
@@ -105,13 +111,17 @@ class ForceElement:
     i: int
     j: int
     constants: tuple[tuple[str, tuple[float, ...]], ...]
+    law: str = ""
+
+    @property
+    def has_potential(self) -> bool:
+        """Whether work of it is potential energy."""
+        return self.kind == "force" or (self.kind == "spring_damper" and not self.law)
 
     @property
     def is_conservative(self) -> bool:
-        """Whether all its work is potential energy."""
-        return self.kind == "force" or (
-            self.kind == "spring_damper" and dict(self.constants)["damping"] == (0.0,)
-        )
+        """Whether all its work is."""
+        return self.has_potential and dict(self.constants).get("damping", (0.0,)) == (0.0,)
 
 
 @dataclass(frozen=True, slots=True)

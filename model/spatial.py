@@ -145,6 +145,10 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Tension of a spring by its elongation; the same number as in N/m.
     damping : float [kg/s]
         Tension of a damper by the rate of elongation; the same number as in N s/m.
+    tension : str, optional
+        Tension of a spring as a formula of its elongation ``x``, the rate ``v`` of its length and
+        time ``t``, in the unit of the scene, instead of stiffness and damping; a positive tension
+        draws the ends together.
     free_length : float [unit of the scene], optional
         Length of a spring without tension; the distance of its ends, as the positions are written,
         when left out.
@@ -161,4 +165,5 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     points: tuple[Vector, Vector] | None = None
     stiffness: float | None = None
     damping: float | None = None
+    tension: str | None = None
     free_length: float | None = None

@@ -64,11 +64,16 @@ def _spring(name: str, force: Force, frames: Mapping[str, BodyFrame], unit: High
         length = precise.length(precise.subtract(end, start))
     else:
         length = precise.number(free)
+    law: tuple[tuple[str, tuple[float, ...]], ...]
+    if force.tension is None:
+        law = (("stiffness", (force.stiffness or 0.0,)), ("damping", (force.damping or 0.0,)))
+    else:
+        law = (("unit", (float(unit),)),)
     constants = (
         ("s_i_b", ends[0].point(points[0], unit)),
         ("s_j_b", ends[1].point(points[1], unit)),
-        ("stiffness", (force.stiffness or 0.0,)),
-        ("damping", (force.damping or 0.0,)),
+        *law,
         ("free_length", (float(unit * length),)),
     )
-    return ForceElement(name, force.type, ends[0].index, ends[1].index, constants)
+    i, j = (end.index for end in ends)
+    return ForceElement(name, force.type, i, j, constants, law=force.tension or "")

@@ -5,7 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import unknown
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import ExpressionError, SceneError
+from kousoku.model.expression import parse_expression
+from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 
 if TYPE_CHECKING:
@@ -15,7 +17,7 @@ if TYPE_CHECKING:
 KEYS = {
     "force": ("body", "point", "force", "force_b"),
     "torque": ("body", "torque", "torque_b"),
-    "spring_damper": ("bodies", "points", "stiffness", "damping", "free_length"),
+    "spring_damper": ("bodies", "points", "stiffness", "damping", "tension", "free_length"),
 }
 """Keys of each type."""
 
@@ -98,12 +100,28 @@ def _check_spring(scene: Scene, force: Force, key: str) -> None:
     for index, (name, point) in enumerate(zip(bodies, force.points or (), strict=True)):
         if name != GROUND and scene.bodies[name].point:
             _check_only_point(name, point, f"{key}.points[{index}]")
-    if force.stiffness is None and force.damping is None:
-        raise SceneError(
-            "is missing; wanted a stiffness, a damping or both", key=f"{key}.stiffness"
-        )
+    _check_law(force, key)
     if force.free_length is not None and force.free_length < 0:
         raise SceneError(
             f"a length of {force.free_length!r}; wanted none that is negative",
             key=f"{key}.free_length",
         )
+
+
+def _check_law(force: Force, key: str) -> None:
+    is_linear = force.stiffness is not None or force.damping is not None
+    if force.tension is None:
+        if not is_linear:
+            raise SceneError(
+                "is missing; wanted a stiffness, a damping or both, or a tension",
+                key=f"{key}.stiffness",
+            )
+        return
+    if is_linear:
+        raise SceneError(
+            "has a stiffness or a damping too; wanted one of them", key=f"{key}.tension"
+        )
+    try:
+        parse_expression(force.tension, LAW_NAMES)
+    except ExpressionError as error:
+        raise SceneError(str(error), key=f"{key}.tension") from None

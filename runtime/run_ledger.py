@@ -76,7 +76,8 @@ class RunLedger:
         Energy at the start, and the largest change since then that no work explains; None where
         rows were not checked, and where forces do work that is not counted.
     working : tuple of str
-        Forces whose work is not counted: dampers, torques, and forces that turn with a body.
+        Forces whose work is not counted: dampers, springs with a formula, torques, and forces that
+        turn with a body.
     violations : mapping of str to Violation
         What is left of the constraints by joint; empty where rows were not checked.
     seconds : mapping of str to float

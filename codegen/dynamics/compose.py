@@ -138,7 +138,7 @@ class _Composer:
         self.wanted = wanted
         self.is_planar = is_planar
         self.recorder = Recorder()
-        self.recorder.region("t", 1)
+        self.time = self.recorder.region("t", 1)
         positions, velocities = sizes(system, is_planar=is_planar)
         region = self.recorder.region
         self.q, self.v = region("q", positions), region("v", velocities)
@@ -307,7 +307,10 @@ class _Composer:
                         *(body.v_r, body.omega_b, body.inverse_mass),
                     )
                 ]
-                found = self.recorder.call(Spring(i.columns, j.columns), *ends, *constants)
+                if force.law:
+                    constants.append(self.time)
+                operation = Spring(i.columns, j.columns, force.law)
+                found = self.recorder.call(operation, *ends, *constants)
             else:
                 blocks = (j.p, j.orientation, j.inverse_mass, *constants)
                 found = (column(()), *self.recorder.call(Load(force.kind, j.columns), *blocks))
@@ -360,7 +363,7 @@ class _Composer:
                 Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight
             )
         for force in self.system.forces:
-            if force.kind in {SPRING, "force"}:
+            if force.has_potential:
                 i, j = self.body(force.i), self.body(force.j)
                 constants = [self.recorder.constant(values) for _, values in force.constants]
                 parts += self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)

@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen, share
+from kousoku.codegen.expressions import to_graph
 from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.expression import parse_expression
+from kousoku.model.mechanism import GROUND_INDEX, LAW_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -71,16 +73,20 @@ class Spring:
     """M⁻¹f of a spring and damper.
 
     Blocks: r, p, A, v, ω′ and the diagonal of M⁻¹ of body i, those of body j, then the two ends,
-    stiffness, damping and free length.
+    stiffness, damping and free length; of a law of its own the unit instead of stiffness and
+    damping, and the time last.
 
     Parameters
     ----------
     columns_i, columns_j : tuple of int
         Columns of each body that are coordinates: none of the ground.
+    law : str
+        Tension as a formula, empty where linear.
     """
 
     columns_i: tuple[int, ...]
     columns_j: tuple[int, ...]
+    law: str
     title: str = "spring and damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
@@ -93,13 +99,32 @@ class Spring:
         places |= dict(zip(ENDS, blocks[12:14], strict=True))
         motion = {"v_i": v_i, "omega_i_b": omega_i, "v_j": v_j, "omega_j_b": omega_j}
         found = _inline(trace, "length", places | motion)
-        law = dict(zip(LAW, blocks[14:], strict=True))
-        tension = _inline(trace, "law", found | law)["T"]
+        if self.law:
+            tension = _tension(trace, self.law, found, *blocks[14:])
+        else:
+            law = dict(zip(LAW, blocks[14:], strict=True))
+            tension = _inline(trace, "law", found | law)["T"]
         force = _inline(trace, "force", places | {"T": tension})["force"].flat
         return (
             _accelerations(trace, force[:COLUMNS], self.columns_i, weights_i),
             _accelerations(trace, force[COLUMNS:], self.columns_j, weights_j),
         )
+
+
+def _tension(trace: Trace, law: str, found: dict[str, Matrix], *given: Matrix) -> Matrix:
+    """Return the tension [N] by a formula; given are the unit, the free length and the time."""
+    unit, free, time = given
+    graph = trace.graph
+    (scale,), (rate,) = unit.flat, found["l_dot"].flat
+    elongation = graph.sub(*found["l"].flat, *free.flat)
+    values = (
+        graph.div(elongation, scale),
+        graph.div(rate, scale),
+        *time.flat,
+    )
+    leaves = dict(zip(LAW_NAMES, values, strict=True))
+    own = to_graph(parse_expression(law, LAW_NAMES), graph, leaves)
+    return Matrix(graph, ((graph.mul(scale, own),),), 1)
 
 
 @dataclass(frozen=True, slots=True)

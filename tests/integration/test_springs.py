@@ -1,9 +1,11 @@
-"""A free body on a spring and damper moves as an independent model of the ADAMS case does.
+"""A free body on a spring and damper moves as independent models of the ADAMS cases do.
 
-Definition: ``tsda_case02`` of ``data/testing/joints`` of projectchrono/chrono, commit 7689fbc0.
-1 kg, gravity 9.80665 m/s² along −z, from rest at (0, 2, 0), a spring of 100 N/m and a damper of
-5 N s/m from the origin to the centre, free length 2 m. The positions come from minimal coordinates
-and a multi-precision Taylor series; what ADAMS prints agrees with them to 3e-5 m.
+Definitions: ``tsda_case02`` … ``tsda_case04`` of ``data/testing/joints`` of projectchrono/chrono,
+commit 7689fbc0. 1 kg, gravity 9.80665 m/s² along −z, from rest, free length 2 m. In the first case
+a spring of 100 N/m and a damper of 5 N s/m from the origin to the centre at (0, 2, 0); in the two
+others the law is not linear, and the end is not the centre. The positions come from minimal
+coordinates and multi-precision series, of the others from two methods that agree to 1e-10; what
+ADAMS prints agrees with them to 3e-5 m.
 """
 
 from __future__ import annotations
@@ -27,6 +29,21 @@ POSITIONS = {
     3.0: [0.0, 1.553451759993, -1.561142220902],
     4.0: [0.0, 1.78500666335, -1.105278252823],
     5.0: [0.0, -1.945197850454, -0.767400995044],
+}
+
+LAW = "50*x + 10*abs(x)*x + 5*v"
+#: At 1, 2 and 5 s, under the law above.
+NONLINEAR = {
+    "tsda_case03": (
+        [-0.526661528112, 3.486916219535, -1.046425435487],
+        [3.410454867323, -0.389567531354, 0.611572011753],
+        [-1.444916900415, 4.419558576433, 1.322425552333],
+    ),
+    "tsda_case04": (
+        [0.0, 2.100737814042, -3.87481503575],
+        [0.0, -3.928275283974, -1.563022200493],
+        [0.0, 3.974238758337, -0.585782004252],
+    ),
 }
 
 
@@ -63,6 +80,50 @@ def test_a_body_on_a_spring_moves_as_the_independent_model(
     np.testing.assert_allclose(found, list(POSITIONS.values()), rtol=0, atol=1e-11)
     assert motion.ledger.working == ("spring",)
     assert motion.ledger.energy_error is None
+
+
+@pytest.mark.parametrize(
+    ("case", "unit", "factor"),
+    [("tsda_case03", "m", 1.0), ("tsda_case04", "m", 1.0), ("tsda_case04", "mm", 1000.0)],
+)
+def test_a_spring_with_a_law_of_its_own_moves_as_the_independent_model(
+    mover: Callable[..., DynamicsSolver], case: str, unit: str, factor: float
+) -> None:
+    law = LAW if unit == "m" else "50*x + 10*abs(x)*x/1000 + 5*v"
+    inertia = {"xx": 0.04 * factor**2, "yy": 0.1 * factor**2, "zz": 0.1 * factor**2}
+    body: Any = {"mass": 1, "inertia": inertia}
+    ends: list[list[float]]
+    if case == "tsda_case03":
+        body["position"], ends = [-1, 4, 3], [[1, 2, 3], [2, 0, 0]]
+    else:
+        body |= {"position": [0, 4 * factor, 0]}
+        body["orientation"] = {"axis": [0, 0, 1], "angle": -np.pi / 2}
+        ends = [[0, 0, 0], [2 * factor, 0, 0]]
+    spring = {"type": "spring_damper", "bodies": ["ground", "bob"], "points": ends, "tension": law}
+    tree = {"name": "bob", "unit": unit, "gravity": [0, 0, -9.80665 * factor]}
+    found = scene_from_dict(tree | {"bodies": {"bob": body}, "forces": {"spring": spring}})
+    motion = mover(found).simulate(times=[0.0, 1.0, 2.0, 5.0], tolerance=1e-12)
+    positions = motion.position["bob"][1:] / factor
+    np.testing.assert_allclose(positions, NONLINEAR[case], rtol=0, atol=1e-9)
+    assert motion.ledger.working == ("spring",)
+
+
+def test_a_tension_may_depend_on_time(mover: Callable[..., DynamicsSolver]) -> None:
+    tree: Any = {
+        "name": "pulled",
+        "unit": "m",
+        "bodies": {"ball": {"position": [3, 0, 0], "point": True, "mass": 2}},
+        "forces": {
+            "rope": {
+                "type": "spring_damper",
+                "bodies": ["ground", "ball"],
+                "points": [[0, 0, 0], [0, 0, 0]],
+                "tension": "6*t",
+            }
+        },
+    }
+    motion = mover(scene_from_dict(tree)).simulate(times=[0.0, 1.0], tolerance=1e-12)
+    np.testing.assert_allclose(motion.position["ball"][1], [2.5, 0, 0], rtol=0, atol=1e-11)
 
 
 def test_a_spring_without_a_damper_keeps_the_energy(mover: Callable[..., DynamicsSolver]) -> None:

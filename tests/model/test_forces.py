@@ -63,6 +63,12 @@ def scene(**force: Any) -> Tree:
         ({**SPRING, "bodies": ["bar", "dot"]}, "points[1]", "its only point"),
         ({"type": "spring_damper", "bodies": ["ground", "bar"]}, "points", "is missing"),
         ({k: x for k, x in SPRING.items() if k != "stiffness"}, "stiffness", "a damping or both"),
+        ({**SPRING, "tension": "x"}, "tension", "wanted one of them"),
+        (
+            {**{k: x for k, x in SPRING.items() if k != "stiffness"}, "tension": "40*y"},
+            "tension",
+            "column 4: unknown name 'y'",
+        ),
         ({**SPRING, "free_length": -1}, "free_length", "wanted none that is negative"),
     ],
 )
