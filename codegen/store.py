@@ -57,6 +57,12 @@ def parse(text: str) -> Package:
         ) from problem
 
 
+def shipped_kinds() -> tuple[str, ...]:
+    """Return the names of the packages of kinds that are shipped, in order."""
+    folder = resources.files("kousoku.generated.kinds")
+    return tuple(sorted(x.name for x in folder.iterdir() if (x / GRAPH_FILE).is_file()))
+
+
 def load_frozen(name: str) -> Package:
     """Return the frozen kernels of a kind that is shipped, such as ``p2_z``.
 

@@ -144,6 +144,16 @@ def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]
     return kept
 
 
+def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
+    """Return the columns that some bodies have in a program; six in turn belong to each body."""
+    return [
+        COLUMNS * body + k
+        for body in bodies
+        for k, place in enumerate((*program.bodies[body].v, *program.bodies[body].omega_b))
+        if place.slot >= 0
+    ]
+
+
 def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
     branch = _branch(system, program, part, rows)
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
@@ -180,10 +190,8 @@ def _branch(system: System, program: Program, part: Part, rows: Sequence[Row]) -
     first = dict(zip(part.instances, residuals.first, strict=False))
     free = part.bodies if part.is_grounded else part.bodies[1:]
     columns = [
-        COLUMNS * place[body] + k
-        for body in free
-        for k, coordinate in enumerate((*program.bodies[body].v, *program.bodies[body].omega_b))
-        if coordinate.slot >= 0
+        COLUMNS * place[column // COLUMNS] + column % COLUMNS
+        for column in columns_of(program, free)
     ]
     chosen = [first[row.instance] + row.row for row in rows]
     return Branch(residuals, chosen, columns, Metric(system).size)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from kousoku.model.precise import High
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
+    Places = np.ndarray[Any, np.dtype[np.int64]]
 
 
 class Jacobian:
@@ -137,14 +138,22 @@ class Residuals:
         return c, rates
 
     def doubles(self, r: Array, p: Array) -> tuple[Array, Array]:
-        """Return C and C_q, dense, in doubles.
+        """Return C and C_q, dense, in doubles; arguments as :meth:`elements` takes them."""
+        c, rows, columns, values = self.elements(r, p)
+        matrix = np.zeros((self.rows, self.columns))
+        matrix[rows, columns] = values
+        return c, matrix
+
+    def elements(self, r: Array, p: Array) -> tuple[Array, Places, Places, Array]:
+        """Return C, and of the elements of C_q that are not zero rows, columns and values.
 
         Parameters
         ----------
         r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
             Positions of all bodies, that of the ground last.
         """
-        c, matrix = np.zeros(self.rows), np.zeros((self.rows, self.columns))
+        c = np.zeros(self.rows)
+        rows, columns, found = [], [], []
         state = {"r": r, "p": p}
         for kind, places in self._by_kind().items():
             of_kind = [self.constraints[place] for place in places]
@@ -153,17 +162,17 @@ class Residuals:
             first = np.array([self.first[place] for place in places])
             for row, value in enumerate(result["C"]):
                 c[first + row] = value
-            columns = [
-                [self._column(instance, k) for instance in of_kind] for k in range(2 * COLUMNS)
-            ]
-            places_of = [np.array(own) for own in columns]
+            own = np.array([[self._column(one, k) for one in of_kind] for k in range(2 * COLUMNS)])
             for at, value in enumerate(result["C_q"]):
                 row, k = divmod(at, 2 * COLUMNS)
-                if np.ndim(value) or value:
-                    own = places_of[k] >= 0
-                    values = value[own] if np.ndim(value) else value
-                    matrix[(first + row)[own], places_of[k][own]] = values
-        return c, matrix
+                values = np.asarray(value) + np.zeros(len(places))
+                there = (values != 0) & (own[k] >= 0)
+                rows.append((first + row)[there])
+                columns.append(own[k][there])
+                found.append(values[there])
+        if not found:
+            return c, np.zeros(0, int), np.zeros(0, int), np.zeros(0)
+        return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)
 
     def _by_kind(self) -> Mapping[str, list[int]]:
         groups: dict[str, list[int]] = {}

@@ -10,6 +10,7 @@ import typer
 from kousoku import __version__
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
+from kousoku.cli.explain import explain
 from kousoku.cli.generate import generate
 from kousoku.cli.ledger import ledger
 from kousoku.cli.listing import list_names
@@ -52,6 +53,7 @@ def _kousoku(
 app.command("derive")(derive)
 app.command("generate")(generate)
 app.command("verify")(verify)
+app.command("explain")(explain)
 app.command("solve")(solve)
 app.command("simulate")(simulate)
 app.command("ledger")(ledger)

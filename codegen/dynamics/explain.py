@@ -1,0 +1,226 @@
+"""What a scene does not need, step by step, and the structure of what remains.
+
+A step compares two programs of the same scene: one that does without, and one that does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.compose import compose
+from kousoku.codegen.dynamics.counts import counts, operations
+from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
+from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.structure import structure_of
+from kousoku.codegen.store import shipped_kinds
+from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.system import system_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.freedom import Freedom
+    from kousoku.codegen.dynamics.program import Program
+    from kousoku.codegen.dynamics.structure import Structure
+    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.scene import Scene
+
+#: Everything that can be computed.
+ALL = (*LEDGER, "reactions")
+#: What stands for zeros and ones where they shall not fold: neither, and no two of them are equal.
+GENERIC = 0.6180339887498949
+BYTES = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one step saved.
+
+    Parameters
+    ----------
+    name, detail : str
+        What was done, and to what.
+    rows, columns : int
+        Rows of C_q and velocities.
+    operations : int
+        Scalar operations of all segments, each run once.
+    bytes : int
+        Of the workspace.
+    """
+
+    name: str
+    detail: str
+    rows: int = 0
+    columns: int = 0
+    operations: int = 0
+    bytes: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What is solved for a scene, and what is not.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    steps : tuple of Step
+        In the order in which they are taken.
+    segments : tuple of (str, int)
+        Operations of each segment of the program.
+    structure : Structure
+        What remains.
+    freedom : Freedom
+        Degrees of freedom and dependent rows.
+    removed : tuple of str
+        The rows that depend on others, such as ``a: row 1 of p1_z``.
+    is_planar : bool
+        Whether it is solved in a coordinate plane.
+    """
+
+    name: str
+    steps: tuple[Step, ...]
+    segments: tuple[tuple[str, int], ...]
+    structure: Structure
+    freedom: Freedom
+    removed: tuple[str, ...]
+    is_planar: bool
+
+
+def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
+    """Return what a scene of bodies does not need, and what remains.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked spatial scene.
+    outputs : sequence of str, optional
+        What is wanted beside positions and velocities; what the scene says unless given.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
+    """
+    system = assemble(system_of(scene))
+    wanted = (*LEDGER, *(scene.outputs if outputs is None else outputs))
+    everything = compose(system, ALL)
+    thick = _thick(system)
+    in_space = compose(thick, ALL, may_be_planar=False)
+    unfolded = compose(_generic(thick), ALL, may_be_planar=False)
+    full = compose(system, wanted)
+    freedom = freedom_of(system, full)
+    program = compose(system, wanted, rows=kept_rows(freedom, full)) if freedom.dropped else full
+    final = inline(program)
+    structure = structure_of(system, program)
+    folded = structure_of(thick, in_space)
+    steps = [
+        *_counted(system),
+        _step("zeros and ones folded", _of_elements(folded), unfolded, in_space),
+        _step("planar", _of_plane(everything), in_space, everything),
+        _step("outputs not wanted", _of_outputs(wanted), everything, full),
+        _step("redundant rows removed", _of_rows(freedom), full, program),
+        Step("parts solved apart", f"{structure.parts} without a common moving body"),
+        _step("straight-line code", _of_code(final, program), program, final),
+    ]
+    segments: dict[str, int] = {}
+    for count in counts(final):
+        segments[count.segment] = segments.get(count.segment, 0) + count.operations
+    return Explanation(
+        name=scene.name,
+        steps=tuple(steps),
+        segments=tuple(segments.items()),
+        structure=structure,
+        freedom=freedom,
+        removed=tuple(
+            f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
+            for row in freedom.dropped
+        ),
+        is_planar=program.is_planar,
+    )
+
+
+def _step(name: str, detail: str, before: Program, after: Program) -> Step:
+    columns = before.region("v").size - after.region("v").size
+    return Step(
+        name=name,
+        detail=detail,
+        rows=len(before.rows) - len(after.rows),
+        columns=columns,
+        operations=operations(before) - operations(after),
+        bytes=BYTES * (before.size - after.size),
+    )
+
+
+def _counted(system: System) -> list[Step]:
+    """Return the steps that leave nothing to compare with: what they avoid is counted."""
+    shipped = shipped_kinds()
+    used = dict.fromkeys(one.kind for one in system.constraints)
+    grounded = sum(GROUND_INDEX in (one.i, one.j) for one in system.constraints)
+    columns = sum(3 if body.is_point else 6 for body in system.bodies)
+    return [
+        Step("kinds not used", f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}"),
+        Step("ground has no columns", f"{grounded} constraints with the ground", columns=6),
+        Step(
+            "mass blocks inverted beforehand",
+            f"{len(system.bodies)} constant diagonal blocks",
+            operations=columns,
+        ),
+    ]
+
+
+def _thick(system: System) -> System:
+    """Return the system with bodies that can turn about any axis, to compare with."""
+    return replace(system, bodies=tuple(map(_thick_body, system.bodies)))
+
+
+def _thick_body(body: MovingBody) -> MovingBody:
+    if body.is_point:
+        return body
+    x, y, z = body.inertia
+    thin = max(x, y, z) / 2 or 1.0
+    return replace(body, inertia=(x or thin, y or thin, z or thin))
+
+
+def _generic(system: System) -> System:
+    """Return the system with points and axes in which nothing is zero or one, to compare with."""
+    return replace(
+        system,
+        constraints=tuple(
+            replace(
+                one,
+                constants=tuple(
+                    (name, tuple(GENERIC if x in {-1.0, 0.0, 1.0} else x for x in values))
+                    for name, values in one.constants
+                ),
+            )
+            for one in system.constraints
+        ),
+    )
+
+
+def _of_elements(structure: Structure) -> str:
+    return f"{structure.elements} of {structure.dense} elements of C_q are not zero in space"
+
+
+def _of_plane(program: Program) -> str:
+    return "proven to stay in a coordinate plane" if program.is_planar else "not in such a plane"
+
+
+def _of_outputs(wanted: Sequence[str]) -> str:
+    left = [name for name in ALL if name not in wanted]
+    return f"{', '.join(left)} not computed" if left else "all are wanted"
+
+
+def _of_rows(freedom: Freedom) -> str:
+    if not freedom.dropped:
+        return "not looked for in all parts" if freedom.unknown else "none depends on others"
+    names = dict.fromkeys(row.joint for row in freedom.dropped)
+    return f"of {', '.join(names)}"
+
+
+def _of_code(final: Program, program: Program) -> str:
+    return "loops over equal tasks stay" if final is program else "all tasks on one graph"

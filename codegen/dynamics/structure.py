@@ -1,0 +1,145 @@
+"""What a program solves: its elements that are not zero, in C_q and in the factors of S."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.freedom import columns_of
+from kousoku.codegen.dynamics.ordering import minimum_degree
+from kousoku.codegen.dynamics.residuals import Residuals
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.program import Place, Program
+    from kousoku.model.mechanism import System
+
+#: A position without a pattern: what is smaller there is zero everywhere.
+ZERO = 1e-13
+GOLDEN = 0.6180339887498949
+
+
+@dataclass(frozen=True, slots=True)
+class Structure:
+    """What remains of a scene.
+
+    Parameters
+    ----------
+    positions, velocities, rows : int
+        Coordinates, velocities, and rows of C_q that are kept.
+    elements : int
+        Elements of C_q that are not structurally zero.
+    dense : int
+        Elements of the blocks of C_q, with six columns for each body.
+    schur : int
+        Elements of the lower triangle of S = C_q M⁻¹ C_qᵀ, by blocks of joints.
+    fill_in : int
+        Elements that its factors have beyond those.
+    parts : int
+        Parts of the scene that share no moving body: no element of S couples them.
+    """
+
+    positions: int
+    velocities: int
+    rows: int
+    elements: int
+    dense: int
+    schur: int
+    fill_in: int
+    parts: int
+
+
+def structure_of(system: System, program: Program) -> Structure:
+    """Return the structure of a program."""
+    ends, sizes = _joints(system, program)
+    pairs = _coupled(ends)
+    schur = sum(n * (n + 1) // 2 for n in sizes) + sum(sizes[a] * sizes[b] for a, b in pairs)
+    factors = sum(
+        sizes[pivot.joint] * (sizes[pivot.joint] + 1) // 2
+        + sum(sizes[pivot.joint] * sizes[other] for other in pivot.neighbours)
+        for pivot in minimum_degree(len(sizes), pairs)
+    )
+    return Structure(
+        positions=program.region("q").size,
+        velocities=program.region("v").size,
+        rows=len(program.rows),
+        elements=_elements(system, program),
+        dense=sum(
+            6 * size * (2 - (GROUND_INDEX in pair)) for size, pair in zip(sizes, ends, strict=True)
+        ),
+        schur=schur,
+        fill_in=factors - schur,
+        parts=_parts(len(system.bodies), ends),
+    )
+
+
+def _joints(system: System, program: Program) -> tuple[list[tuple[int, int]], list[int]]:
+    """Return for each joint that keeps rows its bodies and how many rows."""
+    sizes: dict[tuple[str, int, int], int] = {}
+    for row in program.rows:
+        instance = system.constraints[row.instance]
+        key = (instance.joint, instance.i, instance.j)
+        sizes[key] = sizes.get(key, 0) + 1
+    return [(i, j) for _, i, j in sizes], list(sizes.values())
+
+
+def _coupled(ends: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the pairs of joints that share a moving body."""
+    by_body: dict[int, list[int]] = {}
+    pairs: dict[tuple[int, int], None] = {}
+    for k, pair in enumerate(ends):
+        for body in pair:
+            if body != GROUND_INDEX:
+                pairs.update(((k, other), None) for other in by_body.get(body, ()))
+        for body in pair:
+            by_body.setdefault(body, []).append(k)
+    return list(pairs)
+
+
+def _parts(count: int, ends: Sequence[tuple[int, int]]) -> int:
+    """Return how many groups of bodies joints make, the ground aside."""
+    beside: list[list[int]] = [[] for _ in range(count)]
+    for i, j in ends:
+        if GROUND_INDEX not in (i, j):
+            beside[i].append(j)
+            beside[j].append(i)
+    seen = [False] * count
+    parts = 0
+    for body in range(count):
+        parts += not seen[body]
+        waiting = [body]
+        while waiting:
+            here = waiting.pop()
+            if not seen[here]:
+                seen[here] = True
+                waiting += beside[here]
+    return parts
+
+
+def _elements(system: System, program: Program) -> int:
+    """Count what is not zero at a position without a pattern."""
+    residuals = Residuals(system.constraints, system.bodies)
+    numbers = iter(range(1, 7 * len(program.bodies) + 1))
+
+    def anywhere(places: Sequence[Place]) -> list[float]:
+        return [
+            place.value if place.slot < 0 else 0.25 + number * GOLDEN % 1.0
+            for place, number in zip(places, numbers, strict=False)
+        ]
+
+    r = [anywhere(body.r) for body in program.bodies]
+    p = [anywhere(body.p) for body in program.bodies]
+    ground = [0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]
+    _, rows, columns, values = residuals.elements(
+        np.array([*r, ground[0]]), np.array([*p, ground[1]])
+    )
+    kept_rows = np.zeros(residuals.rows, bool)
+    for row in program.rows:
+        kept_rows[residuals.first[row.instance] + row.row] = True
+    kept_columns = np.zeros(residuals.columns, bool)
+    kept_columns[columns_of(program, range(len(program.bodies)))] = True
+    return int(np.sum(kept_rows[rows] & kept_columns[columns] & (np.abs(values) > ZERO)))

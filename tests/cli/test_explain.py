@@ -1,0 +1,83 @@
+"""The command that says what a scene does not need."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SCENES = Path(__file__).parents[2] / "scenes"
+
+TWICE = """
+name = "twice"
+unit = "m"
+gravity = [0, -9.81, 0]
+bodies.b = { position = [0, 0, 0], boxes = [{ mass = 1, size = [1, 2, 3], at = [1, 0, 0] }] }
+joints.one = { type = "weld", bodies = ["ground", "b"], at = [0, 0, 0] }
+joints.two = { type = "ball", bodies = ["ground", "b"], at = [2, 0, 0] }
+"""
+
+
+def test_the_list_names_steps_what_remains_and_freedoms(run: Callable[..., tuple]) -> None:
+    code, out, _ = run("explain", SCENES / "bricard.toml")
+
+    assert code == 0
+    for step in ("kinds not used", "ground has no columns", "planar", "straight-line code"):
+        assert step in out
+    assert "35 coordinates, 30 velocities, 29 rows" in out
+    assert "1 degree of freedom: 30 velocities less rank 29" in out
+    assert "1 row of 30 depends on the others of a, b, c, d, e, f: along the branch" in out
+    assert "reactions are not unique at a, b, c, d, e, f" in out
+
+
+def test_a_program_reads_the_same_numbers(run: Callable[..., tuple]) -> None:
+    code, out, _ = run("explain", SCENES / "n_four_bar.toml", "--json")
+    data = json.loads(out)
+
+    assert code == 0
+    assert data["is_planar"] is True
+    assert data["structure"]["rows"] == 14
+    assert data["freedom"]["degrees"] == 1
+    steps = {step["name"]: step for step in data["steps"]}
+    assert steps["planar"]["columns"] == 15
+    assert sum(data["segments"].values()) > 1000
+    assert data["removed"] == []
+
+
+def test_a_body_that_is_held_twice_cannot_move(run: Callable[..., tuple], tmp_path: Path) -> None:
+    scene = tmp_path / "twice.toml"
+    scene.write_text(TWICE, encoding="utf-8")
+    code, out, _ = run("explain", scene)
+
+    assert code == 0
+    assert "0 degrees of freedom: 3 velocities less rank 3" in out
+    assert "nothing can move" in out
+    assert "of one, two" in out
+
+
+def test_the_blocks_of_a_linkage_are_told(run: Callable[..., tuple]) -> None:
+    code, out, _ = run("explain", SCENES / "lever_crank.toml")
+    assert code == 0
+    assert "1 input, 4 unknowns solved block after block: 2, 2" in out
+    assert "position_1" in out
+
+    _, out, _ = run("explain", SCENES / "lever_crank.toml", "--json")
+    assert json.loads(out)["blocks"] == [{"unknowns": 2, "rows": 2}] * 2
+
+
+def test_what_dynamics_refuses_explain_refuses(run: Callable[..., tuple]) -> None:
+    code, _, err = run("explain", SCENES / "spatial_four_bar.toml")
+    assert code == 2
+    assert "inputs.alpha" in err
+
+
+@pytest.mark.parametrize("scene", ["pendulum", "heavy_top", "free_body", "piston_crank_bodies"])
+def test_every_scene_can_be_explained(run: Callable[..., tuple], scene: str) -> None:
+    code, out, _ = run("explain", SCENES / f"{scene}.toml")
+    assert code == 0
+    assert "none depends on others" in out
