@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 #: Rows of the largest part that is looked at; the time grows with their cube.
 MOST_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
-POSITIONS, ROWS_AND_POSITIONS = 24, 1800
+POSITIONS, ROWS_AND_POSITIONS = 24, 6000
 #: What is smaller in a unit vector of a dependence does not take part in it.
 TAKES_PART = 1e-7
 

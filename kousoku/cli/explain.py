@@ -73,9 +73,9 @@ def _print(found: "Explanation") -> None:
     )
     s = found.structure
     typer.echo(
-        f"{s.positions} coordinates, {s.velocities} velocities, {s.rows} rows; C_q has {s.elements}"
-        f" elements that are not zero, S {s.schur} in its lower triangle, its factors {s.fill_in}"
-        f" more; solved in {_counted(s.parts, 'part')}"
+        f"{s.positions} coordinates, {s.velocities} velocities, {_counted(s.rows, 'row')}; C_q has"
+        f" {s.elements} elements that are not zero, S {s.schur} in its lower triangle, its factors"
+        f" {s.fill_in} more; solved in {_counted(s.parts, 'part')}"
         f"{', in a coordinate plane' if found.is_planar else ''}"
     )
     for line in _lines(found.freedom, found.removed):
