@@ -22,7 +22,8 @@ from kousoku.runtime.dynamics import load_dynamics
 #: as they may be, for every number of bars.
 FIRST, SHORT, LONG = 1e-6, 0.2, 0.6
 TOLERANCE, STEP = 1e-6, 4e-3
-ROUNDS = 5
+#: Least rounds; so many that all bars together are enough to be timed.
+ROUNDS, BARS = 5, 1000
 
 
 def measured(count: int) -> tuple[float, float]:
@@ -59,7 +60,7 @@ def main() -> None:
         timed(FIRST)
         print("moved", flush=True)
         rounds = []
-        for _ in range(ROUNDS):
+        for _ in range(max(ROUNDS, BARS // count)):
             (long, more), (short, few) = timed(LONG), timed(SHORT)
             rounds.append((long - short) / (more - few) / count)
         print(statistics.median(rounds), flush=True)
