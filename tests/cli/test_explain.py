@@ -11,6 +11,8 @@ import pytest
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    Run = Callable[..., tuple[int, str, str]]
+
 SCENES = Path(__file__).parents[2] / "scenes"
 
 TWICE = """
@@ -23,7 +25,7 @@ joints.two = { type = "ball", bodies = ["ground", "b"], at = [2, 0, 0] }
 """
 
 
-def test_the_list_names_steps_what_remains_and_freedoms(run: Callable[..., tuple]) -> None:
+def test_the_list_names_steps_what_remains_and_freedoms(run: Run) -> None:
     code, out, _ = run("explain", SCENES / "bricard.toml")
 
     assert code == 0
@@ -35,7 +37,7 @@ def test_the_list_names_steps_what_remains_and_freedoms(run: Callable[..., tuple
     assert "reactions are not unique at a, b, c, d, e, f" in out
 
 
-def test_a_program_reads_the_same_numbers(run: Callable[..., tuple]) -> None:
+def test_a_program_reads_the_same_numbers(run: Run) -> None:
     code, out, _ = run("explain", SCENES / "n_four_bar.toml", "--json")
     data = json.loads(out)
 
@@ -49,7 +51,7 @@ def test_a_program_reads_the_same_numbers(run: Callable[..., tuple]) -> None:
     assert data["removed"] == []
 
 
-def test_a_body_that_is_held_twice_cannot_move(run: Callable[..., tuple], tmp_path: Path) -> None:
+def test_a_body_that_is_held_twice_cannot_move(run: Run, tmp_path: Path) -> None:
     scene = tmp_path / "twice.toml"
     scene.write_text(TWICE, encoding="utf-8")
     code, out, _ = run("explain", scene)
@@ -60,7 +62,7 @@ def test_a_body_that_is_held_twice_cannot_move(run: Callable[..., tuple], tmp_pa
     assert "of one, two" in out
 
 
-def test_the_blocks_of_a_linkage_are_told(run: Callable[..., tuple]) -> None:
+def test_the_blocks_of_a_linkage_are_told(run: Run) -> None:
     code, out, _ = run("explain", SCENES / "lever_crank.toml")
     assert code == 0
     assert "1 input, 4 unknowns solved block after block: 2, 2" in out
@@ -70,14 +72,14 @@ def test_the_blocks_of_a_linkage_are_told(run: Callable[..., tuple]) -> None:
     assert json.loads(out)["blocks"] == [{"unknowns": 2, "rows": 2}] * 2
 
 
-def test_what_dynamics_refuses_explain_refuses(run: Callable[..., tuple]) -> None:
+def test_what_dynamics_refuses_explain_refuses(run: Run) -> None:
     code, _, err = run("explain", SCENES / "spatial_four_bar.toml")
     assert code == 2
     assert "inputs.alpha" in err
 
 
 @pytest.mark.parametrize("scene", ["pendulum", "heavy_top", "free_body", "piston_crank_bodies"])
-def test_every_scene_can_be_explained(run: Callable[..., tuple], scene: str) -> None:
+def test_every_scene_can_be_explained(run: Run, scene: str) -> None:
     code, out, _ = run("explain", SCENES / f"{scene}.toml")
     assert code == 0
     assert "none depends on others" in out

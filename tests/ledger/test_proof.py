@@ -10,6 +10,7 @@ import pytest
 from kousoku.ledger import lecture_7_1
 from kousoku.ledger.entry import Check, Entry
 from kousoku.ledger.proof import different, equal, prove
+from kousoku.ledger.rotation_words import words
 from kousoku.model.errors import LedgerError
 
 ENTRIES = {entry.equation: entry for entry in lecture_7_1.ENTRIES}
@@ -75,7 +76,6 @@ def test_no_sign_tilde_transpose_or_prime_can_change(entry: Entry) -> None:
 
 
 def test_a_check_that_is_false_is_named() -> None:
-    words = lecture_7_1.words
     same = different("A differs from A", words, r"\mathbf{A}^{OB}", r"\mathbf{A}^{OB}")
     other = equal("A is symmetric", words, r"\mathbf{A}^{OB}", r"(\mathbf{A}^{OB})^T")
     for check, message in ((same, "A differs from A: no difference"), (other, "A is symmetric: ")):
