@@ -59,7 +59,7 @@ def simulate(
     target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Integrate the motion of bodies under gravity, with joints that hold to rounding.
+    """Integrate the motion of bodies, with joints that hold to rounding.
 
     When the motion cannot go on, or Ctrl-C is pressed, what was computed before is written; the
     exit code is 2, or 130.
