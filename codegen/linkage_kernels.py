@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.linkage_blocks import DEPENDS
-from kousoku.codegen.passes.rebuild import copy_node, drop_dead
+from kousoku.codegen.passes.rebuild import drop_dead, substitute
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -148,17 +148,7 @@ class _Composer:
                 self._derivative(term, order) if place in used else zero
                 for place, term in enumerate(element.ends)
             ]
-        ids: dict[int, int] = {}
-        for old, node in enumerate(kernel.nodes):
-            if node.symbol is not None:
-                name, index = node.symbol
-                ids[old] = inputs[name][index]
-            else:
-                ids[old] = copy_node(self.graph, node, ids)
-        return {
-            quantity.name: [ids[node] for node in result]
-            for quantity, result in zip(kernel.outputs, kernel.results, strict=True)
-        }
+        return substitute(self.graph, kernel, inputs)
 
     def _derivative(self, term: Term, order: int) -> int:
         return self.layout.node(self.graph, term, order, self.places)

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.counts import operations
 from kousoku.codegen.dynamics.program import AFTER_GEOMETRY, Region, Segment, Task, writes
 from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
-from kousoku.codegen.passes.rebuild import copy_node
+from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -112,19 +112,13 @@ class _Inliner:
         """Run the tasks of a segment on nodes; ``values`` holds the node of each slot."""
         for task in self.old.segment(segment).tasks:
             kernel = self.old.kernels[task.kernel]
-            bases = {
-                quantity.name: base
+            inputs = {
+                quantity.name: [values[base + k] for k in range(quantity.size)]
                 for quantity, base in zip(kernel.inputs, task.inputs, strict=True)
             }
-            ids: dict[int, int] = {}
-            for old, node in enumerate(kernel.nodes):
-                if node.symbol is not None:
-                    name, place = node.symbol
-                    ids[old] = values[bases[name] + place]
-                else:
-                    ids[old] = copy_node(self.graph, node, ids)
-            for base, result in zip(task.outputs, kernel.results, strict=True):
-                values.update((base + k, ids[node]) for k, node in enumerate(result))
+            results = substitute(self.graph, kernel, inputs).values()
+            for base, result in zip(task.outputs, results, strict=True):
+                values.update((base + k, node) for k, node in enumerate(result))
 
     def _written(self, segment: str, values: Mapping[int, int]) -> dict[int, int]:
         """Return the node of each slot in a region that a segment writes, by its new place."""

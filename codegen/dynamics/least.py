@@ -96,15 +96,6 @@ class Solver:
         self._values: Array = np.maximum(values, 0.0)
         self._jacobian, self._metric = jacobian, metric
 
-    def multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
-        """Return λ of least norm with S λ = wanted, or damped by a part of the largest S."""
-        right = self._factors * np.array([float(x) for x in wanted])
-        largest = self._values[-1]
-        is_kept = self._values > DEPENDENT * largest
-        divisors = np.where(is_kept, self._values + damping * largest, np.inf)
-        solution = self._vectors @ (self._vectors.T @ right / divisors)
-        return [precise.number(float(x)) for x in self._factors * solution]
-
     def step(self, wanted: Sequence[High], damping: float) -> list[High]:
         """Return a displacement that changes the rows about as wanted, damped."""
         return self._displacement(self._multipliers(wanted, damping))

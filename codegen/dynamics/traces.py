@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
-from kousoku.codegen.passes.rebuild import copy_node
+from kousoku.codegen.passes.rebuild import copy_node, substitute
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -55,17 +55,7 @@ class Trace:
 
     def inline(self, kernel: Kernel, inputs: Mapping[str, Sequence[int]]) -> dict[str, list[int]]:
         """Rebuild a frozen kernel here; return the nodes of its outputs, row by row."""
-        ids: dict[int, int] = {}
-        for old, node in enumerate(kernel.nodes):
-            if node.symbol is not None:
-                name, index = node.symbol
-                ids[old] = inputs[name][index]
-            else:
-                ids[old] = copy_node(self.graph, node, ids)
-        return {
-            quantity.name: [ids[node] for node in result]
-            for quantity, result in zip(kernel.outputs, kernel.results, strict=True)
-        }
+        return substitute(self.graph, kernel, inputs)
 
     def is_known(self, nodes: Iterable[int], leaves: Iterable[int]) -> None:
         """State that ``nodes`` were computed before: they are read, not computed again."""

@@ -37,6 +37,29 @@ def copy_node(graph: Graph, node: Node, new_ids: Mapping[int, int]) -> int:
     return graph.apply(node.op, [new_ids[arg] for arg in node.args])
 
 
+def substitute(
+    graph: Graph, kernel: Kernel, inputs: Mapping[str, Sequence[int]]
+) -> dict[str, list[int]]:
+    """Rebuild a kernel in ``graph`` with nodes of it in place of the inputs.
+
+    Returns
+    -------
+    dict of str to list of int
+        For each output the nodes of its elements, row-major.
+    """
+    ids: dict[int, int] = {}
+    for old, node in enumerate(kernel.nodes):
+        if node.symbol is not None:
+            name, index = node.symbol
+            ids[old] = inputs[name][index]
+        else:
+            ids[old] = copy_node(graph, node, ids)
+    return {
+        quantity.name: [ids[node] for node in result]
+        for quantity, result in zip(kernel.outputs, kernel.results, strict=True)
+    }
+
+
 def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
     """Return ``kernel`` with the nodes of ``graph``: dead ones dropped, the rest renumbered.
 
