@@ -168,14 +168,7 @@ def open_solver(
 
 
 def _compiled(manifest: Manifest, files: Mapping[str, bytes]) -> CompiledSolver:
-    from kousoku.runtime.build import Source, build
-    from kousoku.runtime.notice import say_once
-    from kousoku.runtime.targets import open_library
+    from kousoku.runtime.library import compiled
     from kousoku.runtime.toolchain import find_toolchain
 
-    toolchain = find_toolchain()
-    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
-    built = build(Source(manifest.package, sources), toolchain)
-    if built.damage:
-        say_once(f"{built.damage}; it was built again")
-    return CompiledSolver(open_library(built.path, manifest), manifest.package)
+    return CompiledSolver(compiled(manifest, files, find_toolchain())[0], manifest.package)

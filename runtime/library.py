@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     import ctypes
     from collections.abc import Callable, Mapping
 
+    from kousoku.runtime.build import Built
+    from kousoku.runtime.toolchain import Toolchain
+
 MANIFEST = "manifest.json"
 NUMPY_SOURCE, C_SOURCE = "kernels.py", "kernels.c"
 
@@ -223,19 +226,27 @@ def import_source(path: Path, source: bytes) -> types.ModuleType:
     return module
 
 
-def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
+def compiled(
+    manifest: Manifest, files: Mapping[str, bytes], toolchain: Toolchain
+) -> tuple[ctypes.CDLL, Built]:
+    """Build the sources of a package, or find them built, and open the library."""
     from kousoku.runtime.build import Source, build
+
+    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
+    built = build(Source(manifest.package, sources), toolchain)
+    if built.damage:
+        say_once(f"{built.damage}; it was built again")
+    return open_library(built.path, manifest), built
+
+
+def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
     from kousoku.runtime.plan import plan_type
     from kousoku.runtime.toolchain import find_toolchain
 
     toolchain = find_toolchain()
     if C_SOURCE not in files:
         raise TargetError(f"{folder} was generated without C: {C_SOURCE} is not listed")
-    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
-    built = build(Source(manifest.package, sources), toolchain)
-    if built.damage:
-        say_once(f"{built.damage}; it was built again")
-    handle = open_library(built.path, manifest)
+    handle, built = compiled(manifest, files, toolchain)
     width = lane_width(handle, manifest.package)
     plan = plan_type(toolchain)
     kernels = {}
