@@ -103,7 +103,7 @@ class SceneBuilder:
         return self._add("joints", name, **keys)
 
     def force(self, name: str, **keys: Any) -> Self:
-        """Add a force, torque or spring with the keys of :class:`kousoku.model.spatial.Force`."""
+        """Add a force, torque or spring with the keys of :class:`kousoku.model.loads.Force`."""
         return self._add("forces", name, **keys)
 
     def gravity(self, x: float, y: float, z: float) -> Self:

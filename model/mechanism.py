@@ -14,6 +14,9 @@ Quaternion = tuple[float, float, float, float]
 
 GROUND_INDEX = -1
 
+COMBINATION = "linear_combination"
+"""The kind of an instance that combines coordinates."""
+
 LAW_NAMES = ("x", "v", "t")
 """What the tension of a spring may depend on: elongation, rate of its length, time."""
 
@@ -60,8 +63,62 @@ class MovingBody:
 
 
 @dataclass(frozen=True, slots=True)
+class Coordinate:
+    """A scalar quantity of two bodies: what a joint leaves free, a distance, the place of a point.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene; of a coordinate that a joint needs for itself the joint and what it is,
+        such as ``screw.angle``.
+    kind : str
+        A shipped package whose residual is the value: ``angle`` [rad], which counts turns, ``n2``
+        [m], a displacement along an axis of body i, ``length`` [m], the distance of two points, or
+        ``n1``, the cosine between two axes.
+    i, j : int
+        Indices of the bodies, :data:`GROUND_INDEX` for the ground.
+    constants : tuple of (str, tuple of float)
+        The inputs of the kernels that are fixed, as of an :class:`Instance`.
+    near : float
+        Of an angle, a value within half a turn of the one that it has at the start [rad]; after
+        assembly the value itself.
+    """
+
+    name: str
+    kind: str
+    i: int
+    j: int
+    constants: tuple[tuple[str, tuple[float, ...]], ...]
+    near: float = 0.0
+
+    @property
+    def counts_turns(self) -> bool:
+        """Whether it is an angle, which kernels know up to whole turns only."""
+        return self.kind == "angle"
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One coordinate in a linear combination.
+
+    Parameters
+    ----------
+    coordinate : int
+        Its place in :attr:`System.coordinates`.
+    factor : float
+        What it is multiplied by: SI units and radians.
+    """
+
+    coordinate: int
+    factor: float
+
+
+@dataclass(frozen=True, slots=True)
 class Instance:
-    """A constraint of a kind between two bodies.
+    """A constraint of a kind between two bodies, or a linear combination of coordinates.
+
+    The residual of a combination is Σ factor · coordinate + offset − law_unit · law(t): a gear has
+    two terms and no law, a driver one term and a law.
 
     Parameters
     ----------
@@ -75,13 +132,41 @@ class Instance:
     constants : tuple of (str, tuple of float)
         The inputs of the kernels that are fixed: ``a_i_b``, ``s_i_b``, ``a_j_b``, ``s_j_b`` in the
         principal frames (frame O for the ground), ``length``. Axes have norm one.
+    terms : tuple of Term
+        Of a combination, what is added; i and j are then the bodies of the first.
+    others : tuple of int
+        Of a combination, the further bodies of its terms, each once.
+    offset : float
+        Of a combination, a number that is added, in its unit.
+    law : str
+        Of a driver, a formula of the time ``t`` and of parameters, in rad or the unit of the scene.
+    law_unit : float
+        What the formula is multiplied by to be in ``unit``.
+    unit : str
+        Of a combination ``m`` or ``rad``: the unit of its residual.
     """
 
     joint: str
     kind: str
     i: int
     j: int
-    constants: tuple[tuple[str, tuple[float, ...]], ...]
+    constants: tuple[tuple[str, tuple[float, ...]], ...] = ()
+    terms: tuple[Term, ...] = ()
+    others: tuple[int, ...] = ()
+    offset: float = 0.0
+    law: str = ""
+    law_unit: float = 1.0
+    unit: str = ""
+
+    @property
+    def bodies(self) -> tuple[int, ...]:
+        """The bodies that it connects, each once, the ground too: first i, then j."""
+        return tuple(dict.fromkeys((self.i, self.j, *self.others)))
+
+    @property
+    def is_driver(self) -> bool:
+        """Whether it depends on time."""
+        return bool(self.law)
 
 
 @dataclass(frozen=True, slots=True)
@@ -147,6 +232,12 @@ class System:
         What it keeps of the velocities: constraints whose rates stay what they are.
     forces : tuple of ForceElement
         What acts beside gravity, in the order of the scene.
+    coordinates : tuple of Coordinate
+        Those that constraints, forces or outputs need.
+    shown : tuple of int
+        Places of the coordinates that are outputs, in the order of the scene.
+    parameters : tuple of (str, float)
+        Names that formulas may use, and their values unless a run gives others.
     """
 
     name: str
@@ -157,3 +248,6 @@ class System:
     held: tuple[Instance, ...] = ()
     held_rates: tuple[Instance, ...] = ()
     forces: tuple[ForceElement, ...] = ()
+    coordinates: tuple[Coordinate, ...] = ()
+    shown: tuple[int, ...] = ()
+    parameters: tuple[tuple[str, float], ...] = ()

@@ -8,8 +8,9 @@ from typing import Literal
 
 import msgspec
 
+from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
-from kousoku.model.spatial import Body, Force, Joint, Vector
+from kousoku.model.spatial import Body, Joint, Vector
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal["positions", "velocities", "accelerations", "angles", "reactions", "energies"]

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.model.frames import BodyFrame
+    from kousoku.model.loads import Force
     from kousoku.model.precise import High
-    from kousoku.model.spatial import Force
 
 
 def force_elements(

@@ -11,8 +11,8 @@ from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 
 if TYPE_CHECKING:
+    from kousoku.model.loads import Force
     from kousoku.model.scene import Scene
-    from kousoku.model.spatial import Force
 
 KEYS = {
     "force": ("body", "point", "force", "force_b"),

@@ -11,7 +11,7 @@ from typing import get_args
 import msgspec
 import pytest
 
-from kousoku.model import planar, spatial
+from kousoku.model import loads, planar, spatial
 from kousoku.model.decode import MOST_ELEMENTS
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import JOINTS, LATER
@@ -90,7 +90,7 @@ def test_the_shown_message_is_the_one_that_comes() -> None:
         planar.Method,
         spatial.Body,
         spatial.Joint,
-        spatial.Force,
+        loads.Force,
         Orientation,
     ],
 )
