@@ -13,7 +13,7 @@ from typing import Any
 
 import msgspec
 
-from kousoku.model import planar, spatial
+from kousoku.model import loads, planar, scene, spatial
 from kousoku.model.decode import LARGEST
 from kousoku.model.joints import NAMES
 from kousoku.model.names import LONGEST, PATTERN
@@ -54,7 +54,8 @@ def scene_schema() -> dict[str, Any]:
     schema = msgspec.json.schema(Scene)
     definitions: dict[str, Any] = schema["$defs"]
     for name, definition in definitions.items():
-        record = Scene if name == "Scene" else getattr(planar, name, None) or getattr(spatial, name)
+        modules = (scene, planar, spatial, loads)
+        record = next(getattr(module, name) for module in modules if hasattr(module, name))
         _describe(definition, record)
         for key, limits in LIMITS.get(name, {}).items():
             definition["properties"][key].update(limits)
