@@ -34,6 +34,7 @@ from kousoku.codegen.dynamics.operations import (
 )
 from kousoku.codegen.dynamics.planar import is_planar
 from kousoku.codegen.dynamics.program import Program, Row
+from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import can_turn, named_back, turned, turned_row
@@ -163,7 +164,7 @@ class _Composer:
         self._velocity()
         self._acceleration()
         if "reactions" in self.wanted:
-            self._reaction()
+            record_reactions(self.recorder, self.schur, self.joints, self.bodies)
         if "energies" in self.wanted:
             self._energy()
         if "checks" in self.wanted:
@@ -327,20 +328,6 @@ class _Composer:
                 for k in range(0, len(parts), CHUNK)
             ]
         return parts[0]
-
-    def _reaction(self) -> None:
-        """Record force and torque of each joint on body j, or on i where j is the ground."""
-        regions = {region.name: region for region in self.recorder.regions}
-        lam = column(range(regions["lam"].base + 2, regions["lam"].base + self.rows + 2))
-        ends = [joint.i if joint.j == GROUND_INDEX else joint.j for joint in self.joints]
-        widths = [len(self.bodies[end].columns) for end in ends]
-        target = self.recorder.region("reactions", sum(widths))
-        self.recorder.begin("reaction")
-        first = 0
-        for joint, end, width in zip(self.joints, ends, widths, strict=True):
-            product = (joint.jacobian[end].T, self._rows_of(lam, joint))
-            self.schur.gather(zeros(width, 1), [product], target.part(first, width))
-            first += width
 
     def _check(self) -> None:
         """Record what is left of the constraints at the levels of velocity and acceleration."""
