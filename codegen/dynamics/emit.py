@@ -7,6 +7,7 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
+from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.motion_data import motion_data
 from kousoku.codegen.dynamics.numpy_view import numpy_view
 from kousoku.codegen.dynamics.view import dynamics_view
@@ -79,14 +80,3 @@ def emit_dynamics(
 def key_of(signature: str) -> str:
     """Return the number that a state of a package begins with: never 0, and exact in a double."""
     return f"{int(signature[:13], 16) | 1}.0"
-
-
-def characteristic_length(system: System) -> float:
-    """Return the largest distance of a joint from the origin of a frame [m]; 1 where none is."""
-    lengths = [
-        max(abs(x) for x in numbers)
-        for instance in system.constraints
-        for name, numbers in instance.constants
-        if name.startswith("s_") or name == "length"
-    ]
-    return max(lengths, default=0.0) or 1.0

@@ -1,0 +1,19 @@
+"""A length of a scene, to which corrections are compared, and torques are weighed against forces."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import System
+
+
+def characteristic_length(system: System) -> float:
+    """Return the largest distance of a joint from the origin of a frame [m]; 1 where none is."""
+    lengths = [
+        max(abs(x) for x in numbers)
+        for instance in system.constraints
+        for name, numbers in instance.constants
+        if name.startswith("s_") or name == "length"
+    ]
+    return max(lengths, default=0.0) or 1.0
