@@ -6,11 +6,11 @@ S for each joint; see :mod:`kousoku.codegen.dynamics.solve`.
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.auxiliary import Auxiliaries, Copy, entries_of
 from kousoku.codegen.dynamics.bodies import (
     GROUND,
     BodyBlocks,
@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.bodies import (
     sizes,
 )
 from kousoku.codegen.dynamics.forces import SPRING, Load, Spring, Stored
-from kousoku.codegen.dynamics.joints import JointBlocks, joints_of
+from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_joints
 from kousoku.codegen.dynamics.operations import (
     Energy,
     FreeAcceleration,
@@ -32,13 +32,12 @@ from kousoku.codegen.dynamics.operations import (
     Rates,
     Sum,
 )
-from kousoku.codegen.dynamics.planar import is_planar
+from kousoku.codegen.dynamics.planar import plane_of
 from kousoku.codegen.dynamics.program import Program, Row
 from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
-from kousoku.codegen.dynamics.turned import can_turn, named_back, turned, turned_row
-from kousoku.model.errors import SceneError
+from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -48,8 +47,6 @@ if TYPE_CHECKING:
 
 #: How many terms one task adds up.
 CHUNK = 4
-#: How many joints a moving body may have.
-MOST_JOINTS = 64
 
 
 def compose(
@@ -86,9 +83,9 @@ def compose(
     SceneError
         A body lacks a mass or a moment that its motion needs, or has too many joints.
     """
-    _require_few_joints(system)
+    require_few_joints(system)
     kept = rows or {}
-    shift = _plane(system) if may_be_planar else None
+    shift = plane_of(system) if may_be_planar else None
     if shift is None:
         require_masses(system, is_planar=False)
         return _Composer(system, wanted, kept, is_planar=False).program()
@@ -97,31 +94,6 @@ def compose(
     kinds = [instance.kind for instance in system.constraints]
     kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
     return named_back(_Composer(other, wanted, kept, is_planar=True).program(), system, shift)
-
-
-def _require_few_joints(system: System) -> None:
-    """Refuse bodies with so many joints that coupling every two of them is hopeless."""
-    joints = dict.fromkeys((x.joint, body) for x in system.constraints for body in (x.i, x.j))
-    counts = Counter(body for _, body in joints if body != GROUND_INDEX)
-    for body, count in counts.items():
-        if count > MOST_JOINTS:
-            raise SceneError(
-                f"has {count} joints; at most {MOST_JOINTS} are possible on one body that moves,"
-                " because the cost grows with their cube: divide it into bodies with fixed joints",
-                key=f"bodies.{system.bodies[body].name}",
-            )
-
-
-def _plane(system: System) -> int | None:
-    """Return the turn that brings the plane of a system into the xy-plane, None of no plane.
-
-    A scene in the xy-plane is meant to be planar. In another plane only joints make it so: a chain
-    that hangs at rest stays in a plane, too, but not when it is started otherwise.
-    """
-    if is_planar(system):
-        return 0
-    shifts = (1, 2) if can_turn(system) else ()
-    return next((k for k in shifts if is_planar(turned(system, k), must_be_held=True)), None)
 
 
 class _Composer:
@@ -140,7 +112,9 @@ class _Composer:
         self.is_planar = is_planar
         self.recorder = Recorder()
         self.time = self.recorder.region("t", 1)
-        positions, velocities = sizes(system, is_planar=is_planar)
+        own, velocities = sizes(system, is_planar=is_planar)
+        self.auxiliary = Auxiliaries(entries_of(system), own)
+        positions = own + len(self.auxiliary.entries)
         region = self.recorder.region
         self.q, self.v = region("q", positions), region("v", velocities)
         self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
@@ -186,6 +160,7 @@ class _Composer:
                 for row in part.rows
             ),
             is_planar=self.is_planar,
+            auxiliary=self.auxiliary.placed(self.q),
         )
 
     def _geometry(self) -> None:
@@ -243,6 +218,9 @@ class _Composer:
                 *blocks.spread(change.entries),
                 into=(target,),
             )
+        kept, targets = self.auxiliary.kept(self.q), self.auxiliary.kept(self.q_moved)
+        for block, target in zip(kept, targets, strict=True):
+            self.recorder.call(Copy(), block, into=(target,))
 
     def _rates(
         self, output: str, by_body: Sequence[Block], region: Block | None = None

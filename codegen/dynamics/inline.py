@@ -98,6 +98,10 @@ class _Inliner:
             constants=(),
             size=self.size,
             bodies=tuple(self._moved_body(body) for body in self.old.bodies),
+            auxiliary=tuple(
+                replace(one, place=replace(one.place, slot=self.moved[one.place.slot]))
+                for one in self.old.auxiliary
+            ),
         )
 
     def _start(self) -> dict[int, int]:

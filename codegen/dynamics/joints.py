@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
 from functools import cache
 from itertools import groupby
@@ -10,6 +11,8 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations import COLUMNS, Part, frozen
 from kousoku.codegen.dynamics.recorder import Block, column, pattern_of
 from kousoku.codegen.dynamics.traces import Trace
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -17,6 +20,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.bodies import BodyBlocks
     from kousoku.codegen.dynamics.recorder import Pattern, Recorder
     from kousoku.model.mechanism import Instance, System
+
+#: How many joints a moving body may have.
+MOST_JOINTS = 64
 
 
 @dataclass(slots=True)
@@ -54,6 +60,25 @@ class JointBlocks:
     jacobian: dict[int, Block] = field(default_factory=dict)
     scaled: dict[int, Block] = field(default_factory=dict)
     own: Block = field(default_factory=lambda: column(()))
+
+
+def require_few_joints(system: System) -> None:
+    """Refuse bodies with so many joints that coupling every two of them is hopeless.
+
+    Raises
+    ------
+    SceneError
+        A body has more than :data:`MOST_JOINTS`.
+    """
+    joints = dict.fromkeys((x.joint, body) for x in system.constraints for body in x.bodies)
+    counts = Counter(body for _, body in joints if body != GROUND_INDEX)
+    for body, count in counts.items():
+        if count > MOST_JOINTS:
+            raise SceneError(
+                f"has {count} joints; at most {MOST_JOINTS} are possible on one body that moves,"
+                " because the cost grows with their cube: divide it into bodies with fixed joints",
+                key=f"bodies.{system.bodies[body].name}",
+            )
 
 
 def joints_of(

@@ -37,6 +37,8 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
             for place in places:
                 if place.slot >= 0:
                     start[name][place.slot - bases[name]] = place.value
+    for one in program.auxiliary:
+        start["q"][one.place.slot - bases["q"]] = one.place.value
     return {
         "format": 1,
         "name": system.name,

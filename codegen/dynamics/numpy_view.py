@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.program import SEGMENTS, levels
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
-from kousoku.codegen.dynamics.view import shift_slots, turn_slots
+from kousoku.codegen.dynamics.view import floors, shift_slots, turn_slots
 from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
@@ -140,14 +140,13 @@ def numpy_view(program: Program, length: float) -> NumpyView:
     q, v = program.region("q"), program.region("v")
     shifts, turns = shift_slots(program), turn_slots(program)
     lengths = {slot for pair in shifts for slot in pair}
-    slots = [*range(q.base, q.base + q.size), *range(v.base, v.base + v.size)]
     return NumpyView(
         kernels=tuple(python_kernel(k, kernel) for k, kernel in enumerate(program.kernels)),
         segments=tuple(_segment(program, segment) for segment in program.segments),
         methods=tuple(map(_method, METHODS.values())),
         constants=_table(map(literal, program.constants)),
-        is_length=_table(int(slot in lengths) for slot in slots[q.size :]),
-        floors=_table(repr(length if slot in lengths else 1.0) for slot in slots),
+        is_length=_table(int(v.base + k in lengths) for k in range(v.size)),
+        floors=_table(map(repr, floors(program, length))),
         shifts=_table(x for a, b in shifts for x in (a - q.base, b - v.base)),
         turns=_table(x for a, b, n in turns for x in (a - q.base, b - v.base, n)),
     )

@@ -28,6 +28,7 @@ from kousoku.codegen.dynamics.forces import leaves_plane
 from kousoku.codegen.dynamics.joints import live_rows
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.dynamics.recorder import Recorder
+from kousoku.codegen.dynamics.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -85,6 +86,18 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         joint.stays_in_plane or all(held[k] for k in (i, j) if k != GROUND_INDEX)
         for (_, i, j), joint in joints.items()
     )
+
+
+def plane_of(system: System) -> int | None:
+    """Return the turn that brings the plane of a system into the xy-plane, None of no plane.
+
+    A scene in the xy-plane is meant to be planar. In another plane only joints make it so: a chain
+    that hangs at rest stays in a plane, too, but not when it is started otherwise.
+    """
+    if is_planar(system):
+        return 0
+    shifts = (1, 2) if can_turn(system) else ()
+    return next((k for k in shifts if is_planar(turned(system, k), must_be_held=True)), None)
 
 
 @dataclass(slots=True)

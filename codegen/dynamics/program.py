@@ -108,6 +108,25 @@ class Coordinates:
 
 
 @dataclass(frozen=True, slots=True)
+class Auxiliary:
+    """An entry of q that belongs to no body; see :mod:`kousoku.codegen.dynamics.auxiliary`.
+
+    Parameters
+    ----------
+    kind : str
+        ``turns`` of an angle [rad], ``work`` of a force or a driver [J].
+    name : str
+        Of the coordinate, the force or the driver.
+    place : Place
+        Its slot, and its value at the start.
+    """
+
+    kind: str
+    name: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
     """One row of the constraints that are kept.
 
@@ -151,6 +170,8 @@ class Program:
         In the order of the regions ``C`` and ``lam``.
     is_planar : bool
         Whether all bodies move in parallel coordinate planes.
+    auxiliary : tuple of Auxiliary
+        What stands in q after the coordinates of the bodies.
     """
 
     name: str
@@ -162,6 +183,7 @@ class Program:
     bodies: tuple[Coordinates, ...]
     rows: tuple[Row, ...]
     is_planar: bool
+    auxiliary: tuple[Auxiliary, ...] = ()
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""
@@ -183,7 +205,7 @@ class Program:
 #: What the regions hold, in the order of the workspace.
 REGIONS = {
     "t": "time, s",
-    "q": "r (frame O) and Euler parameters p of each body in turn",
+    "q": "r (frame O) and Euler parameters p of each body in turn, then the auxiliary entries",
     "v": "velocity (frame O) and angular velocity (body frame) of each body in turn",
     "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
     "q_moved": "q after dq, Euler parameters of norm one",

@@ -31,10 +31,11 @@ class Workspace:
         zero = arithmetic.number(Fraction(0))
         self.values: list[Any] = [zero] * program.size
         self["constants"] = [arithmetic.number(value) for value in program.constants]
-        for body in program.bodies:
-            for place in (*body.r, *body.p, *body.v, *body.omega_b):
-                if place.slot >= 0:
-                    self.values[place.slot] = arithmetic.number(Fraction(place.value))
+        places = [x for body in program.bodies for x in (*body.r, *body.p, *body.v, *body.omega_b)]
+        places += [one.place for one in program.auxiliary]
+        for place in places:
+            if place.slot >= 0:
+                self.values[place.slot] = arithmetic.number(Fraction(place.value))
 
     def __getitem__(self, name: str) -> list[Any]:
         """Return what is in a region."""

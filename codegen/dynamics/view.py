@@ -20,6 +20,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.program import Program, Task
     from kousoku.codegen.kernel import Kernel
 
+#: An error that is compared with this counts as none.
+IGNORED = 1e300
+
 
 @dataclass(frozen=True, slots=True)
 class KernelText:
@@ -212,7 +215,7 @@ def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) ->
         methods=tuple(map(_method, METHODS.values())),
         constants=_numbers(literal(value) for value in program.constants),
         is_length=_numbers(int(slot in lengths) for slot in v),
-        floors=_numbers(repr(length if slot in lengths else 1.0) for slot in (*q, *v)),
+        floors=_numbers(map(repr, floors(program, length))),
         shifts=_rows([a - q[0], b - v[0]] for a, b in shifts),
         turns=_rows([a - q[0], b - v[0], n] for a, b, n in turns),
         shift_count=len(shifts),
@@ -226,6 +229,14 @@ def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) ->
 def _slots(program: Program, name: str) -> range:
     region = program.region(name)
     return range(region.base, region.base + region.size)
+
+
+def floors(program: Program, length: float) -> list[float]:
+    """Return for each component of the state what its error is compared with when it is zero."""
+    lengths = {slot for pair in shift_slots(program) for slot in pair}
+    slots = (*_slots(program, "q"), *_slots(program, "v"))
+    ignored = {one.place.slot for one in program.auxiliary}
+    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in slots]
 
 
 def shift_slots(program: Program) -> list[tuple[int, int]]:
