@@ -1,4 +1,4 @@
-"""A length of a scene, to which corrections are compared, and torques are weighed against forces."""
+"""A length of a scene: corrections are compared to it, and torques are weighed by it."""
 
 from __future__ import annotations
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elimination import (
@@ -18,7 +19,7 @@ from kousoku.codegen.dynamics.recorder import zeros
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.joints import JointBlocks
     from kousoku.codegen.dynamics.recorder import Block, Recorder
@@ -33,17 +34,17 @@ CHUNK = 4
 
 
 class Schur:
-    """The factors L D Lᵀ of S, one pivot for each joint.
+    """The factors L D Lᵀ of S, one pivot for each joint; or those of another symmetric matrix.
 
     Parameters
     ----------
     recorder : Recorder
         Where they are recorded.
-    pivots : Block
+    pivots : Block, optional
         The region of D⁻¹.
     """
 
-    def __init__(self, recorder: Recorder, pivots: Block) -> None:
+    def __init__(self, recorder: Recorder, pivots: Block | None = None) -> None:
         self.recorder = recorder
         self.pivots = pivots
         self.order: tuple[Pivot, ...] = ()
@@ -52,20 +53,33 @@ class Schur:
 
     def factorise(self, joints: Sequence[JointBlocks]) -> None:
         """Record assembly and factorisation."""
-        blocks = self._assemble(joints)
-        self.order = minimum_degree(len(joints), [pair for pair in blocks if pair[0] != pair[1]])
+        self.eliminate(self._assemble(joints), [joint.count for joint in joints])
+
+    def eliminate(self, blocks: Mapping[tuple[int, int], Block], counts: Sequence[int]) -> None:
+        """Record the factorisation of a symmetric matrix, positive definite.
+
+        Parameters
+        ----------
+        blocks : mapping of (int, int) to Block
+            Those on the diagonal and those below that are not zero, the later row first.
+        counts : sequence of int
+            Rows of each block row.
+        """
+        self.order = minimum_degree(len(counts), [pair for pair in blocks if pair[0] != pair[1]])
         place = {pivot.joint: k for k, pivot in enumerate(self.order)}
         late = {}
         for (a, b), block in blocks.items():
             is_turned = place[a] < place[b]
             late[(b, a) if is_turned else (a, b)] = block.T if is_turned else block
+        first = [0, *accumulate(counts)]
         for pivot in self.order:
             for m, a in enumerate(pivot.neighbours):
                 for b in pivot.neighbours[:m]:
-                    late.setdefault((a, b), zeros(joints[a].count, joints[b].count))
+                    late.setdefault((a, b), zeros(counts[a], counts[b]))
             eliminate = self._fused if len(pivot.neighbours) <= FUSED else self._split
-            own = joints[pivot.joint]
-            eliminate(pivot, late, self.pivots.part(own.first, own.count))
+            own = pivot.joint
+            target = self.pivots.part(first[own], counts[own]) if self.pivots else None
+            eliminate(pivot, late, target)
 
     def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
         """Return the blocks of pairs of joints, the later joint first."""
@@ -82,7 +96,9 @@ class Schur:
                 by_body[body].append(k)
         return blocks
 
-    def _fused(self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block) -> None:
+    def _fused(
+        self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block | None
+    ) -> None:
         near = pivot.neighbours
         pairs = [(a, b) for m, a in enumerate(near) for b in near[: m + 1]]
         lower, inverse, *rest = self.recorder.call(
@@ -96,7 +112,9 @@ class Schur:
         self._panels[pivot.joint] = dict(zip(near, rest, strict=False))
         late.update(zip(pairs, rest[len(near) :], strict=True))
 
-    def _split(self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block) -> None:
+    def _split(
+        self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block | None
+    ) -> None:
         call, near = self.recorder.call, pivot.neighbours
         lower, inverse = call(Eliminate(0), late[pivot.joint, pivot.joint], into=(None, target))
         panels = {a: call(Panel(), lower, inverse, late[a, pivot.joint]) for a in near}
