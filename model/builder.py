@@ -102,6 +102,18 @@ class SceneBuilder:
         """Add a joint with the keys of :class:`kousoku.model.spatial.Joint`."""
         return self._add("joints", name, **keys)
 
+    def coordinate(self, name: str, **keys: Any) -> Self:
+        """Name a coordinate with the keys of :class:`kousoku.model.spatial.Coordinate`."""
+        return self._add("coordinates", name, **keys)
+
+    def driver(self, name: str, **keys: Any) -> Self:
+        """Drive a coordinate or a point with the keys of :class:`kousoku.model.spatial.Driver`."""
+        return self._add("drivers", name, **keys)
+
+    def parameter(self, name: str, value: float) -> Self:
+        """Name a number that formulas may use."""
+        return self._put("parameters", name, value)
+
     def force(self, name: str, **keys: Any) -> Self:
         """Add a force, torque or spring with the keys of :class:`kousoku.model.loads.Force`."""
         return self._add("forces", name, **keys)
@@ -132,10 +144,13 @@ class SceneBuilder:
         return scene_from_dict(self._tree)
 
     def _add(self, table: str, name: str, **keys: Any) -> Self:
+        return self._put(table, name, keys)
+
+    def _put(self, table: str, name: str, value: Any) -> Self:
         elements = self._tree.setdefault(table, {})
         if name in elements:
             raise SceneError(f"the name {name!r} is given twice", key=f"{table}.{name}")
-        elements[name] = _plain(keys)
+        elements[name] = _plain(value)
         return self
 
 

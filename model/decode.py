@@ -152,12 +152,13 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
         return _mapping(value, arguments[1], key, problems)
     if origin is tuple:
         return _tuple(value, kind, key, problems)
+    one = (str if isinstance(value, str) else float) if _may_be_formula(kind) else kind
     if isinstance(value, int | float) and not abs(value) <= LARGEST:
         problem = "is too large" if abs(value) < inf else "is not a finite number"
         shown = _got(value).removeprefix("the number ")
         return _failed(f"{shown} {problem}; wanted at most {LARGEST:g}", key, problems)
     try:
-        leaf: object = msgspec.convert(value, kind)
+        leaf: object = msgspec.convert(value, one)
     except msgspec.ValidationError:
         return _failed(_refusal(value, kind), key, problems)
     return leaf
@@ -206,8 +207,14 @@ def _tuple(value: object, kind: Any, key: str, problems: Problems) -> object:
 
 def _without_none(kind: Any) -> Any:
     if get_origin(kind) in (Union, UnionType):
-        return next(of for of in get_args(kind) if of is not type(None))
+        kinds = [of for of in get_args(kind) if of is not type(None)]
+        return Union[tuple(kinds)]  # noqa: UP007 of one type it is that type
     return kind
+
+
+def _may_be_formula(kind: Any) -> bool:
+    """Return whether a value may be a number or the text of a formula."""
+    return get_origin(kind) in (Union, UnionType) and set(get_args(kind)) == {float, str}
 
 
 def _refusal(value: object, kind: Any) -> str:
@@ -219,6 +226,8 @@ def _refusal(value: object, kind: Any) -> str:
 
 def _wanted(kind: Any) -> str:
     kind = _without_none(kind)
+    if _may_be_formula(kind):
+        return "a number or a formula"
     simple = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
     if kind in simple:
         return simple[kind]
@@ -228,7 +237,8 @@ def _wanted(kind: Any) -> str:
     if origin is tuple and arguments[-1] is Ellipsis:
         return "a list"
     if origin is tuple:
-        what = {float: "numbers", str: "names"}.get(arguments[0], "lists")
+        what = "numbers or formulas" if _may_be_formula(arguments[0]) else "lists"
+        what = {float: "numbers", str: "names"}.get(arguments[0], what)
         return f"a list of {len(arguments)} {what}"
     return "a table"
 

@@ -53,6 +53,10 @@ class BodyFrame:
         """Return the components in frame O of a vector of the principal frame."""
         return precise.rotate(self.p, precise.rotate_back(self.axes, a))
 
+    def place(self, s: Triple) -> Triple:
+        """Return where a point of the body frame is in frame O, in the unit of the scene."""
+        return precise.add(self.position, precise.rotate(self.p, s))
+
     def point(self, s: Triple, unit: High) -> Vector:
         """Return a point of the body frame, seen from the centre of mass in the principal frame."""
         size = precise.length(s) + precise.length(self.center)
@@ -62,6 +66,19 @@ class BodyFrame:
 
 GROUND_FRAME = BodyFrame(GROUND_INDEX, ZERO, IDENTITY, ZERO, IDENTITY, is_point=False)
 """Frame O."""
+
+
+def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
+    """Return the point of a joint in the two body frames; of a point body it is the body itself."""
+    if joint.points is not None:
+        return precise.triple(joint.points[0]), precise.triple(joint.points[1])
+    assert joint.at is not None
+    at = precise.triple(joint.at)
+    first, second = (
+        ZERO if end.is_point else precise.rotate_back(end.p, precise.subtract(at, end.position))
+        for end in ends
+    )
+    return first, second
 
 
 def joint_vectors(

@@ -6,13 +6,17 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.frames import GROUND_FRAME, joint_vectors, to_vector
-from kousoku.model.mechanism import GROUND_INDEX, Instance
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
 from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
     from kousoku.model.precise import High
+    from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body
 
 AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
@@ -66,3 +70,23 @@ def _orientation(key: str, frame: BodyFrame) -> list[Instance]:
         Instance(key, kind, GROUND_INDEX, frame.index, axes),
         Instance(key, "n1", GROUND_INDEX, frame.index, across),
     ]
+
+
+def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Instance]:
+    """Yield the coordinates that assembly may not change, as combinations of one of them."""
+    for name, given in scene.coordinates.items():
+        if not given.hold:
+            continue
+        place = coordinates.place(name)
+        unit, scale = coordinates.unit_of(place)
+        near = coordinates.value(place) if given.near is None else scale * given.near
+        held = coordinates.records[place]
+        yield Instance(
+            f"coordinates.{name}.hold",
+            COMBINATION,
+            held.i,
+            held.j,
+            terms=(Term(place, 1.0),),
+            offset=-float(near),
+            unit=unit,
+        )

@@ -45,6 +45,8 @@ class JointKind:
         Whether a scene gives a point.
     aliases : tuple of str
         Other names that are accepted.
+    leaves : tuple of str
+        What it leaves free that is one number: its ``angle``, its ``displacement``, or both.
     """
 
     title: str
@@ -52,6 +54,7 @@ class JointKind:
     axes: int
     has_point: bool = True
     aliases: tuple[str, ...] = ()
+    leaves: tuple[str, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -71,15 +74,25 @@ JOINTS: dict[str, JointKind] = {
     "fixed": JointKind(
         "no relative motion", (_POINT, _PARALLEL, _NO_TURN), 0, aliases=("weld", "rigid")
     ),
-    "revolute": JointKind("a turn about an axis", (_POINT, _PARALLEL), 1, aliases=("hinge", "pin")),
+    "revolute": JointKind(
+        "a turn about an axis",
+        (_POINT, _PARALLEL),
+        1,
+        aliases=("hinge", "pin"),
+        leaves=("angle",),
+    ),
     "prismatic": JointKind(
         "a displacement along an axis",
         (_PARALLEL, _ON_LINE, _NO_TURN),
         1,
         aliases=("slider", "translational"),
+        leaves=("displacement",),
     ),
     "cylindrical": JointKind(
-        "a turn about an axis and a displacement along it", (_PARALLEL, _ON_LINE), 1
+        "a turn about an axis and a displacement along it",
+        (_PARALLEL, _ON_LINE),
+        1,
+        leaves=("angle", "displacement"),
     ),
     "spherical": JointKind("all turns about a point", (_POINT,), 0, aliases=("ball",)),
     "universal": JointKind(
@@ -89,7 +102,10 @@ JOINTS: dict[str, JointKind] = {
         aliases=("hooke", "cardan"),
     ),
     "planar": JointKind(
-        "displacements in a plane and a turn about its normal", (_PARALLEL, _ON_PLANE), 1
+        "displacements in a plane and a turn about its normal",
+        (_PARALLEL, _ON_PLANE),
+        1,
+        leaves=("angle",),
     ),
     "rod": JointKind(
         "all that keeps the distance of two points",
@@ -102,6 +118,7 @@ JOINTS: dict[str, JointKind] = {
         (_ON_LINE,),
         1,
         aliases=("inline",),
+        leaves=("displacement",),
     ),
     "point_on_plane": JointKind(
         "all turns, and displacements of the point of j in the plane through the point of i",
@@ -115,6 +132,7 @@ JOINTS: dict[str, JointKind] = {
         1,
         has_point=False,
         aliases=("parallel",),
+        leaves=("angle",),
     ),
     "perpendicular_axes": JointKind(
         "all that keeps two axes perpendicular",

@@ -10,12 +10,32 @@ import msgspec
 
 from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
-from kousoku.model.spatial import Body, Joint, Vector
+from kousoku.model.spatial import Body, Coordinate, Driver, Joint, Vector
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
-Output = Literal["positions", "velocities", "accelerations", "angles", "reactions", "energies"]
+Output = Literal[
+    "positions",
+    "velocities",
+    "accelerations",
+    "angles",
+    "coordinates",
+    "reactions",
+    "energies",
+]
 
-TABLES = ("nodes", "links", "rigid", "sliders", "bodies", "joints", "forces", "inputs")
+TABLES = (
+    "nodes",
+    "links",
+    "rigid",
+    "sliders",
+    "bodies",
+    "joints",
+    "parameters",
+    "coordinates",
+    "drivers",
+    "forces",
+    "inputs",
+)
 """The tables of named elements; a name stands in one of them only."""
 
 
@@ -40,6 +60,12 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         The planar linkage.
     bodies, joints : mapping of str to element
         The spatial mechanism.
+    parameters : mapping of str to float
+        Numbers that formulas of a spatial mechanism may use, and that a run may change.
+    coordinates : mapping of str to Coordinate
+        Numbers with a name that say where bodies are; of a spatial mechanism only.
+    drivers : mapping of str to Driver
+        Coordinates and points as functions of time; of a spatial mechanism only.
     forces : mapping of str to Force
         Forces, torques and springs beside gravity; of a spatial mechanism only.
     gravity : (3,) [unit of the scene per s²]
@@ -50,7 +76,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Steps from the first to the last value of the inputs: rows 0 … divisions are computed.
     outputs : tuple of str
         What is wanted beside positions: ``velocities``, ``accelerations``, the ``angles`` of links,
-        and of a spatial mechanism the ``reactions`` of joints and the ``energies``.
+        and of a spatial mechanism the ``coordinates``, the ``reactions`` of joints and the
+        ``energies``.
     method : Method
         How positions are found.
     """
@@ -64,6 +91,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     sliders: Mapping[str, Slider] = {}
     bodies: Mapping[str, Body] = {}
     joints: Mapping[str, Joint] = {}
+    parameters: Mapping[str, float] = {}
+    coordinates: Mapping[str, Coordinate] = {}
+    drivers: Mapping[str, Driver] = {}
     forces: Mapping[str, Force] = {}
     gravity: Vector = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}

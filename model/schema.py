@@ -100,9 +100,11 @@ def _bounded(node: Any) -> Any:
     if not isinstance(node, dict):
         return node
     if "anyOf" in node:
-        (choice,) = (option for option in node["anyOf"] if option != {"type": "null"})
+        choices = [option for option in node["anyOf"] if option != {"type": "null"}]
         rest = {key: item for key, item in node.items() if key not in ("anyOf", "default")}
-        return _bounded(choice | rest)
+        if len(choices) > 1:  # a number, or the text of a formula
+            return rest | {"anyOf": _bounded(choices)}
+        return _bounded(choices[0] | rest)
     bounded = {key: _bounded(item) for key, item in node.items() if item is not None}
     if bounded.get("type") == "number":
         bounded = {"minimum": -LARGEST, "maximum": LARGEST} | bounded

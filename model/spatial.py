@@ -1,4 +1,4 @@
-"""The bodies and joints of a spatial mechanism as a scene describes them."""
+"""Bodies, joints, coordinates and drivers of a spatial mechanism as a scene describes them."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from typing import Literal
@@ -10,6 +10,12 @@ from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Vector = tuple[float, float, float]
 Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
+
+Value = float | str
+"""A number, or the text of a formula."""
+
+Components = tuple[Value, Value, Value]
+"""A vector whose components may be formulas."""
 
 GROUND = "ground"
 """The name of the fixed body, whose frame is frame O; every scene has it."""
@@ -79,7 +85,7 @@ SOLIDS = ("mass_points", "boxes", "rods", "cylinders", "spheres")
 
 
 class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
-    """A joint between two bodies.
+    """A joint between two bodies, or a coupling of what other joints leave free.
 
     Its point is given as `points` or as `at`, its axis as `axes` or as `axis`. What is given once,
     in frame O, belongs to the position and orientation of the bodies as they are written.
@@ -88,29 +94,133 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     ----------
     type : str
         What the joint allows: a name or an alias of :data:`kousoku.model.joints.JOINTS`.
-    bodies : (str, str)
-        Body i and body j; ``ground`` is the fixed body.
+    bodies : (str, str), optional
+        Body i and body j; ``ground`` is the fixed body. Every joint but a coupling has them.
     points : ((3,), (3,)) [unit of the scene], optional
         The point of the joint in the frame of body i and in that of body j.
     at : (3,) [unit of the scene], optional
         The point of the joint in frame O, the same of both bodies.
     axes : ((3,), (3,)), optional
         The axis of the joint in the frame of body i and in that of body j, of any length but
-        zero. Of a universal joint the two arms of the cross, which stay perpendicular.
+        zero. Of a universal joint the two arms of the cross, which stay perpendicular; of a
+        constant velocity joint the two shafts, both pointing the same way through the joint.
     axis : (3,), optional
         The axis of the joint in frame O, the same of both bodies; of a joint with two axes the one
         that is fixed in body i.
     second_axis : (3,), optional
         With `axis`, the one that is fixed in body j, of a joint with two axes.
+    zero : ((3,), (3,)), optional
+        A direction across the axis in the frame of body i and one in that of body j: where they
+        are parallel the angle of the joint is zero, and a joint without an angle keeps them
+        parallel. When left out, parallel directions at the orientations as they are written.
     length : float [unit of the scene], optional
         Distance of the two points of a rod; that of their positions when left out.
+    pitch : float [unit of the scene], optional
+        Advance of a screw in one turn; negative for a left-handed thread.
+    joints : (str, str), optional
+        Of a gear the two joints whose angles it couples; of a rack and pinion the joint of the
+        pinion, which has an angle, and that of the rack, which has a displacement.
+    ratio : float, optional
+        Of a gear, turns of the second joint by a turn of the first.
+    radius : float [unit of the scene], optional
+        Of a rack and pinion, displacement of the rack by the angle of the pinion.
+    coordinates : tuple of str, optional
+        Of a linear coupling, names of coordinates of the scene.
+    factors : tuple of float, optional
+        Of a linear coupling, what each is multiplied by; the sum stays what it is.
     """
 
     type: str
-    bodies: tuple[str, str]
+    bodies: tuple[str, str] | None = None
     points: tuple[Vector, Vector] | None = None
     at: Vector | None = None
     axes: tuple[Vector, Vector] | None = None
     axis: Vector | None = None
     second_axis: Vector | None = None
+    zero: tuple[Vector, Vector] | None = None
     length: float | None = None
+    pitch: float | None = None
+    joints: tuple[str, str] | None = None
+    ratio: float | None = None
+    radius: float | None = None
+    coordinates: tuple[str, ...] | None = None
+    factors: tuple[float, ...] | None = None
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """The two bodies, of a joint that is no coupling."""
+        assert self.bodies is not None
+        return self.bodies
+
+
+class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A number that says where bodies are, and that has a name.
+
+    It is what a joint leaves free, or the distance of two points, or the place of a point along a
+    direction.
+
+    Parameters
+    ----------
+    joint : str, optional
+        The joint whose angle or displacement it is.
+    of : {"angle", "displacement"}, optional
+        Which of the two, where the joint leaves both free.
+    bodies : (str, str), optional
+        The two bodies between whose points it is the distance.
+    points : ((3,), (3,)) [unit of the scene], optional
+        With `bodies`, the point in the frame of each.
+    body : str, optional
+        The body of whose point it is the place.
+    point : (3,) [unit of the scene], optional
+        With `body`, the point in its frame; its origin when left out.
+    along : (3,), optional
+        With `body`, the direction in frame O, of any length but zero.
+    near : float [rad or unit of the scene], optional
+        Of an angle, a value within half a turn of the one at the start: it says which turn this is.
+        With `hold`, the value that is held.
+    hold : bool
+        Whether assembly keeps it: exactly as it is written, or at `near`.
+    """
+
+    joint: str | None = None
+    of: Literal["angle", "displacement"] | None = None
+    bodies: tuple[str, str] | None = None
+    points: tuple[Vector, Vector] | None = None
+    body: str | None = None
+    point: Vector | None = None
+    along: Vector | None = None
+    near: float | None = None
+    hold: bool = False
+
+
+class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A coordinate or a point as a function of time.
+
+    Formulas depend on the time ``t`` and on the parameters of the scene. Their first and second
+    derivatives are taken exactly.
+
+    Parameters
+    ----------
+    coordinate : str, optional
+        The coordinate that is driven.
+    joint : str, optional
+        The joint whose angle or displacement is driven, instead.
+    of : {"angle", "displacement"}, optional
+        Which of the two, where the joint leaves both free.
+    value : float or str, optional
+        Its value as a formula, in rad or the unit of the scene.
+    body : str, optional
+        The body whose point is driven, instead.
+    point : (3,) [unit of the scene], optional
+        With `body`, the point in its frame; its origin when left out.
+    path : (3,) float or str, optional
+        With `body`, the position of the point in frame O, three formulas in the unit of the scene.
+    """
+
+    coordinate: str | None = None
+    joint: str | None = None
+    of: Literal["angle", "displacement"] | None = None
+    value: Value | None = None
+    body: str | None = None
+    point: Vector | None = None
+    path: Components | None = None

@@ -10,15 +10,18 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.coordinates import CoordinateList
+from kousoku.model.drivers import driver_instances, start_values
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import (
     GROUND_FRAME,
     BodyFrame,
+    joint_points,
     joint_vectors,
     to_quaternion,
     to_vector,
 )
-from kousoku.model.held import held_of
+from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.mass import mass_properties
 from kousoku.model.mechanism import Instance, MovingBody, System
@@ -49,23 +52,28 @@ METRES = {
 """Length of each unit of a scene."""
 
 
-def system_of(scene: Scene) -> System:
+def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     """Return the system of a spatial scene, at the positions and velocities that the scene gives.
+
+    Coordinates that nothing needs are left out of it.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    outputs : sequence of str, optional
+        What is wanted; what the scene says unless given.
 
     Raises
     ------
     SceneError
-        The scene is planar, prescribes a motion, or gives no distance to a rod.
+        The scene is planar, or gives no distance to a rod.
     """
     if not scene.is_spatial:
         raise SceneError("is missing; wanted a scene of bodies and joints", key="bodies")
-    for name in scene.inputs:
-        raise SceneError(
-            "prescribes a motion, which dynamics does not honour yet; leave the input out",
-            key=f"inputs.{name}",
-        )
     unit = precise.number(METRES[scene.unit])
     frames = {GROUND: GROUND_FRAME}
+    wanted = scene.outputs if outputs is None else outputs
     bodies: list[MovingBody] = []
     held: list[Instance] = []
     held_rates: list[Instance] = []
@@ -83,16 +91,28 @@ def system_of(scene: Scene) -> System:
         kept = held_of(name, body, frame, unit)
         held += kept[0]
         held_rates += kept[1]
+    coordinates = CoordinateList(scene, frames, unit)
+    start_values(scene, coordinates)
     joints = (_instances(name, joint, frames, unit) for name, joint in scene.joints.items())
+    constraints = (
+        *chain.from_iterable(joints),
+        *driver_instances(scene, coordinates, frames),
+    )
+    forces = force_elements(scene.forces, frames, unit)
+    shown = scene.coordinates if "coordinates" in wanted else ()
+    places = tuple(coordinates.place(name) for name in shown)
     return System(
         name=scene.name,
         unit=float(unit),
         bodies=tuple(bodies),
-        constraints=tuple(chain.from_iterable(joints)),
+        constraints=constraints,
         gravity=to_vector(precise.scale(unit, precise.triple(scene.gravity))),
-        held=tuple(held),
+        held=(*held, *held_coordinates(scene, coordinates)),
         held_rates=tuple(held_rates),
-        forces=force_elements(scene.forces, frames, unit),
+        forces=forces,
+        coordinates=coordinates.records,
+        shown=places,
+        parameters=tuple(scene.parameters.items()),
     )
 
 
@@ -127,8 +147,8 @@ def _instances(
 ) -> Iterator[Instance]:
     """Yield what a joint is composed of, in the order of the table of joints."""
     kind = JOINTS[NAMES[joint.type]]
-    ends = frames[joint.bodies[0]], frames[joint.bodies[1]]
-    points = _points(joint, ends) if kind.has_point else ()
+    ends = frames[joint.ends[0]], frames[joint.ends[1]]
+    points = joint_points(joint, ends) if kind.has_point else ()
     vectors = joint_vectors(ends, joint) if any(kind.turns(k) for k in (0, 1)) else ({}, {})
     for part in kind.parts:
         constants = dict(_constants(part, ends, points, vectors, unit))
@@ -156,28 +176,13 @@ def _constants(
             yield f"s_{body}_b", ends[k].point(points[k], unit)
 
 
-def _points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, ...]:
-    """Return the point of a joint in the two body frames; of a point body it is the body itself."""
-    if joint.points is not None:
-        return tuple(map(precise.triple, joint.points))
-    assert joint.at is not None
-    at = precise.triple(joint.at)
-    return tuple(
-        ZERO if end.is_point else precise.rotate_back(end.p, precise.subtract(at, end.position))
-        for end in ends
-    )
-
-
 def _length(
     name: str, joint: Joint, ends: tuple[BodyFrame, BodyFrame], points: Sequence[Triple], unit: High
 ) -> float:
     """Return the length of a rod, the distance of its points where the scene gives none."""
     if joint.length is not None:
         return float(unit * precise.number(joint.length))
-    start, end = (
-        precise.add(frame.position, precise.rotate(frame.p, point))
-        for frame, point in zip(ends, points, strict=True)
-    )
+    start, end = (frame.place(point) for frame, point in zip(ends, points, strict=True))
     length = precise.length(precise.subtract(end, start))
     if not length:
         raise SceneError("is missing, and its two points coincide", key=f"joints.{name}.length")

@@ -27,7 +27,7 @@ MOST_ITERATIONS = 100_000
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""
 
-OF_LINKS, OF_BODIES = ("angles",), ("reactions", "energies")
+OF_LINKS, OF_BODIES = ("angles",), ("coordinates", "reactions", "energies")
 """Outputs that only planar linkages have, and only bodies and joints."""
 
 
@@ -77,6 +77,9 @@ def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
         if scene.forces or problems.touches("forces"):
             problem = "belong to bodies; a linkage of nodes and links has no masses"
             problems.add(problem, "forces")
+        for table in ("parameters", "coordinates", "drivers"):
+            if getattr(scene, table) or problems.touches(table):
+                problems.add("belong to bodies; wanted bodies and joints", table)
         check_planar(scene, problems)
     check_inputs(scene, problems)
     if is_spatial or problems.found:

@@ -53,7 +53,7 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
         problems.check(key, [key], _check_body, body, key)
     for name, joint in scene.joints.items():
         key = join("joints", name)
-        uses = [join("bodies", body) for body in joint.bodies]
+        uses = [join("bodies", body) for body in joint.bodies or ()]
         problems.check(key, [key, *uses], _check_joint, scene, joint, key)
     for name, force in scene.forces.items():
         key = join("forces", name)
@@ -80,6 +80,8 @@ def _check_body(body: Body, key: str) -> None:
 
 
 def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
+    if joint.bodies is None:
+        raise SceneError("is missing; wanted a list of 2 names", key=f"{key}.bodies")
     for index, body in enumerate(joint.bodies):
         if body != GROUND and body not in scene.bodies:
             known = (*scene.bodies, GROUND)
@@ -95,7 +97,7 @@ def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
     _check_point(scene, joint, kind, key)
     _check_axes(joint, kind, key)
     _check_length(joint, key)
-    for index, name in enumerate(joint.bodies):
+    for index, name in enumerate(joint.ends):
         if name != GROUND and scene.bodies[name].point and kind.turns(index):
             raise SceneError(
                 f"{name} is a point, which has no orientation that a {joint.type} joint could "
@@ -138,7 +140,7 @@ def _check_point(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
             "as 'at'",
             key=f"{key}.points",
         )
-    for index, (name, point) in enumerate(zip(joint.bodies, joint.points or (), strict=False)):
+    for index, (name, point) in enumerate(zip(joint.ends, joint.points or (), strict=False)):
         if name != GROUND and scene.bodies[name].point and any(point):
             raise SceneError(
                 f"{name} is a point; wanted [0, 0, 0], its only point",

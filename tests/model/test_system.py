@@ -10,12 +10,15 @@ import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model import precise
 from kousoku.model.errors import SceneError
+from kousoku.model.expression import parse_expression
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.joints import JOINTS, NAMES, ROWS_OF
-from kousoku.model.mechanism import GROUND_INDEX, Instance, System
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, System, Term
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
+from kousoku.model.values import value_of
 
 ROOT = Path(__file__).parents[2]
 Tree = dict[str, Any]
@@ -220,8 +223,19 @@ def test_every_committed_spatial_scene_is_a_system() -> None:
         assert max(map(abs, violations(system)), default=0) < 1e-15, spatial.name
 
 
-def test_what_dynamics_does_not_honour_is_refused_by_name() -> None:
-    with pytest.raises(SceneError, match=r"inputs\.alpha: prescribes a motion"):
-        system_of(read_scene(ROOT / "scenes" / "spatial_four_bar.toml"))
+def test_an_input_is_a_driver() -> None:
+    """α = from + rate t + ½ acceleration t² of the angle of joint a."""
+    spatial = read_scene(ROOT / "scenes" / "spatial_four_bar.toml")
+    system = system_of(spatial)
+    driver = system.constraints[-1]
+    (angle,) = system.coordinates
+    assert driver.kind == COMBINATION
+    assert (driver.joint, driver.unit, driver.terms) == ("alpha", "rad", (Term(0, 1.0),))
+    assert (angle.name, angle.kind, angle.near) == ("a.angle", "angle", 0)
+    law = parse_expression(driver.law, ("t",))
+    assert float(value_of(law, {"t": precise.number(2.5)})) == 2.5
+
+
+def test_a_linkage_is_no_system_of_bodies() -> None:
     with pytest.raises(SceneError, match="wanted a scene of bodies and joints"):
         system_of(read_scene(ROOT / "scenes" / "lever_crank.toml"))

@@ -1,0 +1,208 @@
+"""The coordinates that a system needs, collected while it is made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
+from kousoku.model.joints import JOINTS, NAMES
+from kousoku.model.mechanism import Coordinate
+from kousoku.model.precise import CONTEXT, NOISE, ZERO
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.precise import High, Triple
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Coordinate as Named
+    from kousoku.model.spatial import Joint
+
+ANGLE, DISPLACEMENT = "angle", "displacement"
+"""What a joint can leave free and have measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A scalar quantity of two bodies, in 50 digits.
+
+    Parameters
+    ----------
+    kind : str
+        The package, see :class:`kousoku.model.mechanism.Coordinate`.
+    ends : (BodyFrame, BodyFrame)
+        Bodies i and j.
+    vectors : tuple of (str, (3,))
+        Axes by the names of the package's inputs, of norm one, in the principal frames.
+    points : ((3,), (3,)) [unit of the scene], optional
+        Points in the frames of the bodies.
+    """
+
+    kind: str
+    ends: tuple[BodyFrame, BodyFrame]
+    vectors: tuple[tuple[str, Triple], ...] = ()
+    points: tuple[Triple, Triple] | None = None
+
+    def constants(self, unit: High) -> tuple[tuple[str, tuple[float, ...]], ...]:
+        """Return the fixed inputs of the package, rounded; the unit of the scene is in metres."""
+        constants = [(name, precise.rounded(vector)) for name, vector in self.vectors]
+        for letter, end, point in zip("ij", self.ends, self.points or (), strict=False):
+            constants.append((f"s_{letter}_b", end.point(point, unit)))
+        return tuple(constants)
+
+    def value(self) -> High:
+        """Return it at the positions as they are written, in rad or the unit of the scene."""
+        i, j = self.ends
+        fixed = {
+            name: (i if name.endswith("i_b") else j).to_ground(vector)
+            for name, vector in self.vectors
+        }
+        if self.kind == "angle":
+            sine = _clean(precise.dot(fixed["b_i_b"], fixed["a_j_b"]), 1)
+            return CONTEXT.atan2(sine, precise.dot(fixed["a_i_b"], fixed["a_j_b"]))
+        if self.kind == "n1":
+            return _clean(precise.dot(fixed["a_i_b"], fixed["a_j_b"]), 1)
+        assert self.points is not None
+        start, end = (frame.place(s) for frame, s in zip(self.ends, self.points, strict=True))
+        d = precise.subtract(end, start)
+        if self.kind == "length":
+            return precise.length(d)
+        size = precise.length(start) + precise.length(end)
+        return _clean(precise.dot(fixed["a_i_b"], d), size)
+
+
+def _clean(value: High, size: High) -> High:
+    """Return a value, or zero where it is only rounding of numbers of that size."""
+    return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
+
+
+def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> Measure:
+    """Return the angle or the displacement of a joint.
+
+    The angle is that of the zero direction of body j, counted from the zero direction of body i
+    counter-clockwise about the axis of body i. The displacement is that of the point of j, from the
+    point of i along the axis of i.
+    """
+    ends = frames[joint.ends[0]], frames[joint.ends[1]]
+    i, j = joint_vectors(ends, joint)
+    if sort == ANGLE:
+        vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
+        return Measure("angle", ends, vectors)
+    return Measure("n2", ends, (("a_i_b", i["axis"]),), joint_points(joint, ends))
+
+
+def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> Measure:
+    """Return the place of a point of a body, from the origin of frame O along a direction of it."""
+    vectors = (("a_i_b", precise.unit(along)),)
+    return Measure("n2", (GROUND_FRAME, frame), vectors, (ZERO, point))
+
+
+def sort_of(joint: Joint, of: str | None) -> str:
+    """Return which coordinate of a joint is meant: the one that is named, or the only one."""
+    return of or JOINTS[NAMES[joint.type]].leaves[0]
+
+
+class CoordinateList:
+    """The coordinates that are needed so far; a coordinate is added when it is first asked for.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    frames : mapping of str to BodyFrame
+        Of all bodies and the ground.
+    unit : number [m]
+        The unit of the scene.
+    """
+
+    def __init__(self, scene: Scene, frames: Mapping[str, BodyFrame], unit: High) -> None:
+        self._scene, self._frames, self._unit = scene, frames, unit
+        self._places: dict[str, int] = {}
+        self._records: list[Coordinate] = []
+        self._values: list[High] = []
+        self._starts: dict[tuple[str, str], High] = {}
+
+    @property
+    def records(self) -> tuple[Coordinate, ...]:
+        """All that were asked for, in the order of asking."""
+        return tuple(self._records)
+
+    def value(self, place: int) -> High:
+        """Return a coordinate at the positions as they are written, in SI units, turns counted."""
+        return self._values[place]
+
+    def unit_of(self, place: int) -> tuple[str, High]:
+        """Return ``rad`` or ``m``, and what a value of the scene is multiplied by."""
+        kind = self._records[place].kind
+        return ("rad", CONTEXT.mpf(1)) if kind in ("angle", "n1") else ("m", self._unit)
+
+    def place(self, name: str) -> int:
+        """Return the place of a coordinate of the scene."""
+        given = self._scene.coordinates[name]
+        near: High | None = None if given.near is None else precise.number(given.near)
+        if near is None and given.joint is not None:
+            joint = self._scene.joints[given.joint]
+            near = self._starts.get((given.joint, sort_of(joint, given.of)))
+        return self.add(name, self._measure(given), near)
+
+    def of_joint(self, joint: str, of: str | None = None) -> int:
+        """Return the place of what a joint leaves free: of the scene's coordinate, if it has one.
+
+        Parameters
+        ----------
+        joint : str
+            The joint.
+        of : {"angle", "displacement"}, optional
+            Which of the two, where it leaves both free.
+        """
+        sort = sort_of(self._scene.joints[joint], of)
+        for name, given in self._scene.coordinates.items():
+            if given.joint == joint and sort_of(self._scene.joints[joint], given.of) == sort:
+                return self.place(name)
+        measure = joint_measure(self._scene.joints[joint], sort, self._frames)
+        return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
+
+    def starts_at(self, joint: str, sort: str, value: High) -> None:
+        """Say which value an angle has at the start, so that the turns of it are known."""
+        self._starts[joint, sort] = value
+
+    def add(self, name: str, measure: Measure, near: High | None = None) -> int:
+        """Return the place of a coordinate, which is added unless one of its name is there.
+
+        Parameters
+        ----------
+        name : str
+            Its name.
+        measure : Measure
+            What it is.
+        near : number [rad], optional
+            Of an angle, a value within half a turn of the one at the start.
+        """
+        if name in self._places:
+            return self._places[name]
+        place = self._places[name] = len(self._records)
+        value, start = measure.value(), CONTEXT.mpf(0)
+        if measure.kind == "angle":
+            start = value if near is None else near
+            value += 2 * CONTEXT.pi * CONTEXT.nint((start - value) / (2 * CONTEXT.pi))
+        i, j = (end.index for end in measure.ends)
+        constants = measure.constants(self._unit)
+        self._records.append(Coordinate(name, measure.kind, i, j, constants, float(start)))
+        self._values.append(value * self.unit_of(place)[1])
+        return place
+
+    def _measure(self, given: Named) -> Measure:
+        if given.joint is not None:
+            joint = self._scene.joints[given.joint]
+            return joint_measure(joint, sort_of(joint, given.of), self._frames)
+        if given.bodies is not None:
+            assert given.points is not None
+            i, j = (self._frames[body] for body in given.bodies)
+            start, end = map(precise.triple, given.points)
+            return Measure("length", (i, j), points=(start, end))
+        assert given.body is not None
+        assert given.along is not None
+        point = precise.triple(given.point or (0.0, 0.0, 0.0))
+        return place_measure(self._frames[given.body], point, precise.triple(given.along))
