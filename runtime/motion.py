@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.runtime.body_tables import body_tables
 from kousoku.runtime.tables import save_columns
 
 if TYPE_CHECKING:
@@ -217,9 +218,7 @@ def motion_of(
         parts[name] = rows[:, first : first + size]
         first += size
     tables: dict[str, dict[str, Array]] = {name: {} for name in TABLES}
-    for body in solver.bodies:
-        for name, values in _of_body(body, q, v, parts.get("v_dot"), solver.unit).items():
-            tables[name][body.name] = values
+    tables |= body_tables(solver.bodies, q, v, parts.get("v_dot"), solver.unit)
     if "reactions" in parts:
         for joint in solver.reactions:
             pair = _of_joint(joint, solver.bodies, q, parts["reactions"])
@@ -245,30 +244,6 @@ def motion_of(
     )
 
 
-def _of_body(
-    body: BodyPlaces, q: Array, v: Array, v_dot: Array | None, unit: float
-) -> dict[str, Array]:
-    """Return what moves of a body, for its own frame and in the unit of the scene."""
-    found = {}
-    r, velocity = _columns(body.r, q), _columns(body.v, v)
-    acceleration = _rates(body.v, v_dot)
-    if body.p:
-        p, omega = _columns(body.p, q), _columns(body.omega_b, v)
-        alpha = _rates(body.omega_b, v_dot)
-        arm, axes = np.array(body.origin_b), np.array(body.axes_b)
-        turn = crossed(omega, arm)
-        r = r + rotated(p, np.broadcast_to(arm, r.shape))
-        velocity = velocity + rotated(p, turn)
-        found["orientation"] = composed(p, np.broadcast_to(axes, p.shape))
-        back = np.broadcast_to(axes * [1, -1, -1, -1], p.shape)
-        found["angular_velocity"] = rotated(back, omega)
-        if acceleration is not None and alpha is not None:
-            acceleration = acceleration + rotated(p, crossed(alpha, arm) + crossed(omega, turn))
-            found["angular_acceleration"] = rotated(back, alpha)
-    found |= {"position": r / unit, "velocity": velocity / unit}
-    return found if acceleration is None else found | {"acceleration": acceleration / unit}
-
-
 def _of_joint(
     joint: ReactionPlaces, bodies: Sequence[BodyPlaces], q: Array, reactions: Array
 ) -> tuple[Array, Array]:
@@ -292,13 +267,6 @@ def _hide(pair: tuple[Array, Array], joint: ReactionPlaces, *, turns: bool) -> N
     force[:, [k < 0 for k in joint.columns[:3]]] = np.nan
     if turns:
         torque[:, [k < 0 for k in joint.columns[3:]]] = np.nan
-
-
-def _rates(places: Sequence[int | float], v_dot: Array | None) -> Array | None:
-    """Return time derivatives; what does not change has none."""
-    if v_dot is None:
-        return None
-    return _columns([k if isinstance(k, int) else 0.0 for k in places], v_dot)
 
 
 def _columns(places: Sequence[int | float], rows: Array) -> Array:
