@@ -210,6 +210,31 @@ class ForceElement:
 
 
 @dataclass(frozen=True, slots=True)
+class Carried:
+    """A body of the scene, and what carries it: bodies that are joined rigidly are one body.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    carrier : int
+        The body of the system that it moves with, :data:`GROUND_INDEX` where it stands still.
+    is_point : bool
+        Whether it has a position only.
+    origin_b : (3,) [m]
+        Origin of the user's body frame, in the principal frame of the carrier.
+    axes_b : (4,)
+        Euler parameters that take components in the user's body frame to that principal frame.
+    """
+
+    name: str
+    carrier: int
+    is_point: bool
+    origin_b: Vector
+    axes_b: Quaternion
+
+
+@dataclass(frozen=True, slots=True)
 class System:
     """A spatial scene, ready to be specialised.
 
@@ -238,6 +263,11 @@ class System:
         Places of the coordinates that are outputs, in the order of the scene.
     parameters : tuple of (str, float)
         Names that formulas may use, and their values unless a run gives others.
+    carried : tuple of Carried
+        All bodies of the scene, in its order, where some of them were joined to one body; empty
+        where each is a body of its own.
+    resting : float [J]
+        Potential energy of bodies and forces that stand still, and are left out.
     """
 
     name: str
@@ -251,3 +281,5 @@ class System:
     coordinates: tuple[Coordinate, ...] = ()
     shown: tuple[int, ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
+    carried: tuple[Carried, ...] = ()
+    resting: float = 0.0

@@ -5,17 +5,21 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.forces import leaves_plane
+from kousoku.codegen.dynamics.program import Coordinates, Place
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.program import Coordinates, Place, Program, Row
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.codegen.dynamics.program import Program, Row
+    from kousoku.model.mechanism import Carried, Instance, MovingBody, System
 
 #: Kinds whose residuals are lengths; those of the others are angles.
 LENGTHS = ("point", "distance", "n2", "p2")
+ZERO = Place(-1, 0.0)
+#: Where the ground is, for bodies that it carries.
+STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
 
 
 def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> dict[str, object]:
@@ -44,10 +48,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "name": system.name,
         "unit": system.unit,
         **start,
-        "bodies": [
-            _body(body, places, bases["q"], bases["v"])
-            for body, places in zip(system.bodies, program.bodies, strict=True)
-        ],
+        "bodies": _bodies(program, system, bases["q"], bases["v"]),
         "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
@@ -118,7 +119,16 @@ def _reactions(program: Program, system: System) -> list[dict[str, object]]:
     return found
 
 
-def _body(body: MovingBody, places: Coordinates, q: int, v: int) -> dict[str, object]:
+def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, object]]:
+    """Return where all bodies of the scene are, those too that others carry."""
+    if not system.carried:
+        pairs = zip(system.bodies, program.bodies, strict=True)
+        return [_body(body, places, q, v) for body, places in pairs]
+    carriers = (*program.bodies, STILL)
+    return [_body(one, carriers[one.carrier], q, v) for one in system.carried]
+
+
+def _body(body: MovingBody | Carried, places: Coordinates, q: int, v: int) -> dict[str, object]:
     turns = not body.is_point
     return {
         "name": body.name,
