@@ -132,7 +132,8 @@ def _crossed(a: Array, b: Array) -> Array:
 def _rotated(p: Array, v: Array) -> Array:
     """Return A(p) v for Euler parameters of norm one."""
     t = 2.0 * _crossed(p[1:], v)
-    return v + p[0] * t + _crossed(p[1:], t)
+    turned: Array = v + p[0] * t + _crossed(p[1:], t)
+    return turned
 
 
 def _composed(p: Array, q: Array) -> Array:
