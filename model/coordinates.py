@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
-from kousoku.model.joints import JOINTS, NAMES
+from kousoku.model.joints import ANGLE, sort_of
 from kousoku.model.mechanism import Coordinate
 from kousoku.model.precise import CONTEXT, NOISE, ZERO
 
@@ -19,9 +19,6 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Coordinate as Named
     from kousoku.model.spatial import Joint
-
-ANGLE, DISPLACEMENT = "angle", "displacement"
-"""What a joint can leave free and have measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,11 +96,6 @@ def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> Measure:
     return Measure("n2", (GROUND_FRAME, frame), vectors, (ZERO, point))
 
 
-def sort_of(joint: Joint, of: str | None) -> str:
-    """Return which coordinate of a joint is meant: the one that is named, or the only one."""
-    return of or JOINTS[NAMES[joint.type]].leaves[0]
-
-
 class CoordinateList:
     """The coordinates that are needed so far; a coordinate is added when it is first asked for.
 
@@ -144,7 +136,7 @@ class CoordinateList:
         near: High | None = None if given.near is None else precise.number(given.near)
         if near is None and given.joint is not None:
             joint = self._scene.joints[given.joint]
-            near = self._starts.get((given.joint, sort_of(joint, given.of)))
+            near = self._starts.get((given.joint, sort_of(joint.type, given.of)))
         return self.add(name, self._measure(given), near)
 
     def of_joint(self, joint: str, of: str | None = None) -> int:
@@ -157,16 +149,17 @@ class CoordinateList:
         of : {"angle", "displacement"}, optional
             Which of the two, where it leaves both free.
         """
-        sort = sort_of(self._scene.joints[joint], of)
+        record = self._scene.joints[joint]
+        sort = sort_of(record.type, of)
         for name, given in self._scene.coordinates.items():
-            if given.joint == joint and sort_of(self._scene.joints[joint], given.of) == sort:
+            if given.joint == joint and sort_of(record.type, given.of) == sort:
                 return self.place(name)
-        measure = joint_measure(self._scene.joints[joint], sort, self._frames)
+        measure = joint_measure(record, sort, self._frames)
         return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
 
-    def starts_at(self, joint: str, sort: str, value: High) -> None:
-        """Say which value an angle has at the start, so that the turns of it are known."""
-        self._starts[joint, sort] = value
+    def starts_at(self, joint: str, angle: float) -> None:
+        """Say what the angle of a joint is near at the start, so that its turns are known."""
+        self._starts[joint, ANGLE] = precise.number(angle)
 
     def add(self, name: str, measure: Measure, near: High | None = None) -> int:
         """Return the place of a coordinate, which is added unless one of its name is there.
@@ -196,7 +189,7 @@ class CoordinateList:
     def _measure(self, given: Named) -> Measure:
         if given.joint is not None:
             joint = self._scene.joints[given.joint]
-            return joint_measure(joint, sort_of(joint, given.of), self._frames)
+            return joint_measure(joint, sort_of(joint.type, given.of), self._frames)
         if given.bodies is not None:
             assert given.points is not None
             i, j = (self._frames[body] for body in given.bodies)

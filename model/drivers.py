@@ -2,29 +2,19 @@
 
 from __future__ import annotations
 
+from math import copysign, nan, sqrt, tau
 from typing import TYPE_CHECKING
 
-from kousoku.model import precise
-from kousoku.model.coordinates import ANGLE, place_measure, sort_of
-from kousoku.model.expression import parse_expression
-from kousoku.model.mechanism import COMBINATION, Instance, Term
+from kousoku.model.motion import turns_of
 from kousoku.model.spatial import Driver
-from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
-
-    from kousoku.model.coordinates import CoordinateList
-    from kousoku.model.frames import BodyFrame
     from kousoku.model.planar import Input
-    from kousoku.model.precise import High
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value
 
 TIME = "t"
 """The time in formulas."""
-
-DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def drivers_of(scene: Scene) -> dict[str, Driver]:
@@ -42,66 +32,44 @@ def law_of(given: Input) -> str:
     return f"{given.start!r} + {given.rate!r}*t + {given.acceleration!r}/2*t^2"
 
 
-def start_values(scene: Scene, coordinates: CoordinateList) -> None:
-    """Tell a list of coordinates at which turn driven angles start.
+def way_of(given: Input) -> float:
+    """Return how far an input goes, in rad or the unit of the scene."""
+    turns = turns_of(given)
+    if turns is not None:
+        return tau * turns
+    assert given.to is not None
+    return given.to - given.start
 
-    Where a coordinate says by itself what it is near, that counts.
+
+def time_of(given: Input, part: float) -> float:
+    """Return when an input has gone a part of its way, from 0 to 1; not a number if never.
+
+    It is the first time at which rate t + ½ acceleration t² is that part. An input that first goes
+    the other way never does.
     """
-    for driver in drivers_of(scene).values():
-        joint, of = driver.joint, driver.of
-        if driver.coordinate is not None:
-            named = scene.coordinates[driver.coordinate]
-            joint, of = named.joint, named.of
-        if joint is None or driver.value is None:
-            continue
-        sort = sort_of(scene.joints[joint], of)
-        if sort == ANGLE:
-            coordinates.starts_at(joint, sort, _at_start(scene, driver.value))
+    way = way_of(given)
+    sign = copysign(1.0, way)
+    rate, acceleration, way = sign * given.rate, sign * given.acceleration, abs(way)
+    square = rate * rate + 2 * acceleration * way * part
+    if way == 0 or rate < 0 or (rate == 0 and acceleration <= 0) or square < 0:
+        return nan
+    return 2 * way * part / (rate + sqrt(square)) if part else 0.0
 
 
-def _at_start(scene: Scene, value: Value) -> High:
-    numbers = {name: precise.number(number) for name, number in scene.parameters.items()}
-    expression = parse_expression(text_of(value), (TIME, *numbers))
-    return value_of(expression, {**numbers, TIME: precise.number(0.0)})
+def times_of(scene: Scene) -> list[float] | None:
+    """Return when the inputs of a spatial scene take their values.
+
+    Returns
+    -------
+    list of float [s], or None
+        One time for each division 0 … ``divisions``; none where the scene has no inputs.
+    """
+    given = next(iter(scene.inputs.values()), None)
+    if given is None:
+        return None
+    return [time_of(given, k / scene.divisions) for k in range(scene.divisions + 1)]
 
 
 def text_of(value: Value) -> str:
     """Return a value as a formula."""
     return value if isinstance(value, str) else repr(value)
-
-
-def driver_instances(
-    scene: Scene, coordinates: CoordinateList, frames: Mapping[str, BodyFrame]
-) -> Iterator[Instance]:
-    """Yield the drivers of a scene as combinations: coordinate − law = 0."""
-    for name, driver in drivers_of(scene).items():
-        if driver.body is not None:
-            assert driver.path is not None
-            point = precise.triple(driver.point or (0.0, 0.0, 0.0))
-            for (letter, along), value in zip(DIRECTIONS.items(), driver.path, strict=True):
-                measure = place_measure(frames[driver.body], point, precise.triple(along))
-                place = coordinates.add(f"{name}.{letter}", measure)
-                yield _driver(name, place, value, coordinates)
-            continue
-        assert driver.value is not None
-        if driver.coordinate is not None:
-            place = coordinates.place(driver.coordinate)
-        else:
-            assert driver.joint is not None
-            place = coordinates.of_joint(driver.joint, driver.of)
-        yield _driver(name, place, driver.value, coordinates)
-
-
-def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) -> Instance:
-    driven = coordinates.records[place]
-    unit, scale = coordinates.unit_of(place)
-    return Instance(
-        name,
-        COMBINATION,
-        driven.i,
-        driven.j,
-        terms=(Term(place, 1.0),),
-        law=text_of(value),
-        law_unit=float(scale),
-        unit=unit,
-    )

@@ -8,6 +8,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+ANGLE, DISPLACEMENT = "angle", "displacement"
+"""What a joint can leave free that is one number."""
+
 ROWS_OF = {"point": 3, "distance": 1, "n1": 1, "n2": 1, "p1": 2, "p2": 2}
 """Equations of each kind that joints are made of."""
 
@@ -79,20 +82,20 @@ JOINTS: dict[str, JointKind] = {
         (_POINT, _PARALLEL),
         1,
         aliases=("hinge", "pin"),
-        leaves=("angle",),
+        leaves=(ANGLE,),
     ),
     "prismatic": JointKind(
         "a displacement along an axis",
         (_PARALLEL, _ON_LINE, _NO_TURN),
         1,
         aliases=("slider", "translational"),
-        leaves=("displacement",),
+        leaves=(DISPLACEMENT,),
     ),
     "cylindrical": JointKind(
         "a turn about an axis and a displacement along it",
         (_PARALLEL, _ON_LINE),
         1,
-        leaves=("angle", "displacement"),
+        leaves=(ANGLE, DISPLACEMENT),
     ),
     "spherical": JointKind("all turns about a point", (_POINT,), 0, aliases=("ball",)),
     "universal": JointKind(
@@ -105,7 +108,7 @@ JOINTS: dict[str, JointKind] = {
         "displacements in a plane and a turn about its normal",
         (_PARALLEL, _ON_PLANE),
         1,
-        leaves=("angle",),
+        leaves=(ANGLE,),
     ),
     "rod": JointKind(
         "all that keeps the distance of two points",
@@ -118,7 +121,7 @@ JOINTS: dict[str, JointKind] = {
         (_ON_LINE,),
         1,
         aliases=("inline",),
-        leaves=("displacement",),
+        leaves=(DISPLACEMENT,),
     ),
     "point_on_plane": JointKind(
         "all turns, and displacements of the point of j in the plane through the point of i",
@@ -132,7 +135,7 @@ JOINTS: dict[str, JointKind] = {
         1,
         has_point=False,
         aliases=("parallel",),
-        leaves=("angle",),
+        leaves=(ANGLE,),
     ),
     "perpendicular_axes": JointKind(
         "all that keeps two axes perpendicular",
@@ -156,3 +159,16 @@ NAMES: dict[str, str] = {
     name: joint for joint, entry in JOINTS.items() for name in (joint, *entry.aliases)
 }
 """The joint that each accepted name stands for."""
+
+
+def sort_of(kind: str, of: str | None) -> str:
+    """Return which coordinate of a joint is meant: the one that is named, or the only one.
+
+    Parameters
+    ----------
+    kind : str
+        Name or alias of a joint that leaves one free.
+    of : str, optional
+        ``angle`` or ``displacement``.
+    """
+    return of or JOINTS[NAMES[kind]].leaves[0]

@@ -18,11 +18,11 @@ if TYPE_CHECKING:
 def turns_of(given: Input) -> float | None:
     """Return the turns of an input that is described by turns, else None.
 
-    An input of a link with neither ``to`` nor ``turns`` makes one turn.
+    An input of a link or of a joint with neither ``to`` nor ``turns`` makes one turn.
     """
     if given.turns is not None:
         return float(given.turns)
-    return 1.0 if given.link is not None and given.to is None else None
+    return 1.0 if given.slider is None and given.to is None else None
 
 
 def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -> np.ndarray:

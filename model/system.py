@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.coordinates import CoordinateList
-from kousoku.model.drivers import driver_instances, start_values
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import (
     GROUND_FRAME,
@@ -29,6 +28,7 @@ from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
+from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import force_elements
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from kousoku.model.mobility import check_mobility
 from kousoku.model.names import name_problem, scene_name_problem
 from kousoku.model.problems import Problems
 from kousoku.model.scene import TABLES
+from kousoku.model.validate_drivers import check_drivers
 from kousoku.model.validate_inputs import check_inputs
 from kousoku.model.validate_planar import check_planar
 from kousoku.model.validate_spatial import check_spatial
@@ -82,6 +83,8 @@ def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
                 problems.add("belong to bodies; wanted bodies and joints", table)
         check_planar(scene, problems)
     check_inputs(scene, problems)
+    if is_spatial:
+        check_drivers(scene, problems)
     if is_spatial or problems.found:
         return ()
     problems.check("inputs", (), check_mobility, scene)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from math import isfinite, tau
+from math import isfinite, isnan, tau
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, unknown
+from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
+from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.motion import turns_of
 
 if TYPE_CHECKING:
@@ -16,6 +18,9 @@ if TYPE_CHECKING:
 
 MOST_TURNS = 10
 """Turns of a link in one division: a step is halved until the solver can follow."""
+
+SAME_TIME = 1e-9
+"""Part by which times of the same division may differ: rounding of what is written."""
 
 TARGETS = ("link", "slider", "joint")
 """What an input may drive; its table in the scene has the same name with an s."""
@@ -39,6 +44,8 @@ def check_inputs(scene: Scene, problems: Problems) -> None:
         problems.check(key, [key, *uses], _check_input, scene, name, drives)
         if not problems.is_broken("divisions"):
             problems.check(key, [key], _check_speed, scene, name)
+    if not problems.touches("inputs") and any(given.joint for given in scene.inputs.values()):
+        _check_times(scene, problems)
 
 
 def _check_input(scene: Scene, name: str, drives: dict[tuple[str, str], str]) -> None:
@@ -50,6 +57,8 @@ def _check_input(scene: Scene, name: str, drives: dict[tuple[str, str], str]) ->
     _check_way(given, target, key)
     if target == "link":
         _check_link(scene, given, driven, key)
+    if target == "joint":
+        _check_joint(scene, given, driven, key)
 
 
 def _target(scene: Scene, given: Input, key: str) -> tuple[str, str]:
@@ -95,6 +104,47 @@ def _check_speed(scene: Scene, name: str) -> None:
             f"{MOST_TURNS} turns a division",
             key=f"{key}.to" if given.turns is None else f"{key}.turns",
         )
+
+
+def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
+    """Check that the coordinate of a joint reaches the last value, on the straight way."""
+    kind = scene.joints[joint].type
+    leaves = JOINTS[NAMES[kind]].leaves
+    if len(leaves) != 1:
+        problem = (
+            "leaves free no angle or displacement that is one number; wanted another joint"
+            if not leaves
+            else "leaves free an angle and a displacement; wanted a driver with 'of'"
+        )
+        raise SceneError(f"{joint} is a {kind} joint, which {problem}", key=f"{key}.joint")
+    if leaves[0] == "displacement":
+        if given.turns is not None:
+            raise SceneError(
+                f"{joint} is a {kind} joint, which makes no turns; wanted 'to'", key=f"{key}.turns"
+            )
+        if given.to is None:
+            raise SceneError("is missing; wanted the last displacement", key=f"{key}.to")
+    if isnan(time_of(given, 1.0)):
+        raise SceneError(
+            f"the way of {way_of(given):g} is not reached with a rate of {given.rate:g} and an "
+            f"acceleration of {given.acceleration:g}; wanted a rate towards it",
+            key=f"{key}.rate",
+        )
+
+
+def _check_times(scene: Scene, problems: Problems) -> None:
+    """Check that inputs of joints take their divisions at the same times."""
+    first, *others = (name for name, given in scene.inputs.items() if given.joint is not None)
+    for name in others:
+        for part in (0.25, 0.5, 1.0):
+            one, other = (time_of(scene.inputs[which], part) for which in (first, name))
+            if abs(one - other) > SAME_TIME * one:
+                problems.add(
+                    f"takes {part:g} of its way in {other:.6g} s, and inputs.{first} in "
+                    f"{one:.6g} s; wanted the same times, or drivers instead of inputs",
+                    join("inputs", name),
+                )
+                break
 
 
 def _check_link(scene: Scene, given: Input, link: str, key: str) -> None:

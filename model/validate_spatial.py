@@ -10,6 +10,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.joints import JOINTS, LATER, NAMES
 from kousoku.model.orientation import check_orientation
 from kousoku.model.spatial import GROUND
+from kousoku.model.validate_coordinates import check_coordinates
 from kousoku.model.validate_forces import check_force
 from kousoku.model.validate_mass import check_mass
 
@@ -55,6 +56,7 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
         key = join("joints", name)
         uses = [join("bodies", body) for body in joint.bodies or ()]
         problems.check(key, [key, *uses], _check_joint, scene, joint, key)
+    check_coordinates(scene, problems)
     for name, force in scene.forces.items():
         key = join("forces", name)
         uses = [join("bodies", body) for body in (force.body, *(force.bodies or ())) if body]

@@ -163,6 +163,7 @@ def test_a_point_keeps_no_orientation(bar: Tree, given: Tree, key: str, says: st
 
 def test_a_point_moves_on_a_line_or_in_a_plane(bar: Tree) -> None:
     bar["bodies"]["bar"] = {"position": [0, 0, 0], "point": True, "mass": 1}
+    del bar["inputs"]
     for kind in ("inline", "inplane"):
         bar["joints"]["a"] = joint(kind, at=[0, 0, 0], axis=[0, 0, 1])
         assert scene_from_dict(bar).joints["a"].type == kind

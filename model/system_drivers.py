@@ -1,0 +1,81 @@
+"""Turn the drivers of a scene into combinations of coordinates that depend on time."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.coordinates import place_measure
+from kousoku.model.drivers import TIME, drivers_of, text_of
+from kousoku.model.expression import parse_expression
+from kousoku.model.joints import ANGLE, sort_of
+from kousoku.model.mechanism import COMBINATION, Instance, Term
+from kousoku.model.values import value_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Value
+
+DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def start_values(scene: Scene, coordinates: CoordinateList) -> None:
+    """Tell a list of coordinates at which turn driven angles start.
+
+    Where a coordinate says by itself what it is near, that counts.
+    """
+    for driver in drivers_of(scene).values():
+        joint, of = driver.joint, driver.of
+        if driver.coordinate is not None:
+            named = scene.coordinates[driver.coordinate]
+            joint, of = named.joint, named.of
+        if joint is None or driver.value is None:
+            continue
+        if sort_of(scene.joints[joint].type, of) == ANGLE:
+            coordinates.starts_at(joint, _at_start(scene, driver.value))
+
+
+def _at_start(scene: Scene, value: Value) -> float:
+    expression = parse_expression(text_of(value), (TIME, *scene.parameters))
+    return value_of(expression, {**scene.parameters, TIME: 0.0})
+
+
+def driver_instances(
+    scene: Scene, coordinates: CoordinateList, frames: Mapping[str, BodyFrame]
+) -> Iterator[Instance]:
+    """Yield the drivers of a scene as combinations: coordinate − law = 0."""
+    for name, driver in drivers_of(scene).items():
+        if driver.body is not None:
+            assert driver.path is not None
+            point = precise.triple(driver.point or (0.0, 0.0, 0.0))
+            for (letter, along), value in zip(DIRECTIONS.items(), driver.path, strict=True):
+                measure = place_measure(frames[driver.body], point, precise.triple(along))
+                place = coordinates.add(f"{name}.{letter}", measure)
+                yield _driver(name, place, value, coordinates)
+            continue
+        assert driver.value is not None
+        if driver.coordinate is not None:
+            place = coordinates.place(driver.coordinate)
+        else:
+            assert driver.joint is not None
+            place = coordinates.of_joint(driver.joint, driver.of)
+        yield _driver(name, place, driver.value, coordinates)
+
+
+def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) -> Instance:
+    driven = coordinates.records[place]
+    unit, scale = coordinates.unit_of(place)
+    return Instance(
+        name,
+        COMBINATION,
+        driven.i,
+        driven.j,
+        terms=(Term(place, 1.0),),
+        law=text_of(value),
+        law_unit=float(scale),
+        unit=unit,
+    )

@@ -1,0 +1,150 @@
+"""Check the drivers of a spatial scene: what each drives, and by which formula."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from kousoku.model.decode import join, unknown
+from kousoku.model.derivative import derivative
+from kousoku.model.drivers import TIME, text_of
+from kousoku.model.errors import ExpressionError, SceneError
+from kousoku.model.expression import parse_expression
+from kousoku.model.joints import sort_of
+from kousoku.model.terms import Apply, Function, ordered
+from kousoku.model.validate_coordinates import (
+    check_leaves,
+    check_place,
+    only_one,
+    refuse_foreign,
+)
+from kousoku.model.values import value_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.problems import Problems
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Driver, Value
+
+KEYS = {
+    "coordinate": ("coordinate", "value"),
+    "joint": ("joint", "of", "value"),
+    "body": ("body", "point", "path"),
+}
+"""Keys of each sort of driver, by the one that says which it is."""
+
+KINKS = (Function.ABS, Function.SIGN, Function.MIN, Function.MAX)
+"""Functions that do not have two derivatives everywhere."""
+
+Driven = tuple[object, ...]
+
+
+def check_drivers(scene: Scene, problems: Problems) -> None:
+    """Check all drivers; whether they leave anything to move is left to the solver.
+
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
+    """
+    drives: dict[Driven, str] = {}
+    for name, driver in scene.drivers.items():
+        key = join("drivers", name)
+        uses = [
+            join(table, used)
+            for table, used in (
+                ("coordinates", driver.coordinate),
+                ("joints", driver.joint),
+                ("bodies", driver.body),
+            )
+            if used is not None
+        ]
+        if problems.touches("parameters"):  # a formula may use the one that is missing
+            problems.break_(key)
+        problems.check(key, [key, *uses], _check_driver, scene, name, drives)
+    for name, given in scene.inputs.items():
+        if given.joint is None or problems.is_broken(join("inputs", name)):
+            continue
+        driven = (given.joint, sort_of(scene.joints[given.joint].type, None))
+        if other := drives.get(driven):
+            problem = f"prescribes the joint {given.joint}, as {other} does"
+            problems.add(problem, join("inputs", name))
+
+
+def _check_driver(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
+    driver, key = scene.drivers[name], join("drivers", name)
+    sort = only_one(driver, tuple(KEYS), key)
+    known = tuple(dict.fromkeys(name for names in KEYS.values() for name in names))
+    refuse_foreign(driver, KEYS[sort], known, key)
+    for driven in _driven(scene, driver, key):
+        other = drives.setdefault(driven, key)
+        if other != key:
+            raise SceneError(f"drives the same as {other}; leave one of them out", key=key)
+    if driver.path is not None:
+        for index, value in enumerate(driver.path):
+            _check_law(scene, value, f"{key}.path[{index}]")
+    elif driver.value is not None:
+        _check_law(scene, driver.value, f"{key}.value")
+
+
+def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
+    """Yield what is driven, the same for the same coordinate by other names."""
+    if driver.body is not None:
+        check_place(scene, driver.body, driver.point, key)
+        if driver.path is None:
+            raise SceneError("is missing; wanted three formulas", key=f"{key}.path")
+        for k in range(3):
+            along = tuple(float(k == axis) for axis in range(3))
+            yield driver.body, driver.point or (0.0, 0.0, 0.0), along
+        return
+    if driver.value is None:
+        raise SceneError("is missing; wanted a formula of t", key=f"{key}.value")
+    if driver.joint is not None:
+        yield driver.joint, check_leaves(scene, driver.joint, driver.of, key)
+        return
+    name = driver.coordinate or ""
+    if name not in scene.coordinates:
+        problem = unknown(f"coordinate {name[:40]!r}", name, tuple(scene.coordinates))
+        raise SceneError(problem, key=f"{key}.coordinate")
+    given = scene.coordinates[name]
+    if given.hold:
+        raise SceneError(
+            f"{name} is driven by {key}; a driver says where it is, leave 'hold' out",
+            key=join("coordinates", name) + ".hold",
+        )
+    if given.joint is not None:
+        yield given.joint, sort_of(scene.joints[given.joint].type, given.of)
+    elif given.bodies is not None and given.points is not None:
+        yield frozenset(zip(given.bodies, given.points, strict=True)), "length"
+    else:
+        yield given.body, given.point or (0.0, 0.0, 0.0), given.along
+
+
+def _check_law(scene: Scene, value: Value, key: str) -> None:
+    """Check a formula of time: it is known at the start, and so are its two derivatives."""
+    try:
+        law = parse_expression(text_of(value), (TIME, *scene.parameters))
+    except ExpressionError as error:
+        raise SceneError(_with_state(scene, str(error)), key=key) from None
+    for part in ordered(law):
+        if isinstance(part, Apply) and part.function in KINKS:
+            raise SceneError(
+                f"{part.function.value} has a kink, where velocities would jump: a driver must "
+                "have two derivatives; wanted a smooth formula",
+                key=key,
+            )
+    for what in ("value", "rate", "acceleration"):
+        if not isfinite(value_of(law, {**scene.parameters, TIME: 0.0})):
+            raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
+        law = derivative(law, TIME)
+
+
+def _with_state(scene: Scene, problem: str) -> str:
+    """Return a message, and that formulas of drivers do not depend on coordinates."""
+    names = (f"{name}{end}" for name in scene.coordinates for end in ("", "_dot"))
+    if any(f"name {name!r}" in problem for name in names):
+        return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"
+    return problem
