@@ -1,0 +1,174 @@
+"""How a run of a solver of bodies is made: method, steps, parameters; checked before it begins."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.model.errors import SolveError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+#: The method of scenes whose motion drivers determine.
+KINEMATICS = "kinematics"
+#: The other methods.
+RUNGE_KUTTA = ("dopri5", "dop853")
+#: In the order of the solver's text; the last one is there only where drivers determine the motion.
+METHODS = (*RUNGE_KUTTA, KINEMATICS)
+#: A run that needs more steps is stopped, unless it is told otherwise.
+MOST_STEPS = 1_000_000
+
+
+class Settings(ctypes.Structure):
+    """The record of ``solver.h``."""
+
+    _fields_ = (
+        ("tolerance", ctypes.c_double),
+        ("largest_step", ctypes.c_double),
+        ("fixed_step", ctypes.c_double),
+        ("checks", ctypes.c_int),
+        ("method", ctypes.c_int),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How a run is made.
+
+    Parameters
+    ----------
+    tolerance : float
+        Local error of a step, relative to a length of the scene and to the state.
+    largest_step : float [s]
+        No step is longer.
+    step : float or None [s]
+        All steps are so long, without control of the error.
+    checks : bool
+        Whether each row is checked for the ledger: constraints at three levels, and energy.
+    method : {"dopri5", "dop853", "kinematics"}
+        Of order 5 or 8, or position by position.
+    most_steps : int
+        A run that needs more is stopped.
+    parameters : tuple of (str, float)
+        All of the scene, in its order.
+    """
+
+    tolerance: float
+    largest_step: float
+    step: float | None
+    checks: bool
+    method: str
+    most_steps: int
+    parameters: tuple[tuple[str, float], ...]
+
+    def settings(self) -> Settings:
+        """Return what the solver in C takes."""
+        longest = min(self.largest_step, 1e300)
+        method = METHODS.index(self.method)
+        return Settings(self.tolerance, longest, self.step or 0.0, int(self.checks), method)
+
+
+def options_of(
+    solver: DynamicsSolver,
+    *,
+    tolerance: float = 1e-9,
+    method: str | None = None,
+    step: float | None = None,
+    largest_step: float = np.inf,
+    checks: bool = True,
+    most_steps: int = MOST_STEPS,
+    parameters: Mapping[str, float] | None = None,
+) -> Options:
+    """Return the options of a run.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        What moves.
+    tolerance : float
+        Local error of a step, relative to a length of the scene and to the state.
+    method : {"dopri5", "dop853", "kinematics"}, optional
+        Runge-Kutta of order 5 or 8, by the tolerance unless given; position by position where
+        drivers determine the motion.
+    step : float [s], optional
+        Make all steps so long, without control of the error; the last one may be shorter.
+    largest_step : float [s]
+        No step is longer.
+    checks : bool
+        Whether the ledger says what is left of the constraints, and how the energy changes.
+    most_steps : int
+        A run that needs more is stopped.
+    parameters : mapping of str to float, optional
+        Values of parameters of the scene; those that are left out keep what the scene says.
+
+    Raises
+    ------
+    SolveError
+        An option is not possible.
+    """
+    name = solver.method_for(tolerance) if method is None else method
+    _require_method(solver, name, step)
+    if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
+        raise SolveError(
+            f"{solver.name}: tolerance {tolerance!r}, largest step {largest_step!r}, at most"
+            f" {most_steps!r} steps; wanted a tolerance from 1e-15 to 1 and the others above 0"
+        )
+    if step is not None and not 0.0 < step < math.inf:
+        raise SolveError(f"{solver.name}: step {step!r}; wanted seconds, above 0")
+    values = _with_values(solver, parameters or {})
+    return Options(tolerance, largest_step, step, checks, name, most_steps, values)
+
+
+def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:
+    possible = METHODS if solver.is_driven else RUNGE_KUTTA
+    if name not in METHODS:
+        raise SolveError(f"{solver.name}: method {name!r}; wanted one of {', '.join(possible)}")
+    if name not in possible:
+        raise SolveError(
+            f"{solver.name}: method {name!r} is for scenes whose drivers take all freedoms; this"
+            f" one moves freely too: wanted {' or '.join(possible)}, or more drivers"
+        )
+    if name == KINEMATICS and step is not None:
+        raise SolveError(
+            f"{solver.name}: step {step!r}: the method {KINEMATICS!r} goes from one time to the"
+            " next and needs none; ask for more times, or for another method"
+        )
+
+
+def _with_values(
+    solver: DynamicsSolver, given: Mapping[str, float]
+) -> tuple[tuple[str, float], ...]:
+    """Return all parameters, those that are given with their new values."""
+    known = dict(solver.parameters)
+    problems = [_unknown(name, [*known]) for name in given if name not in known]
+    for name, value in given.items():
+        if name in known and not _is_finite(value):
+            problems.append(f"parameter {name} is {value!r}, wanted a finite number")
+    if problems:
+        raise SolveError(f"{solver.name}: {'; '.join(problems)}")
+    return tuple((name, float(given.get(name, value))) for name, value in solver.parameters)
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return math.isfinite(value)
+    except TypeError:
+        return False
+
+
+def _unknown(name: str, known: Sequence[str]) -> str:
+    """Say that there is no such parameter, and which ones there are."""
+    from difflib import get_close_matches
+
+    if not known:
+        return f"no parameter {name!r}: the scene has none"
+    near = get_close_matches(name, known, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"no parameter {name!r}: the scene has {', '.join(known)}{hint}"
