@@ -2,7 +2,10 @@
 
 From one position to the next all bodies are moved a little by a displacement that changes no row,
 and are put back on the rows. Everything is doubles in an order that is ours, and finite rotations
-are fractions instead of sines: the same scene gives the same positions on every machine.
+are fractions instead of sines: the same scene gives the same positions on every machine, where
+gears do not make it depend on the machine's arctangent.
+
+Drivers do not hold here: the positions are those that joints allow, whatever moves them.
 """
 
 from __future__ import annotations
@@ -16,7 +19,7 @@ from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.rank import damped_change, factorise
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.rank import Array, Factors
     from kousoku.codegen.dynamics.residuals import Residuals
@@ -44,12 +47,15 @@ class Position:
     ----------
     r, p : (bodies + 1, 3) and (bodies + 1, 4)
         Positions, the ground last; r in lengths of the scene.
+    near : (coordinates,)
+        Angles that count turns.
     factors : Factors
-        Of the rows that are looked at.
+        Of the rows of joints.
     """
 
     r: Array
     p: Array
+    near: Array
     factors: Factors
 
 
@@ -61,7 +67,7 @@ class Branch:
     residuals : Residuals
         The constraints of the part between its bodies.
     rows, columns : sequence of int
-        The rows and columns that are looked at.
+        The rows of joints and the columns that are looked at.
     length : float [m]
         What compares metres with radians.
     """
@@ -72,29 +78,36 @@ class Branch:
         self._residuals, self._length = residuals, length
         self._rows, self._columns = list(rows), list(columns)
         #: Factors that make rows and columns free of units.
-        self._rows_by = np.where(residuals.in_metres, 1 / length, 1.0)[self._rows]
+        self._all_by = np.where(residuals.in_metres, 1 / length, 1.0)
+        self._rows_by = self._all_by[self._rows]
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
         self._columns_by = np.where(is_length, length, 1.0)[self._columns]
 
-    def positions(self, bodies: Sequence[MovingBody], count: int) -> list[Position]:
-        """Return the position of the bodies, and others along the branch while rows depend."""
+    def positions(self, bodies: Sequence[MovingBody]) -> Iterator[Position]:
+        """Yield the position of the bodies, and others along the branch, until nothing moves."""
         r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)]) / self._length
         p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
-        found = [Position(r, p, factorise(self._at(r, p)[1]))]
+        near = self._residuals.near
+        here = Position(r, p, near, factorise(self._at(r, p, near)[1]))
+        yield here
         direction = _any_direction(len(self._columns))
-        while len(found) < count:
-            here = found[-1]
-            if here.factors.rank == min(len(self._rows), len(self._columns)):
-                break  # nothing moves, or nothing depends on anything
+        while here.factors.rank < len(self._columns):
             direction = _of_size_one(here.factors.null_part(direction))
             there = self._next(here, direction)
             if there is None:
-                break
-            found.append(there)
-        return found
+                return
+            yield there
+            here = there
 
-    def _at(self, r: Array, p: Array) -> tuple[Array, Array]:
-        c, matrix = self._residuals.doubles(r * self._length, p)
+    def with_others(self, position: Position, rows: Sequence[int]) -> Factors:
+        """Return the factors at a position of more rows than those that hold there."""
+        _, matrix = self._residuals.doubles(position.r * self._length, position.p, position.near)
+        chosen = list(rows)
+        matrix = matrix[np.ix_(chosen, self._columns)]
+        return factorise(matrix * self._all_by[chosen][:, None] * self._columns_by)
+
+    def _at(self, r: Array, p: Array, near: Array) -> tuple[Array, Array]:
+        c, matrix = self._residuals.doubles(r * self._length, p, near)
         matrix = matrix[np.ix_(self._rows, self._columns)]
         scaled = matrix * self._rows_by[:, None] * self._columns_by
         return c[self._rows] * self._rows_by, scaled
@@ -106,7 +119,8 @@ class Branch:
             for settle in (self._settled, self._settled_damped):
                 found = settle(here, step * direction)
                 if found is not None and self._far(here, *found) > MOVED * step:
-                    return Position(*found, factorise(self._at(*found)[1]))
+                    near = self._residuals.angles(found[0] * self._length, found[1], here.near)
+                    return Position(*found, near, factorise(self._at(*found, near)[1]))
         return None
 
     @staticmethod
@@ -118,11 +132,12 @@ class Branch:
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
         for _ in range(MOST_STEPS):
-            c = self._residuals_at(r, p)
-            size = float(np.abs(c).max())
+            c = self._residuals.elements(r * self._length, p, here.near)[0][self._rows]
+            c = c * self._rows_by
+            size = float(np.abs(c).max(initial=0))
             if size <= HOLDS:
                 return r, p
-            kept = float(np.abs(c[list(here.factors.taken)]).max())
+            kept = float(np.abs(c[list(here.factors.taken)]).max(initial=0))
             if kept > before or kept <= HOLDS / 10:
                 return None
             before = kept
@@ -134,8 +149,8 @@ class Branch:
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
         for _ in range(MOST_DAMPED_STEPS):
-            c, matrix = self._at(r, p)
-            size = float(np.abs(c).max())
+            c, matrix = self._at(r, p, here.near)
+            size = float(np.abs(c).max(initial=0))
             if size <= HOLDS:
                 return r, p
             if size > before:
@@ -143,10 +158,6 @@ class Branch:
             before = size
             r, p = self._moved(r, p, damped_change(matrix, -c, max(size**2, LEAST_DAMPING)))
         return None
-
-    def _residuals_at(self, r: Array, p: Array) -> Array:
-        c, _ = self._residuals.doubles(r * self._length, p)
-        return c[self._rows] * self._rows_by
 
     def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:
         """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""

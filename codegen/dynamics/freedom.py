@@ -14,15 +14,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.branch import Branch
+from kousoku.codegen.dynamics.driven import Drivers
 from kousoku.codegen.dynamics.least import Metric
 from kousoku.codegen.dynamics.loops import loops_of
 from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.rank import rows_to_leave
 from kousoku.codegen.dynamics.residuals import Residuals
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
+    from kousoku.codegen.dynamics.branch import Position
     from kousoku.codegen.dynamics.loops import Part
     from kousoku.codegen.dynamics.program import Program, Row
     from kousoku.codegen.dynamics.rank import Factors
@@ -78,6 +81,8 @@ class Freedom:
         How many positions were looked at in the part with the fewest; 0 without a loop.
     unknown : tuple of str
         Joints of parts that have too many rows: nothing is known of them.
+    drivers : int
+        How many of the rows are those of drivers in loops.
     """
 
     columns: int
@@ -88,6 +93,7 @@ class Freedom:
     worst: float = 1.0
     positions: int = 0
     unknown: tuple[str, ...] = ()
+    drivers: int = 0
 
     @property
     def degrees(self) -> int:
@@ -129,6 +135,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
             dropped=total.dropped + found.dropped,
             worst=min(total.worst, found.worst),
             positions=min(total.positions or found.positions, found.positions),
+            drivers=total.drivers + found.drivers,
         )
     return total
 
@@ -155,9 +162,35 @@ def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
 
 
 def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
-    branch = _branch(system, program, part, rows)
+    residuals, first = _residuals(system, part)
+    joints, driven = _sorted(system, rows)
+    chosen = [first[row.instance] + row.row for row in joints]
+    branch = Branch(residuals, chosen, _columns(program, part), Metric(system).size)
+    others = [(row, first[row.instance] + row.row) for row in driven]
+    drivers = Drivers(system, branch, list(zip(joints, chosen, strict=True)), others)
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
-    positions = branch.positions([system.bodies[k] for k in part.bodies], count)
+    positions: list[Position] = []
+    are_free = False
+    for position in branch.positions([system.bodies[k] for k in part.bodies]):
+        positions.append(position)
+        are_free = are_free or drivers.look(position)
+        depends = position.factors.rank < len(joints)
+        if len(positions) == count or (are_free and not depends):
+            break
+    drivers.require_free()
+    found = _dependences(joints, positions)
+    return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
+
+
+def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    """Return the rows that hold at all times and those of drivers."""
+    drives = [system.constraints[row.instance].is_driver for row in rows]
+    joints = [row for row, is_driven in zip(rows, drives, strict=True) if not is_driven]
+    return joints, [row for row, is_driven in zip(rows, drives, strict=True) if is_driven]
+
+
+def _dependences(rows: Sequence[Row], positions: Sequence[Position]) -> Freedom:
+    """Return what is known of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
     dependences = [position.factors.dependences() for position in regular]
@@ -180,21 +213,36 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
     )
 
 
-def _branch(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Branch:
-    """Return the rows of a part between its own bodies; one of them stays if none is the ground."""
-    place = {body: k for k, body in enumerate(part.bodies)} | {-1: -1}
+def _residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
+    """Return the rows of a part between its own bodies, and the first row of each instance."""
+    place = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
     instances = [system.constraints[k] for k in part.instances]
-    own = [replace(one, i=place[one.i], j=place[one.j]) for one in instances]
+    terms = dict.fromkeys(term.coordinate for one in instances for term in one.terms)
+    term_of = {coordinate: k for k, coordinate in enumerate(terms)}
+    own = [
+        replace(
+            one,
+            i=place[one.i],
+            j=place[one.j],
+            terms=tuple(replace(x, coordinate=term_of[x.coordinate]) for x in one.terms),
+        )
+        for one in instances
+    ]
+    measured = [system.coordinates[k] for k in terms]
+    coordinates = [replace(one, i=place[one.i], j=place[one.j]) for one in measured]
     bodies = [system.bodies[k] for k in part.bodies]
-    residuals = Residuals(own, bodies)
-    first = dict(zip(part.instances, residuals.first, strict=False))
+    residuals = Residuals(own, bodies, coordinates, system.parameters)
+    return residuals, dict(zip(part.instances, residuals.first, strict=False))
+
+
+def _columns(program: Program, part: Part) -> list[int]:
+    """Return the columns of a part; one of its bodies stays if none is the ground."""
+    place = {body: k for k, body in enumerate(part.bodies)}
     free = part.bodies if part.is_grounded else part.bodies[1:]
-    columns = [
+    return [
         COLUMNS * place[column // COLUMNS] + column % COLUMNS
         for column in columns_of(program, free)
     ]
-    chosen = [first[row.instance] + row.row for row in rows]
-    return Branch(residuals, chosen, columns, Metric(system).size)
 
 
 def _components(factors: Sequence[Factors]) -> list[tuple[tuple[int, ...], int]]:

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.residuals import Array, Jacobian, Residuals
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
     from kousoku.model.precise import High
 
 DEPENDENT = 1e-11
@@ -67,10 +67,12 @@ def _weights(body: MovingBody, mass: float, size: float) -> list[float]:
 def _size(system: System) -> float:
     """Return the largest distance of a joint from a centre of mass, or between two points."""
     lengths: list[tuple[float, ...]] = []
-    for instance in system.constraints:
-        constants = dict(instance.constants)
+    terms = dict.fromkeys(term.coordinate for one in system.constraints for term in one.terms)
+    sources: list[Instance | Coordinate] = [*system.constraints]
+    for source in (*sources, *(system.coordinates[k] for k in terms)):
+        constants = dict(source.constants)
         lengths += [constants[name] for name in ("length",) if name in constants]
-        for letter, body in (("i", instance.i), ("j", instance.j)):
+        for letter, body in (("i", source.i), ("j", source.j)):
             lengths += [constants.get(f"s_{letter}_b", ())] if body >= 0 else []
     return max((abs(x) for values in lengths for x in values), default=0.0) or 1.0
 

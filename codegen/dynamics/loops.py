@@ -3,6 +3,9 @@
 Two joints are in one part when some loop passes both, the ground being a body that loops may pass.
 Constraints between bodies do not notice how all of these move together. So parts that share one
 body or none do not touch each other's ranks, and the rows of a joint in no loop are independent.
+
+A joint may connect more than two bodies, as a gear between the joints of two wheels does: it is a
+vertex of its own, with an edge to each of its bodies, and these edges stay in one part.
 """
 
 from __future__ import annotations
@@ -42,19 +45,51 @@ class Part:
 
 def loops_of(system: System) -> tuple[Part, ...]:
     """Return the parts of a system that loops connect, in the order of their first constraints."""
-    joints: dict[tuple[str, int, int], list[int]] = {}
+    joints: dict[tuple[object, ...], list[int]] = {}
     for place, instance in enumerate(system.constraints):
-        joints.setdefault((instance.joint, instance.i, instance.j), []).append(place)
-    ends = [(i, j) for _, i, j in joints]
+        key = (instance.joint, *sorted(instance.bodies))
+        joints.setdefault(key, []).append(place)
     places = list(joints.values())
+    bodies = [system.constraints[own[0]].bodies for own in places]
     found = []
-    for edges in _biconnected(len(system.bodies), ends):
-        if len(edges) > 1:
-            bodies = sorted({body for edge in edges for body in ends[edge]})
-            instances = sorted(place for edge in edges for place in places[edge])
-            moving = tuple(body for body in bodies if body != GROUND_INDEX)
-            found.append(Part(moving, tuple(instances), GROUND_INDEX in bodies))
+    for group in _groups(len(system.bodies), bodies):
+        if len(group) > 1:
+            connected = sorted({body for joint in group for body in bodies[joint]})
+            instances = sorted(place for joint in group for place in places[joint])
+            moving = tuple(body for body in connected if body != GROUND_INDEX)
+            found.append(Part(moving, tuple(instances), GROUND_INDEX in connected))
     return tuple(sorted(found, key=lambda part: part.instances))
+
+
+def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Return the joints that loops connect; given are the bodies of each joint."""
+    ends: list[tuple[int, int]] = []
+    joint_of: list[int] = []
+    vertices = count
+    for joint, connected in enumerate(bodies):
+        if len(connected) == 2:
+            ends.append((connected[0], connected[1]))
+            joint_of.append(joint)
+            continue
+        ends += [(vertices, body) for body in connected]
+        joint_of += [joint] * len(connected)
+        vertices += 1
+    leader = list(range(len(bodies)))
+
+    def find(joint: int) -> int:
+        while leader[joint] != joint:
+            leader[joint] = leader[leader[joint]]
+            joint = leader[joint]
+        return joint
+
+    for edges in _biconnected(vertices, ends):
+        for edge in edges[1:]:
+            a, b = sorted((find(joint_of[edges[0]]), find(joint_of[edge])))
+            leader[b] = a
+    groups: dict[int, list[int]] = {}
+    for joint in range(len(bodies)):
+        groups.setdefault(find(joint), []).append(joint)
+    return list(groups.values())
 
 
 def _biconnected(count: int, ends: Sequence[tuple[int, int]]) -> Iterator[list[int]]:

@@ -13,7 +13,7 @@ from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.model.mechanism import MovingBody
+    from kousoku.model.mechanism import Coordinate, MovingBody
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,17 +26,21 @@ class Pose:
         Centres of mass, frame O.
     p : tuple of (4,)
         Euler parameters of the principal frames, of norm one.
+    near : tuple of number
+        Where the coordinates are counted from: angles within half a turn of those here.
     """
 
     r: tuple[Triple, ...]
     p: tuple[Quadruple, ...]
+    near: tuple[High, ...] = ()
 
     @classmethod
-    def of(cls, bodies: Sequence[MovingBody]) -> Pose:
+    def of(cls, bodies: Sequence[MovingBody], coordinates: Sequence[Coordinate] = ()) -> Pose:
         """Return the positions at the start."""
         r = [precise.triple(body.r) for body in bodies]
         p = [_normalised(body.p) for body in bodies]
-        return cls((*r, ZERO), (*p, IDENTITY))
+        near = tuple(precise.number(coordinate.near) for coordinate in coordinates)
+        return cls((*r, ZERO), (*p, IDENTITY), near)
 
     def moved(self, step: Sequence[High]) -> Pose:
         """Return the positions after a displacement (δr, δθ′) of each body, finite rotations."""
@@ -44,7 +48,7 @@ class Pose:
         for k, (dr, turn) in enumerate(_by_body(step)):
             r.append(precise.add(self.r[k], dr))
             p.append(precise.compose(self.p[k], _from_turn(turn)))
-        return Pose((*r, ZERO), (*p, IDENTITY))
+        return Pose((*r, ZERO), (*p, IDENTITY), self.near)
 
     def since(self, start: Pose) -> list[High]:
         """Return the displacement (δr, δθ′) of each body from ``start`` to here."""

@@ -1,28 +1,37 @@
 """The rows of a whole system, evaluated from the frozen kernels without composing a program.
 
-This is for what happens once, before there is a solver: assembly, and counting freedoms.
+This is for what happens once, before there is a solver: assembly, and counting freedoms. A row that
+combines coordinates is a sum over them, each evaluated as a row of its own kind; formulas of the
+time are taken at t = 0.
 """
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass, replace
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.codegen.dynamics.laws import law_at_start
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
-from kousoku.codegen.interpret import ARRAY, HIGH, evaluate
+from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
 from kousoku.model import precise
+from kousoku.model.mechanism import COMBINATION
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.pose import Pose
-    from kousoku.model.mechanism import Instance, MovingBody
+    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
     from kousoku.model.precise import High
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
     Places = np.ndarray[Any, np.dtype[np.int64]]
+
+WIDTH = 2 * COLUMNS
 
 
 class Jacobian:
@@ -31,7 +40,7 @@ class Jacobian:
     Parameters
     ----------
     elements : sequence of (int, int, number)
-        Row, column (six for each body) and value.
+        Row, column (six for each body) and value; those of one place are added.
     shape : (int, int)
         Rows and columns.
     """
@@ -44,7 +53,7 @@ class Jacobian:
         """Return the matrix in doubles."""
         matrix = np.zeros(self._shape)
         for row, column, value in self._elements:
-            matrix[row, column] = float(value)
+            matrix[row, column] += float(value)
         return matrix
 
     def times(self, v: Sequence[High]) -> list[High]:
@@ -62,6 +71,28 @@ class Jacobian:
         return product
 
 
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """What one kernel adds to rows: a whole instance, or one term of a combination.
+
+    Parameters
+    ----------
+    source : Instance or Coordinate
+        Kind, bodies and constants.
+    first : int
+        Its first row.
+    factor : float
+        What it is multiplied by.
+    coordinate : int
+        Its place among the coordinates, −1 of an instance.
+    """
+
+    source: Instance | Coordinate
+    first: int
+    factor: float = 1.0
+    coordinate: int = -1
+
+
 class Residuals:
     """The rows of some constraints between the bodies of a system.
 
@@ -71,125 +102,259 @@ class Residuals:
         In the order of their rows.
     bodies : sequence of MovingBody
         All bodies of the system.
+    coordinates : sequence of Coordinate
+        What the terms of combinations mean.
+    parameters : sequence of (str, float)
+        Names that formulas may use, and their values.
     """
 
-    def __init__(self, constraints: Sequence[Instance], bodies: Sequence[MovingBody]) -> None:
+    def __init__(
+        self,
+        constraints: Sequence[Instance],
+        bodies: Sequence[MovingBody],
+        coordinates: Sequence[Coordinate] = (),
+        parameters: Sequence[tuple[str, float]] = (),
+    ) -> None:
         self.constraints = tuple(constraints)
+        self.coordinates = tuple(coordinates)
         self.columns = COLUMNS * len(bodies)
         self._is_point = [body.is_point for body in bodies]
-        outputs = [frozen(instance.kind, "constraint").outputs[0] for instance in constraints]
-        sizes = [output.size for output in outputs]
+        sizes = [_size(instance) for instance in constraints]
         #: The first row of each instance, and the count of rows at the end.
         self.first = [0, *accumulate(sizes)]
         self.rows = self.first[-1]
-        #: Which rows are lengths; the others are sines of angles.
-        self.in_metres = np.repeat([output.unit == "m" for output in outputs], sizes)
+        #: Which rows are lengths; the others are angles, or sines of them.
+        self.in_metres = np.repeat([_unit(instance) == "m" for instance in constraints], sizes)
+        #: Where the angles count from: values within half a turn of those at the start.
+        self.near = np.array([coordinate.near for coordinate in coordinates])
+        self._pieces = list(self._listed())
+        self._fixed(parameters)
+        self._stacks = [self._stacked(own) for own in _by_kind(self._pieces)]
+
+    @classmethod
+    def of(cls, system: System, constraints: Sequence[Instance]) -> Residuals:
+        """Return the rows of constraints between the bodies of a system."""
+        return cls(constraints, system.bodies, system.coordinates, system.parameters)
+
+    def count(self, instance: Instance) -> int:
+        """Return how many rows an instance has."""
+        return _size(instance)
+
+    def _listed(self) -> Iterator[_Piece]:
+        for instance, first in zip(self.constraints, self.first, strict=False):
+            if instance.kind != COMBINATION:
+                yield _Piece(instance, first)
+            for term in instance.terms:
+                source = self.coordinates[term.coordinate]
+                yield _Piece(source, first, term.factor, term.coordinate)
+
+    def _fixed(self, parameters: Sequence[tuple[str, float]]) -> None:
+        """Set what rows have beside functions of positions, at t = 0, and the rates they want."""
+        zero = precise.ZERO[0]
+        self._offsets = [zero] * self.rows
+        #: How large the numbers are that the rows of combinations are made of.
+        self.sizes = np.zeros(self.rows)
+        #: ν at t = 0 in 50 digits, row by row.
+        self.nu = [zero] * self.rows
+        for instance, first in zip(self.constraints, self.first, strict=False):
+            if instance.kind == COMBINATION:
+                law = law_at_start(instance, parameters)
+                self._offsets[first] = precise.number(instance.offset) - law.value
+                self.sizes[first] = abs(instance.offset) + abs(float(law.value))
+                self.nu[first] = law.rate
+        for piece in self._pieces:
+            if piece.coordinate >= 0:
+                self.sizes[piece.first] += abs(piece.factor * self.near[piece.coordinate])
 
     def at(self, pose: Pose) -> tuple[list[High], Jacobian]:
-        """Return C and C_q in 50 digits."""
-        values: list[High] = []
+        """Return C and C_q in 50 digits; angles are counted from those of the pose."""
+        values = list(self._offsets)
         elements: list[tuple[int, int, High]] = []
-        for instance, first in zip(self.constraints, self.first, strict=False):
-            inputs: dict[str, Sequence[High]] = {
-                name: [precise.number(x) for x in constant] for name, constant in instance.constants
-            }
-            for letter, body in (("i", instance.i), ("j", instance.j)):
-                inputs[f"r_{letter}"], inputs[f"p_{letter}"] = pose.r[body], pose.p[body]
-            result = evaluate(frozen(instance.kind, "constraint"), inputs, HIGH)
-            values += result["C"]
+        for piece in self._pieces:
+            factor = precise.number(piece.factor)
+            kernel = frozen(piece.source.kind, "constraint")
+            result = evaluate(kernel, _inputs(piece.source, pose), HIGH)
+            for row, value in enumerate(result["C"], piece.first):
+                values[row] += factor * self._counted(value, piece.coordinate, pose.near)
             for place, value in enumerate(result["C_q"]):
-                row, column = divmod(place, 2 * COLUMNS)
-                column = self._column(instance, column)
+                row, column = divmod(place, WIDTH)
+                column = self._column(piece.source, column)
                 if value and column >= 0:
-                    elements.append((first + row, column, value))
+                    elements.append((piece.first + row, column, factor * value))
         return values, Jacobian(elements, (self.rows, self.columns))
 
-    def _column(self, instance: Instance, column: int) -> int:
+    def counted(self, pose: Pose) -> Pose:
+        """Return the pose with the angles that it has, counted on from those that it had."""
+        near = list(pose.near)
+        for place, coordinate in enumerate(self.coordinates):
+            if coordinate.counts_turns:
+                kernel = frozen(coordinate.kind, "constraint")
+                (value,) = evaluate(kernel, _inputs(coordinate, pose), HIGH)["C"]
+                near[place] = self._counted(value, place, pose.near)
+        return replace(pose, near=tuple(near))
+
+    def _counted(self, value: High, coordinate: int, near: Sequence[High]) -> High:
+        """Return an angle with the turns that bring it next to the one of its coordinate."""
+        if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
+            return value
+        turn = 2 * HIGH_CONTEXT.pi
+        return value + turn * HIGH_CONTEXT.nint((near[coordinate] - value) / turn)
+
+    def _column(self, source: Instance | Coordinate, column: int) -> int:
         """Return the column of the system for one of an instance, −1 where there is none."""
-        body = instance.i if column < COLUMNS else instance.j
+        body = source.i if column < COLUMNS else source.j
         own = column % COLUMNS
         has_none = body < 0 or (self._is_point[body] and own >= COLUMNS // 2)
         return -1 if has_none else COLUMNS * body + own
 
     def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
-        """Return C and C_q v at the start in doubles, all instances of a kind at once."""
-        c, rates = np.zeros(self.rows), np.zeros(self.rows)
+        """Return C and C_q v − ν at the start in doubles, all instances of a kind at once."""
         still, none = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
-        state = {
-            "r": np.array([*(body.r for body in bodies), still]),
-            "p": np.array([*(body.p for body in bodies), none]),
-        }
+        r = np.array([*(body.r for body in bodies), still])
+        p = np.array([*(body.p for body in bodies), none])
         speed = np.array([*((*body.v, *body.omega_b) for body in bodies), still + still])
-        for kind, places in self._by_kind().items():
-            of_kind = [self.constraints[place] for place in places]
-            kernel = frozen(kind, "constraint")
-            result = evaluate(kernel, _stacked(of_kind, state), ARRAY)
-            rows = kernel.outputs[0].size
-            jacobian = [np.broadcast_to(x, len(places)) for x in result["C_q"]]
-            i, j = (speed[[getattr(of, letter) for of in of_kind]] for letter in "ij")
-            v = np.concatenate((i, j), axis=1).T
-            first = np.array([self.first[place] for place in places])
-            for row in range(rows):
-                c[first + row] = result["C"][row]
-                width = 2 * COLUMNS
-                rates[first + row] = sum(
-                    jacobian[row * width + column] * v[column] for column in range(width)
-                )
+        c, rows, columns, values = self.elements(r, p)
+        rates = -np.array([float(x) for x in self.nu])
+        np.add.at(rates, rows, values * speed.ravel()[columns])
         return c, rates
 
-    def doubles(self, r: Array, p: Array) -> tuple[Array, Array]:
+    def doubles(self, r: Array, p: Array, near: Array | None = None) -> tuple[Array, Array]:
         """Return C and C_q, dense, in doubles; arguments as :meth:`elements` takes them."""
-        c, rows, columns, values = self.elements(r, p)
+        c, rows, columns, values = self.elements(r, p, near)
         matrix = np.zeros((self.rows, self.columns))
-        matrix[rows, columns] = values
+        np.add.at(matrix, (rows, columns), values)
         return c, matrix
 
-    def elements(self, r: Array, p: Array) -> tuple[Array, Places, Places, Array]:
+    def elements(
+        self, r: Array, p: Array, near: Array | None = None
+    ) -> tuple[Array, Places, Places, Array]:
         """Return C, and of the elements of C_q that are not zero rows, columns and values.
 
         Parameters
         ----------
         r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
             Positions of all bodies, that of the ground last.
+        near : (coordinates,), optional
+            Where angles are counted from; the start unless given.
+
+        Returns
+        -------
+        C : (rows,)
+            The residuals.
+        rows, columns, values : (elements,)
+            Elements of one place, as a combination of two coordinates of one body has them, are
+            added by who asks.
         """
-        c = np.zeros(self.rows)
+        c = np.array([float(x) for x in self._offsets])
         rows, columns, found = [], [], []
-        state = {"r": r, "p": p}
-        for kind, places in self._by_kind().items():
-            of_kind = [self.constraints[place] for place in places]
-            kernel = frozen(kind, "constraint")
-            result = evaluate(kernel, _stacked(of_kind, state), ARRAY)
-            first = np.array([self.first[place] for place in places])
+        for stack in self._stacks:
+            result = evaluate(stack.kernel, stack.inputs(r, p), ARRAY)
             for row, value in enumerate(result["C"]):
-                c[first + row] = value
-            own = np.array([[self._column(one, k) for one in of_kind] for k in range(2 * COLUMNS)])
+                counted = stack.counted(value, self.near if near is None else near)
+                np.add.at(c, stack.first + row, stack.factors * counted)
             for at, value in enumerate(result["C_q"]):
-                row, k = divmod(at, 2 * COLUMNS)
-                values = np.asarray(value) + np.zeros(len(places))
-                there = (values != 0) & (own[k] >= 0)
-                rows.append((first + row)[there])
-                columns.append(own[k][there])
+                row, k = divmod(at, WIDTH)
+                values = stack.factors * np.asarray(value)
+                there = (values != 0) & (stack.columns[k] >= 0)
+                rows.append((stack.first + row)[there])
+                columns.append(stack.columns[k][there])
                 found.append(values[there])
         if not found:
             return c, np.zeros(0, int), np.zeros(0, int), np.zeros(0)
         return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)
 
-    def _by_kind(self) -> Mapping[str, list[int]]:
-        groups: dict[str, list[int]] = {}
-        for place, instance in enumerate(self.constraints):
-            groups.setdefault(instance.kind, []).append(place)
-        return groups
+    def angles(self, r: Array, p: Array, near: Array) -> Array:
+        """Return all coordinates that count turns, counted on from those that they had."""
+        found = near.copy()
+        for stack in self._stacks:
+            if stack.is_angle:
+                (value,) = evaluate(stack.kernel, stack.inputs(r, p), ARRAY)["C"]
+                found[stack.coordinates] = stack.counted(value, near)
+        return found
+
+    def _stacked(self, pieces: Sequence[_Piece]) -> _Stack:
+        sources = [piece.source for piece in pieces]
+        constants = [dict(source.constants) for source in sources]
+        return _Stack(
+            kernel=frozen(sources[0].kind, "constraint"),
+            is_angle=pieces[0].coordinate >= 0 and sources[0].kind == "angle",
+            constants={name: np.array([own[name] for own in constants]).T for name in constants[0]},
+            bodies={end: np.array([getattr(source, end) for source in sources]) for end in "ij"},
+            first=np.array([piece.first for piece in pieces]),
+            factors=np.array([piece.factor for piece in pieces]),
+            coordinates=np.array([piece.coordinate for piece in pieces]),
+            columns=np.array(
+                [[self._column(source, k) for source in sources] for k in range(WIDTH)]
+            ),
+        )
 
 
-def _stacked(instances: Sequence[Instance], state: Mapping[str, Array]) -> dict[str, Any]:
-    """Return the inputs of a kernel, each element an array over the instances."""
-    names = [name for name, _ in instances[0].constants]
-    constants = [dict(instance.constants) for instance in instances]
-    inputs: dict[str, Any] = {
-        name: np.array([constant[name] for constant in constants]).T for name in names
+@dataclass(frozen=True, slots=True)
+class _Stack:
+    """Pieces of one kind, whose kernel is evaluated once for all of them.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The constraint.
+    is_angle : bool
+        Whether it gives angles of coordinates, which count turns.
+    constants : dict of str to array
+        Its fixed inputs, each element an array over the pieces.
+    bodies : dict of str to array
+        Index of body ``i`` and of body ``j``.
+    first, factors, coordinates : (pieces,)
+        As of a piece.
+    columns : (12, pieces)
+        Columns in the system, −1 where there is none.
+    """
+
+    kernel: Kernel
+    is_angle: bool
+    constants: Mapping[str, Array]
+    bodies: Mapping[str, Places]
+    first: Places
+    factors: Array
+    coordinates: Places
+    columns: Places
+
+    def inputs(self, r: Array, p: Array) -> dict[str, Any]:
+        """Return the inputs of the kernel."""
+        inputs: dict[str, Any] = dict(self.constants)
+        for end, bodies in self.bodies.items():
+            inputs |= {f"r_{end}": r[bodies].T, f"p_{end}": p[bodies].T}
+        return inputs
+
+    def counted(self, value: Array, near: Array) -> Array:
+        """Return angles with the turns that bring them next to those of their coordinates."""
+        if not self.is_angle:
+            return value
+        turns: Array = np.round((near[self.coordinates] - value) / math.tau)
+        return value + math.tau * turns
+
+
+def _size(instance: Instance) -> int:
+    if instance.kind == COMBINATION:
+        return 1
+    return frozen(instance.kind, "constraint").outputs[0].size
+
+
+def _unit(instance: Instance) -> str:
+    return instance.unit or frozen(instance.kind, "constraint").outputs[0].unit
+
+
+def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
+    """Return the pieces of each kind; an angle that a joint is made of counts no turns."""
+    groups: dict[tuple[str, bool], list[_Piece]] = {}
+    for piece in pieces:
+        groups.setdefault((piece.source.kind, piece.coordinate >= 0), []).append(piece)
+    return list(groups.values())
+
+
+def _inputs(source: Instance | Coordinate, pose: Pose) -> dict[str, Sequence[High]]:
+    inputs: dict[str, Sequence[High]] = {
+        name: [precise.number(x) for x in constant] for name, constant in source.constants
     }
-    for letter in "ij":
-        bodies = [getattr(instance, letter) for instance in instances]
-        for name, values in state.items():
-            inputs[f"{name}_{letter}"] = values[bodies].T
+    for end, body in (("i", source.i), ("j", source.j)):
+        inputs[f"r_{end}"], inputs[f"p_{end}"] = pose.r[body], pose.p[body]
     return inputs

@@ -69,7 +69,8 @@ def structure_of(system: System, program: Program) -> Structure:
         rows=len(program.rows),
         elements=_elements(system, program),
         dense=sum(
-            6 * size * (2 - (GROUND_INDEX in pair)) for size, pair in zip(sizes, ends, strict=True)
+            6 * size * sum(body != GROUND_INDEX for body in bodies)
+            for size, bodies in zip(sizes, ends, strict=True)
         ),
         schur=schur,
         fill_in=factors - schur,
@@ -77,36 +78,37 @@ def structure_of(system: System, program: Program) -> Structure:
     )
 
 
-def _joints(system: System, program: Program) -> tuple[list[tuple[int, int]], list[int]]:
+def _joints(system: System, program: Program) -> tuple[list[tuple[int, ...]], list[int]]:
     """Return for each joint that keeps rows its bodies and how many rows."""
-    sizes: dict[tuple[str, int, int], int] = {}
+    sizes: dict[tuple[str, tuple[int, ...]], int] = {}
     for row in program.rows:
         instance = system.constraints[row.instance]
-        key = (instance.joint, instance.i, instance.j)
+        key = (instance.joint, tuple(sorted(instance.bodies)))
         sizes[key] = sizes.get(key, 0) + 1
-    return [(i, j) for _, i, j in sizes], list(sizes.values())
+    return [bodies for _, bodies in sizes], list(sizes.values())
 
 
-def _coupled(ends: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+def _coupled(ends: Sequence[tuple[int, ...]]) -> list[tuple[int, int]]:
     """Return the pairs of joints that share a moving body."""
     by_body: dict[int, list[int]] = {}
     pairs: dict[tuple[int, int], None] = {}
-    for k, pair in enumerate(ends):
-        for body in pair:
+    for k, bodies in enumerate(ends):
+        for body in bodies:
             if body != GROUND_INDEX:
                 pairs.update(((k, other), None) for other in by_body.get(body, ()))
-        for body in pair:
+        for body in bodies:
             by_body.setdefault(body, []).append(k)
     return list(pairs)
 
 
-def _parts(count: int, ends: Sequence[tuple[int, int]]) -> int:
+def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
     """Return how many groups of bodies joints make, the ground aside."""
     beside: list[list[int]] = [[] for _ in range(count)]
-    for i, j in ends:
-        if GROUND_INDEX not in (i, j):
-            beside[i].append(j)
-            beside[j].append(i)
+    for bodies in ends:
+        first, *others = [body for body in bodies if body != GROUND_INDEX] or [GROUND_INDEX]
+        for other in others:
+            beside[first].append(other)
+            beside[other].append(first)
     seen = [False] * count
     parts = 0
     for body in range(count):
@@ -122,7 +124,7 @@ def _parts(count: int, ends: Sequence[tuple[int, int]]) -> int:
 
 def _elements(system: System, program: Program) -> int:
     """Count what is not zero at a position without a pattern."""
-    residuals = Residuals(system.constraints, system.bodies)
+    residuals = Residuals.of(system, system.constraints)
     numbers = iter(range(1, 7 * len(program.bodies) + 1))
 
     def anywhere(places: Sequence[Place]) -> list[float]:
@@ -142,4 +144,6 @@ def _elements(system: System, program: Program) -> int:
         kept_rows[residuals.first[row.instance] + row.row] = True
     kept_columns = np.zeros(residuals.columns, bool)
     kept_columns[columns_of(program, range(len(program.bodies)))] = True
-    return int(np.sum(kept_rows[rows] & kept_columns[columns] & (np.abs(values) > ZERO)))
+    there = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > ZERO)
+    places = rows[there] * residuals.columns + columns[there]
+    return int(np.unique(places).size)  # two coordinates of a row may share a body

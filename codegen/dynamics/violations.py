@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.mechanism import COMBINATION
 from kousoku.model.precise import ZERO
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.pose import Pose
+    from kousoku.codegen.dynamics.residuals import Residuals
     from kousoku.model.mechanism import Instance
     from kousoku.model.precise import High, Triple
 
@@ -23,14 +25,12 @@ WORTH_NAMING = 1e-6
 """A violation below this part of the worst is not named."""
 
 
-def violations(
-    constraints: Sequence[Instance], pose: Pose, at_least: float
-) -> dict[str, tuple[float, float]]:
-    """Return for each joint its largest violation in metres and in radians, the worst first.
+def violations(rows: Residuals, pose: Pose, at_least: float) -> dict[str, tuple[float, float]]:
+    """Return by key the largest violation in metres and in radians, the worst first.
 
     Parameters
     ----------
-    constraints : sequence of Instance
+    rows : Residuals
         What should hold.
     pose : Pose
         Where the bodies are.
@@ -38,11 +38,22 @@ def violations(
         Joints below it are left out.
     """
     found: dict[str, list[float]] = {}
-    for instance in constraints:
-        size, unit = _size(instance, pose)
-        worst = found.setdefault(instance.joint, [0.0, 0.0])
+    values, _ = rows.at(pose)
+    for instance, first in zip(rows.constraints, rows.first, strict=False):
+        if instance.kind == COMBINATION:
+            size, unit = abs(values[first]), 0 if rows.in_metres[first] else 1
+        else:
+            size, unit = _size(instance, pose)
+        worst = found.setdefault(key_of(instance), [0.0, 0.0])
         worst[unit] = max(worst[unit], float(size))
     return worst_first(found, at_least)
+
+
+def key_of(instance: Instance) -> str:
+    """Return the dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
+    if "." in instance.joint:
+        return instance.joint
+    return f"{'drivers' if instance.is_driver else 'joints'}.{instance.joint}"
 
 
 def worst_first(
@@ -85,8 +96,7 @@ def listed(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) 
     """Return text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
     texts = []
     worst = max(map(max, open_joints.values()))
-    for name, sizes in list(open_joints.items())[:SHOWN]:
-        key = name if "." in name else f"joints.{name}"
+    for key, sizes in list(open_joints.items())[:SHOWN]:
         shown = zip(sizes, units, strict=True)
         parts = [f"{x:.3g} {unit}" for x, unit in shown if x > WORTH_NAMING * worst]
         texts.append(f"{key} by {' and '.join(parts)}")

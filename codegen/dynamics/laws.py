@@ -1,0 +1,99 @@
+"""The formulas of drivers at the start: value, rate and second derivative in 50 digits.
+
+Derivatives are formulas, too, found by the rules: nothing is differenced.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.expressions import to_graph
+from kousoku.codegen.graph import Graph
+from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
+from kousoku.codegen.kernel import Kernel
+from kousoku.model import precise
+from kousoku.model.derivative import derivative
+from kousoku.model.errors import AssemblyError
+from kousoku.model.expression import parse_expression
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import Instance
+    from kousoku.model.precise import High
+
+TIME = "t"
+#: Of one formula: itself and its derivatives by the time.
+LEVELS = ("value", "rate", "second")
+#: What is smaller is what rounding left of a zero, such as sin(pi).
+NOISE = 1e-30
+
+
+@dataclass(frozen=True, slots=True)
+class LawStart:
+    """A formula of the time at t = 0, multiplied by its unit.
+
+    Parameters
+    ----------
+    value, rate, second : number
+        In 50 digits: metres or radians, per second, per second squared.
+    """
+
+    value: High = precise.ZERO[0]
+    rate: High = precise.ZERO[0]
+    second: High = precise.ZERO[0]
+
+
+def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) -> LawStart:
+    """Return what the formula of a driver prescribes at t = 0; zeros where there is none.
+
+    Parameters
+    ----------
+    instance : Instance
+        A linear combination.
+    parameters : sequence of (str, float)
+        Names that the formula may use, and their values.
+
+    Raises
+    ------
+    AssemblyError
+        The formula or one of its derivatives is no number at t = 0, such as the rate of sqrt(t).
+    """
+    if not instance.law:
+        return LawStart()
+    inputs: dict[str, list[High]] = {TIME: [precise.ZERO[0]]}
+    inputs |= {name: [precise.number(value)] for name, value in parameters}
+    unit = precise.number(instance.law_unit)
+    found = []
+    for level, kernel in zip(LEVELS, _kernels(instance.law, tuple(inputs)), strict=True):
+        try:
+            ((number,),) = evaluate(kernel, inputs, HIGH).values()
+        except (ZeroDivisionError, ValueError, OverflowError):  # as mpmath says it
+            number = None
+        if number is None or not HIGH_CONTEXT.isfinite(number) or HIGH_CONTEXT.im(number):
+            raise AssemblyError(
+                f"{instance.joint}: the {level} of {instance.law!r} is no number at t = 0; give a"
+                " formula with two derivatives by t there"
+            )
+        found.append(unit * number if abs(number) > NOISE else precise.ZERO[0])
+    return LawStart(*found)
+
+
+@cache
+def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
+    """Return a formula and its derivatives by the time, each as a kernel of its names."""
+    levels = [parse_expression(law, names)]
+    while len(levels) < len(LEVELS):
+        levels.append(derivative(levels[-1], TIME))
+    kernels = []
+    for expression in levels:
+        graph = Graph()
+        node = to_graph(expression, graph, {name: graph.input(name, 0) for name in names})
+        value = Quantity("value", (1,), "-", "of a formula at some time")
+        kernels.append(
+            Kernel("law", "", law, "", (), (value,), tuple(graph.nodes), ((node,),)),
+        )
+    return tuple(kernels)
