@@ -186,9 +186,15 @@ class ForceElement:
         ``s_j_b`` [m] and ``force`` [N] of a force, ``torque`` [N m] of a torque; of a spring
         ``s_i_b``, ``s_j_b``, ``stiffness`` [N/m], ``damping`` [N s/m], ``free_length`` [m]. Points
         are in the principal frames, frame O for the ground. Of a spring with a law of its own
-        ``unit`` [m] in place of stiffness and damping.
+        ``unit`` [m] in place of stiffness and damping. A force or torque has a further vector
+        for each component that is a formula, such as ``force_x``: all are added up.
     law : str
-        Tension as a formula of :data:`LAW_NAMES`, in the unit of the scene; empty where linear.
+        Tension as a formula of :data:`LAW_NAMES` and parameters, in the unit of the scene; empty
+        where linear.
+    formulas : tuple of (str, str)
+        Constants that are multiplied by a formula: name, and text. Of a spring it depends on
+        parameters only, of a force or torque also on time ``t``, coordinates, and their rates with
+        ``_dot`` behind the name, in the unit of the scene and rad.
     """
 
     name: str
@@ -197,16 +203,20 @@ class ForceElement:
     j: int
     constants: tuple[tuple[str, tuple[float, ...]], ...]
     law: str = ""
+    formulas: tuple[tuple[str, str], ...] = ()
 
     @property
     def has_potential(self) -> bool:
         """Whether work of it is potential energy."""
-        return self.kind == "force" or (self.kind == "spring_damper" and not self.law)
+        if self.kind == "spring_damper":
+            return not self.law
+        return self.kind == "force" and not self.formulas
 
     @property
-    def is_conservative(self) -> bool:
-        """Whether all its work is."""
-        return self.has_potential and dict(self.constants).get("damping", (0.0,)) == (0.0,)
+    def works(self) -> bool:
+        """Whether it does work that is no potential energy: dampers, and forces that change."""
+        damping = dict(self.constants).get("damping", (0.0,))
+        return not self.has_potential or damping != (0.0,)
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import unknown
-from kousoku.model.errors import ExpressionError, SceneError
-from kousoku.model.expression import parse_expression
+from kousoku.model.errors import SceneError
+from kousoku.model.formulas import fixed_names, formula_problems, state_names
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 
@@ -49,6 +49,7 @@ def check_force(scene: Scene, force: Force, key: str) -> None:
         _check_spring(scene, force, key)
     else:
         _check_load(scene, force, key)
+    _check_formulas(scene, force, key)
 
 
 def _check_load(scene: Scene, force: Force, key: str) -> None:
@@ -101,10 +102,10 @@ def _check_spring(scene: Scene, force: Force, key: str) -> None:
         if name != GROUND and scene.bodies[name].point:
             _check_only_point(name, point, f"{key}.points[{index}]")
     _check_law(force, key)
-    if force.free_length is not None and force.free_length < 0:
+    free = force.free_length
+    if isinstance(free, float) and free < 0:
         raise SceneError(
-            f"a length of {force.free_length!r}; wanted none that is negative",
-            key=f"{key}.free_length",
+            f"a length of {free!r}; wanted none that is negative", key=f"{key}.free_length"
         )
 
 
@@ -121,7 +122,18 @@ def _check_law(force: Force, key: str) -> None:
         raise SceneError(
             "has a stiffness or a damping too; wanted one of them", key=f"{key}.tension"
         )
-    try:
-        parse_expression(force.tension, LAW_NAMES)
-    except ExpressionError as error:
-        raise SceneError(str(error), key=f"{key}.tension") from None
+
+
+def _check_formulas(scene: Scene, force: Force, key: str) -> None:
+    """Refuse texts that are no formulas, all of them."""
+    fixed = fixed_names(scene)
+    names = dict.fromkeys(("stiffness", "damping", "free_length"), fixed)
+    names |= dict.fromkeys(("force", "force_b", "torque", "torque_b"), state_names(scene))
+    names["tension"] = (*LAW_NAMES, *fixed)
+    found = [
+        problem
+        for name, known in names.items()
+        for problem in formula_problems(getattr(force, name), known, f"{key}.{name}")
+    ]
+    if found:
+        raise SceneError.of(found)

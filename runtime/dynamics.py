@@ -60,8 +60,8 @@ class DynamicsSolver:
         Where the forces of joints stand.
     is_flat : bool
         Whether all lies in one plane, so that no force leads out of it.
-    working : tuple of str
-        Forces whose work is not counted in the energy of a run.
+    works : tuple of (str, int)
+        Forces and drivers that do work that is no potential energy, and where it stands in q.
     """
 
     name: str
@@ -74,7 +74,7 @@ class DynamicsSolver:
     parts: tuple[tuple[str, int], ...]
     reactions: tuple[ReactionPlaces, ...]
     is_flat: bool
-    working: tuple[str, ...]
+    works: tuple[tuple[str, int], ...]
 
     def simulate(
         self,
@@ -222,5 +222,5 @@ def load_dynamics(
         parts=tuple((part, size) for part, size in data["parts"]),
         reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),
         is_flat=data["is_flat"],
-        working=tuple(data["working"]),
+        works=tuple((name, place) for name, place in data["works"]),
     )

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: The tables of a motion.
 TABLES = (
     *("position", "orientation", "velocity", "angular_velocity"),
-    *("acceleration", "angular_acceleration", "force", "torque", "energy"),
+    *("acceleration", "angular_acceleration", "force", "torque", "energy", "work"),
 )
 
 
@@ -129,6 +129,10 @@ class Motion:
         leads out of the plane is not computed, and NaN.
     energy : mapping of str to (n,) array
         ``kinetic``, ``potential`` and their sum ``total`` [kg unit²/s²]; empty unless wanted.
+    work : mapping of str to (n,) array
+        What each force without potential and each driver has done since the start, and the damper
+        of each spring [kg unit²/s²]; empty unless energies are wanted. The total energy changes by
+        their sum.
     ledger : RunLedger
         What the run cost.
     target : {"c", "numpy"}
@@ -148,6 +152,7 @@ class Motion:
     force: Mapping[str, Array]
     torque: Mapping[str, Array]
     energy: Mapping[str, Array]
+    work: Mapping[str, Array]
     ledger: RunLedger
     target: str
     is_complete: bool = True
@@ -160,7 +165,8 @@ class Motion:
 
         ``time``, then for each body ``crank.x crank.y crank.z``, ``crank.e0`` … ``crank.e3``,
         ``crank.vx`` …, ``crank.omega_x`` …, and where they are wanted ``crank.ax`` …,
-        ``crank.alpha_x`` …; for each joint ``hinge.fx`` …, ``hinge.mx`` …; ``energy.kinetic`` ….
+        ``crank.alpha_x`` …; for each joint ``hinge.fx`` …, ``hinge.mx`` …; ``energy.kinetic`` …;
+        ``work.damper`` ….
         """
         table = {"time": self.time}
         bodies = (
@@ -177,7 +183,8 @@ class Motion:
                 for values, names in letters:
                     if owner in values:
                         table |= {f"{owner}.{n}": values[owner][:, k] for k, n in enumerate(names)}
-        return table | {f"energy.{name}": values for name, values in self.energy.items()}
+        table |= {f"energy.{name}": values for name, values in self.energy.items()}
+        return table | {f"work.{name}": values for name, values in self.work.items()}
 
     def summary(self) -> dict[str, object]:
         """Return what a program may want to know, ready for JSON."""
@@ -233,6 +240,7 @@ def motion_of(
             "potential": potential,
             "total": kinetic + potential,
         }
+        tables["work"] = {name: q[:, place] / solver.unit**2 for name, place in solver.works}
     frozen = {name: MappingProxyType(table) for name, table in tables.items()}
     return Motion(
         solver.name,

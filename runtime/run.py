@@ -261,7 +261,7 @@ class Run:
     def motion(self) -> Motion:
         """Return what was computed so far."""
         ledger = ledger_of(
-            self.state, self.solver.rows, self.options, dict(self.seconds), self.solver.working
+            self.state, self.solver.rows, self.options, dict(self.seconds), self.solver.works
         )
         is_complete = self.written == len(self.times)
         return motion_of(self.solver, self._rows[: self.written], ledger, is_complete=is_complete)

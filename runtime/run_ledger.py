@@ -27,6 +27,8 @@ LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
 #: Joints or forces that a text names.
 SHOWN = 3
+#: Works that the ledger prints, the largest first.
+MOST_WORKS = 12
 #: A joint is open when its residual is larger, in metres or radians.
 OPEN = 1e-9
 #: Below this pivot ratio the rows of joints count as dependent.
@@ -74,10 +76,10 @@ class RunLedger:
         it is near zero where the rank drops.
     energy, energy_error : float, float or None [J]
         Energy at the start, and the largest change since then that no work explains; None where
-        rows were not checked, and where forces do work that is not counted.
-    working : tuple of str
-        Forces whose work is not counted: dampers, springs with a formula, torques, and forces that
-        turn with a body.
+        rows were not checked.
+    works : mapping of str to float [J]
+        Work at the end of what has no potential energy: drivers, dampers, springs with a formula,
+        torques, forces that change or turn with a body.
     violations : mapping of str to Violation
         What is left of the constraints by joint; empty where rows were not checked.
     seconds : mapping of str to float
@@ -96,7 +98,7 @@ class RunLedger:
     growth_time: float
     energy: float
     energy_error: float | None
-    working: tuple[str, ...]
+    works: Mapping[str, float]
     violations: Mapping[str, Violation]
     seconds: Mapping[str, float]
 
@@ -121,6 +123,7 @@ class RunLedger:
             joint: {"metres": list(one.metres), "radians": list(one.radians)}
             for joint, one in self.violations.items()
         }
+        named["works"] = dict(self.works)
         named["seconds"] = dict(self.seconds)
         return named
 
@@ -132,15 +135,14 @@ class RunLedger:
         ]
         if self.energy_error is not None:
             lines.append(
-                f"energy {self.energy:.9g} J at the start, largest change {self.energy_error:.1e} J"
+                f"energy {self.energy:.9g} J at the start, largest change"
+                f"{' beyond work that is done' * bool(self.works)} {self.energy_error:.1e} J"
             )
-        if self.working:
-            names = ", ".join(f"forces.{name}" for name in self.working[:SHOWN])
-            names += ", …" if len(self.working) > SHOWN else ""
-            lines.append(
-                f"energy {self.energy:.9g} J at the start; its change is no error: the work of"
-                f" {names} is not counted"
-            )
+        if self.works:
+            most = sorted(self.works, key=lambda name: -abs(self.works[name]))
+            texts = [f"{name} {self.works[name]:.6g} J" for name in most[:MOST_WORKS]]
+            more = ", …" * (len(most) > MOST_WORKS)
+            lines.append(f"work done at the end: {', '.join(texts)}{more}")
         for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
             if self.violations:
                 metres, radians = self.worst(level)
@@ -162,7 +164,7 @@ def ledger_of(
     rows: Sequence[tuple[str, str]],
     options: Options,
     seconds: Mapping[str, float],
-    working: tuple[str, ...] = (),
+    works: Sequence[tuple[str, int]] = (),
 ) -> RunLedger:
     """Return the ledger of a state.
 
@@ -176,8 +178,8 @@ def ledger_of(
         How the run is made.
     seconds : mapping of str to float
         Time that each phase took.
-    working : tuple of str
-        Forces whose work is not counted.
+    works : sequence of (str, int)
+        What does work, and where that stands in q.
     """
     numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
     counts = {
@@ -192,8 +194,10 @@ def ledger_of(
         growth=numbers["growth"],
         growth_time=numbers["growth time"],
         energy=numbers["energy"],
-        energy_error=numbers["energy error"] if options.checks and not working else None,
-        working=working,
+        energy_error=numbers["energy error"] if options.checks else None,
+        works=MappingProxyType(
+            {name: float(state[len(COUNTERS) + place]) for name, place in works}
+        ),
         violations=MappingProxyType(_violations(worst, rows) if options.checks else {}),
         seconds=MappingProxyType(dict(seconds)),
         **counts,

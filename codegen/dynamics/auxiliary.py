@@ -35,10 +35,11 @@ WORK = "work"
 
 def entries_of(system: System) -> tuple[Auxiliary, ...]:
     """Return the entries that a system needs, in their order."""
-    return tuple(
-        Auxiliary(TURNS, one.name, Place(-1, one.near))
-        for one in system.coordinates
-        if one.counts_turns
+    turns = (one for one in system.coordinates if one.counts_turns)
+    working = dict.fromkeys(force.name for force in system.forces if force.works)
+    return (
+        *(Auxiliary(TURNS, one.name, Place(-1, one.near)) for one in turns),
+        *(Auxiliary(WORK, name, Place(-1, 0.0)) for name in working),
     )
 
 

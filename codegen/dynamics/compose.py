@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.auxiliary import Auxiliaries, Copy, entries_of
+from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, entries_of
 from kousoku.codegen.dynamics.bodies import (
     GROUND,
     BodyBlocks,
@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.bodies import (
     require_masses,
     sizes,
 )
-from kousoku.codegen.dynamics.forces import SPRING, Load, Spring, Stored
+from kousoku.codegen.dynamics.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_joints
 from kousoku.codegen.dynamics.operations import (
     Energy,
@@ -38,6 +38,7 @@ from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
+from kousoku.model.formulas import TIME
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -120,6 +121,8 @@ class _Composer:
         self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
         self.dv = region("dv", velocities)
         self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
+        names = {TIME: (self.time, self.recorder.constant((1,)))}
+        self.forces = ForceTasks(self.recorder, self.body, names)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
         self.joints = joints_of(system, self.recorder, rows, self.body)
         self.rows = sum(joint.count for joint in self.joints)
@@ -272,30 +275,15 @@ class _Composer:
         self._pull(self.schur.solve(self._rates("gamma", free), targets), free, self.v_dot)
 
     def _add_forces(self, free: list[Block]) -> None:
-        """Add what forces beside gravity give each body."""
+        """Add what forces beside gravity give each body, and write the power of those that work."""
         shares: list[list[Block]] = [[block] for block in free]
         for force in self.system.forces:
-            i, j = self.body(force.i), self.body(force.j)
-            constants = [self.recorder.constant(values) for _, values in force.constants]
-            if force.kind == SPRING:
-                ends = [
-                    block
-                    for body in (i, j)
-                    for block in (
-                        *(body.r, body.p, body.orientation),
-                        *(body.v_r, body.omega_b, body.inverse_mass),
-                    )
-                ]
-                if force.law:
-                    constants.append(self.time)
-                operation = Spring(i.columns, j.columns, force.law)
-                found = self.recorder.call(operation, *ends, *constants)
-            else:
-                blocks = (j.p, j.orientation, j.inverse_mass, *constants)
-                found = (column(()), *self.recorder.call(Load(force.kind, j.columns), *blocks))
-            for index, block in zip((force.i, force.j), found, strict=True):
-                if index != GROUND_INDEX:
-                    shares[index].append(block)
+            added, power = self.forces.effect(force)
+            for index, block in added.items():
+                shares[index].append(block)
+            if power is not None:
+                target = self.auxiliary.of(self.q_dot, WORK, force.name)
+                self.recorder.call(Copy(), power, into=(target,))
         free[:] = [self._sum(parts) for parts in shares]
 
     def _sum(self, parts: list[Block]) -> Block:
@@ -329,9 +317,7 @@ class _Composer:
             )
         for force in self.system.forces:
             if force.has_potential:
-                i, j = self.body(force.i), self.body(force.j)
-                constants = [self.recorder.constant(values) for _, values in force.constants]
-                parts += self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)
+                parts.append(self.forces.stored(force))
         while len(parts) > CHUNK:
             parts = [
                 self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]

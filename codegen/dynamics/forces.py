@@ -9,11 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.formulas import formula_node
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen, share
-from kousoku.codegen.expressions import to_graph
 from kousoku.model import precise
-from kousoku.model.expression import parse_expression
 from kousoku.model.mechanism import GROUND_INDEX, LAW_NAMES
 
 if TYPE_CHECKING:
@@ -27,11 +26,18 @@ FLAT = 1e-12
 SPRING = "spring_damper"
 #: Names of the constants of a spring, in their order.
 ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
+#: What a law of a spring depends on first: elongation, and the rate of the length.
+ELONGATION = LAW_NAMES[:2]
+#: Kinds of loads that act at a point.
+POINTED = ("force", "force_b")
 
 
 @dataclass(frozen=True, slots=True)
 class Load:
-    """M⁻¹f of a force or torque. Blocks: p, A and the diagonal of M⁻¹ of the body, the constants.
+    """M⁻¹f of a force or torque, and its power.
+
+    Blocks: p, A, v, ω′ and the diagonal of M⁻¹ of the body, of a force its point, then vectors that
+    are added up.
 
     Parameters
     ----------
@@ -39,10 +45,13 @@ class Load:
         ``force``, ``force_b``, ``torque`` or ``torque_b``.
     columns : tuple of int
         The body's coordinates.
+    works : bool
+        Whether its power is wanted.
     """
 
     kind: str
     columns: tuple[int, ...]
+    works: bool
 
     @property
     def title(self) -> str:
@@ -50,31 +59,37 @@ class Load:
         return f"{self.kind} on a body"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate."""
-        p, orientation, weights, *constants = blocks
+        """Return what it adds to the acceleration of each coordinate; F·v + N′·ω′ if wanted."""
+        p, orientation, v, omega, weights, *constants = blocks
         share(trace, p, orientation)
-        given = constants[-1]
+        point = constants.pop(0) if self.kind in POINTED else None
+        given = sum(constants[1:], constants[0])
         zeros = (trace.graph.const(0),) * 3
         if self.kind == "torque":
             forces = (*zeros, *(orientation.T @ given).flat)
-        elif self.kind == "torque_b":
+        elif point is None:
             forces = (*zeros, *given.flat)
         elif self.kind == "force":
-            forces = _at_point(trace, p.flat, constants[0], given)
+            forces = _at_point(trace, p.flat, point, given)
         else:
             still = (trace.graph.const(1), *zeros)
-            torque = _at_point(trace, still, constants[0], given)[3:]
+            torque = _at_point(trace, still, point, given)[3:]
             forces = (*(orientation @ given).flat, *torque)
-        return (_accelerations(trace, forces, self.columns, weights),)
+        found = (_accelerations(trace, forces, self.columns, weights),)
+        if not self.works:
+            return found
+        mul, rates = trace.graph.mul, (*v.flat, *omega.flat)
+        power = trace.graph.sum(mul(a, b) for a, b in zip(forces, rates, strict=True))
+        return *found, _number(trace, power)
 
 
 @dataclass(frozen=True, slots=True)
 class Spring:
-    """M⁻¹f of a spring and damper.
+    """M⁻¹f of a spring and damper, and the power of what is no potential energy.
 
     Blocks: r, p, A, v, ω′ and the diagonal of M⁻¹ of body i, those of body j, then the two ends,
-    stiffness, damping and free length; of a law of its own the unit instead of stiffness and
-    damping, and the time last.
+    stiffness, damping and free length; of a law of its own unit and free length, then value and
+    unit of each name that it may depend on beside elongation and rate.
 
     Parameters
     ----------
@@ -82,15 +97,21 @@ class Spring:
         Columns of each body that are coordinates: none of the ground.
     law : str
         Tension as a formula, empty where linear.
+    names : tuple of str
+        What it may depend on beside elongation and rate.
+    works : bool
+        Whether its power is wanted.
     """
 
     columns_i: tuple[int, ...]
     columns_j: tuple[int, ...]
     law: str
+    names: tuple[str, ...]
+    works: bool
     title: str = "spring and damper"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what it adds to the acceleration of each coordinate of i, and of j."""
+        """Return what it adds to the acceleration of each coordinate of i and j; its power."""
         r_i, p_i, a_i, v_i, omega_i, weights_i = blocks[:6]
         r_j, p_j, a_j, v_j, omega_j, weights_j = blocks[6:12]
         share(trace, p_i, a_i)
@@ -100,31 +121,27 @@ class Spring:
         motion = {"v_i": v_i, "omega_i_b": omega_i, "v_j": v_j, "omega_j_b": omega_j}
         found = _inline(trace, "length", places | motion)
         if self.law:
-            tension = _tension(trace, self.law, found, *blocks[14:])
+            tension = damped = self._tension(trace, found, *blocks[14:])
         else:
             law = dict(zip(LAW, blocks[14:], strict=True))
             tension = _inline(trace, "law", found | law)["T"]
+            damped = law["damping"] @ found["l_dot"]
         force = _inline(trace, "force", places | {"T": tension})["force"].flat
-        return (
+        added = (
             _accelerations(trace, force[:COLUMNS], self.columns_i, weights_i),
             _accelerations(trace, force[COLUMNS:], self.columns_j, weights_j),
         )
+        if not self.works:
+            return added
+        return *added, -(damped @ found["l_dot"])
 
-
-def _tension(trace: Trace, law: str, found: dict[str, Matrix], *given: Matrix) -> Matrix:
-    """Return the tension [N] by a formula; given are the unit, the free length and the time."""
-    unit, free, time = given
-    graph = trace.graph
-    (scale,), (rate,) = unit.flat, found["l_dot"].flat
-    elongation = graph.sub(*found["l"].flat, *free.flat)
-    values = (
-        graph.div(elongation, scale),
-        graph.div(rate, scale),
-        *time.flat,
-    )
-    leaves = dict(zip(LAW_NAMES, values, strict=True))
-    own = to_graph(parse_expression(law, LAW_NAMES), graph, leaves)
-    return Matrix(graph, ((graph.mul(scale, own),),), 1)
+    def _tension(self, trace: Trace, found: dict[str, Matrix], *given: Matrix) -> Matrix:
+        """Return the tension [N] by the formula."""
+        unit, free, *rest = given
+        elongation = found["l"] - free
+        own = [elongation, unit, found["l_dot"], unit, *rest]
+        value = formula_node(trace, self.law, (*ELONGATION, *self.names), own)
+        return unit @ _number(trace, value)
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +191,10 @@ def _inline(trace: Trace, kernel: str, inputs: dict[str, Matrix]) -> dict[str, M
     }
 
 
+def _number(trace: Trace, node: int) -> Matrix:
+    return Matrix(trace.graph, ((node,),), 1)
+
+
 def _at_point(trace: Trace, p: Sequence[int], point: Matrix, force: Matrix) -> tuple[int, ...]:
     """Return the force in frame O and its torque in the body frame."""
     rest = (trace.graph.const(0),) * 6
@@ -204,7 +225,7 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
     """
     given = dict(force.constants)
     if force.kind in {"torque", "torque_b"}:
-        return any(x for k, x in enumerate(given["torque"]) if k != normal)
+        return any(x for values in given.values() for k, x in enumerate(values) if k != normal)
     heights = [given["s_j_b"][normal]]
     if force.kind == SPRING:
         heights.append(given["s_i_b"][normal] if force.i != GROUND_INDEX else 0.0)
@@ -212,7 +233,7 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
         heights.append(end - start)
         if force.j == GROUND_INDEX:
             heights[0] = 0.0
-    elif given["force"][normal]:
+    elif any(values[normal] for name, values in given.items() if name != "s_j_b"):
         return True
     return max(map(abs, heights)) > FLAT * max(
         1.0, *(abs(x) for values in given.values() for x in values)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.auxiliary import WORK
 from kousoku.codegen.dynamics.forces import leaves_plane
 from kousoku.codegen.dynamics.program import Coordinates, Place
 from kousoku.model import precise
@@ -53,7 +54,11 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
         "is_flat": is_flat(program, system),
-        "working": [force.name for force in system.forces if not force.is_conservative],
+        "works": [
+            [one.name, one.place.slot - bases["q"]]
+            for one in program.auxiliary
+            if one.kind == WORK
+        ],
     }
 
 

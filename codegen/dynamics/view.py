@@ -7,6 +7,7 @@ from itertools import groupby
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.auxiliary import WORK
 from kousoku.codegen.dynamics.program import REGIONS, SEGMENTS
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
 from kousoku.codegen.graph import literal
@@ -199,6 +200,7 @@ def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) ->
     counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
     sizes += [(name, program.region(region).size) for name, region in counts.items()]
     sizes += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
+    sizes.append(("WORKS", sum(one.kind == WORK for one in program.auxiliary)))
     sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
     shifts, turns = shift_slots(program), turn_slots(program)

@@ -32,6 +32,7 @@ def scene(**force: Any) -> Tree:
     return {
         "name": "loaded",
         "unit": "mm",
+        "parameters": {"c": 3},
         "bodies": {"bar": bar | {"inertia": inertia}, "dot": dot},
         "forces": {"f": force},
     }
@@ -70,6 +71,16 @@ def scene(**force: Any) -> Tree:
             "column 4: unknown name 'y'",
         ),
         ({**SPRING, "free_length": -1}, "free_length", "wanted none that is negative"),
+        ({**SPRING, "stiffness": "2*q"}, "stiffness", "column 3: unknown name 'q'"),
+        ({**SPRING, "damping": "c*t"}, "damping", "column 3: unknown name 't'"),
+        ({**SPRING, "free_length": "2*"}, "free_length", "the formula ends"),
+        (
+            {"type": "force", "body": "bar", "force": [1, "sin(t", 0]},
+            "force[1]",
+            "column 6: the formula ends before the '('",
+        ),
+        ({"type": "torque", "body": "bar", "torque_b": ["1", "x", 0]}, "torque_b[1]", "name 'x'"),
+        ({"type": "force", "body": "bar", "force": [1, True, 0]}, "force[1]", "or a formula is"),
     ],
 )
 def test_a_force_that_cannot_act_is_refused(force: Tree, key: str, says: str) -> None:
@@ -92,7 +103,7 @@ def test_a_spring_is_given_in_metres_and_principal_frames() -> None:
     assert given["stiffness"] == (40.0,)
     assert given["damping"] == (0.0,)
     assert given["free_length"] == pytest.approx((0.13,), abs=1e-15)
-    assert spring.is_conservative
+    assert not spring.works
 
 
 def test_loads_are_given_in_newtons() -> None:
@@ -105,6 +116,41 @@ def test_loads_are_given_in_newtons() -> None:
         scene_from_dict(scene(type="torque", body="bar", torque_b=[0, 0, 3e6]))
     ).forces
     assert (torque.kind, torque.constants) == ("torque_b", (("torque", (0.0, 0.0, 3.0)),))
+
+
+def test_every_formula_that_is_wrong_is_reported_at_once() -> None:
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(scene(type="force", body="bar", force=["2*", 1, "y"]))
+    assert [one.key for one in caught.value.problems] == ["forces.f.force[0]", "forces.f.force[2]"]
+
+
+def test_the_line_of_a_formula_is_named() -> None:
+    text = to_toml(scene_from_dict(scene(type="force", body="bar", force=["c", 1, "t"])))
+    wrong = text.replace('"t"', '"t*"')
+    with pytest.raises(SceneError) as caught:
+        scene_from_toml(wrong)
+    (problem,) = caught.value.problems
+    assert wrong.splitlines()[problem.line - 1].startswith("f = ")
+
+
+def test_components_that_are_formulas_stand_beside_their_directions() -> None:
+    push = {"type": "force", "body": "bar", "force_b": [2000, "c*t", 0]}
+    (force,) = system_of(scene_from_dict(scene(**push))).forces
+    given = dict(force.constants)
+    assert given["force"] == pytest.approx((2, 0, 0), abs=1e-15)
+    assert given["force_y"] == pytest.approx((0, 1e-3, 0), abs=1e-15)
+    assert force.formulas == (("force_y", "c*t"),)
+    assert force.works
+
+
+def test_a_spring_of_parameters_keeps_its_potential() -> None:
+    given = {**SPRING, "stiffness": "2*c", "free_length": "c"}
+    (spring,) = system_of(scene_from_dict(scene(**given))).forces
+    constants = dict(spring.constants)
+    assert constants["stiffness"] == (1.0,)
+    assert constants["free_length"] == pytest.approx((1e-3,), abs=1e-18)
+    assert spring.formulas == (("stiffness", "2*c"), ("free_length", "c"))
+    assert not spring.works
 
 
 def test_the_builder_writes_forces_that_read_back_the_same() -> None:

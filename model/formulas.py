@@ -1,0 +1,52 @@
+"""Values of a scene that are numbers or formulas: which names a formula may use, and its check."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model.errors import ExpressionError, Problem
+from kousoku.model.expression import parse_expression
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+
+    from kousoku.model.scene import Scene
+
+TIME = "t"
+"""The name of time in a formula."""
+
+RATE = "_dot"
+"""What follows the name of a coordinate where its rate is meant."""
+
+
+def fixed_names(scene: Scene) -> tuple[str, ...]:
+    """Return what a formula may depend on that does not change in a run: the parameters."""
+    return tuple(scene.parameters)
+
+
+def state_names(scene: Scene) -> tuple[str, ...]:
+    """Return what a formula of the motion may depend on: time, parameters, coordinates, rates."""
+    rates = (f"{name}{RATE}" for name in scene.coordinates)
+    return (TIME, *fixed_names(scene), *scene.coordinates, *rates)
+
+
+def formula_problems(value: object, names: Collection[str], key: str) -> Iterator[Problem]:
+    """Yield what is wrong with the formulas of a value.
+
+    Parameters
+    ----------
+    value : float, str, or tuple of them
+        A number has no problem.
+    names : collection of str
+        What its formulas may depend on.
+    key : str
+        Its dotted key.
+    """
+    if isinstance(value, tuple):
+        for index, one in enumerate(value):
+            yield from formula_problems(one, names, f"{key}[{index}]")
+    elif isinstance(value, str):
+        try:
+            parse_expression(value, names)
+        except ExpressionError as error:
+            yield Problem(str(error), key)
