@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, entries_of
+from kousoku.codegen.dynamics.auxiliary import Auxiliaries, Copy, entries_of
 from kousoku.codegen.dynamics.bodies import (
     GROUND,
     BodyBlocks,
@@ -20,8 +20,11 @@ from kousoku.codegen.dynamics.bodies import (
     require_masses,
     sizes,
 )
-from kousoku.codegen.dynamics.force_tasks import ForceTasks
+from kousoku.codegen.dynamics.forces import SPRING, Load, Spring, Stored
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_joints
+from kousoku.codegen.dynamics.least_norm import Scale, points_of
+from kousoku.codegen.dynamics.left_out import others, rows_of
+from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.operations import (
     Energy,
     FreeAcceleration,
@@ -33,12 +36,11 @@ from kousoku.codegen.dynamics.operations import (
     Sum,
 )
 from kousoku.codegen.dynamics.planar import plane_of
-from kousoku.codegen.dynamics.program import Program, Row
+from kousoku.codegen.dynamics.program import Program
 from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
-from kousoku.model.formulas import TIME
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -55,6 +57,7 @@ def compose(
     wanted: Collection[str] = (),
     *,
     rows: Mapping[int, Sequence[int]] | None = None,
+    dependent: Sequence[Sequence[str]] = (),
     may_be_planar: bool = True,
 ) -> Program:
     """Return the program of a system: its segments are those of ``SEGMENTS``.
@@ -70,6 +73,8 @@ def compose(
     rows : mapping of int to sequence of int, optional
         For instances of which not all rows are kept, by their place in ``system.constraints``, the
         rows that are.
+    dependent : sequence of sequence of str
+        The joints of each set of rows that depend on each other: what they carry is not unique.
     may_be_planar : bool
         Whether a scene that stays in a coordinate plane gets planar coordinates.
 
@@ -89,12 +94,13 @@ def compose(
     shift = plane_of(system) if may_be_planar else None
     if shift is None:
         require_masses(system, is_planar=False)
-        return _Composer(system, wanted, kept, is_planar=False).program()
+        return _Composer(system, wanted, kept, dependent, is_planar=False).program()
     other = turned(system, shift)
     require_masses(other, is_planar=True)
     kinds = [instance.kind for instance in system.constraints]
     kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
-    return named_back(_Composer(other, wanted, kept, is_planar=True).program(), system, shift)
+    program = _Composer(other, wanted, kept, dependent, is_planar=True).program()
+    return named_back(program, system, shift)
 
 
 class _Composer:
@@ -105,10 +111,12 @@ class _Composer:
         system: System,
         wanted: Collection[str],
         rows: Mapping[int, Sequence[int]],
+        dependent: Sequence[Sequence[str]],
         *,
         is_planar: bool,
     ) -> None:
         self.system = system
+        self.dependent = dependent
         self.wanted = wanted
         self.is_planar = is_planar
         self.recorder = Recorder()
@@ -121,12 +129,13 @@ class _Composer:
         self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
         self.dv = region("dv", velocities)
         self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
-        names = {TIME: (self.time, self.recorder.constant((1,)))}
-        self.forces = ForceTasks(self.recorder, self.body, names)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
         self.joints = joints_of(system, self.recorder, rows, self.body)
         self.rows = sum(joint.count for joint in self.joints)
+        rest = others(system, rows) if rows else None
+        self.left_out = [] if rest is None else joints_of(system, self.recorder, rest, self.body)
         self.residuals = region("C", self.rows)
+        self.others = region("C_left_out", sum(joint.count for joint in self.left_out))
         self.schur = Schur(self.recorder, region("pivots", self.rows))
 
     def body(self, index: int) -> BodyBlocks:
@@ -141,7 +150,7 @@ class _Composer:
         self._velocity()
         self._acceleration()
         if "reactions" in self.wanted:
-            record_reactions(self.recorder, self.schur, self.joints, self.bodies)
+            self._reaction()
         if "energies" in self.wanted:
             self._energy()
         if "checks" in self.wanted:
@@ -156,12 +165,8 @@ class _Composer:
             constants=tuple(self.recorder.constants),
             size=size,
             bodies=tuple(coordinates(body, blocks) for body, blocks in pairs),
-            rows=tuple(
-                Row(joint.name, instance, row)
-                for joint in self.joints
-                for instance, part in zip(joint.instances, joint.parts, strict=True)
-                for row in part.rows
-            ),
+            rows=rows_of(self.joints),
+            left_out=rows_of(self.left_out),
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
         )
@@ -173,18 +178,22 @@ class _Composer:
             (orientation,) = self.recorder.call(Orientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         for joint in self.joints:
-            i, j = self.body(joint.i), self.body(joint.j)
-            _, left, right, scaled_left, scaled_right, own = self.recorder.call(
-                Joint(joint.parts, i.columns, j.columns),
-                *(i.r, i.p, i.orientation, i.inverse_mass),
-                *(j.r, j.p, j.orientation, j.inverse_mass),
-                *joint.constants,
-                into=(self._rows_of(self.residuals, joint),),
-            )
-            joint.jacobian = {joint.i: left, joint.j: right}
-            joint.scaled = {joint.i: scaled_left, joint.j: scaled_right}
-            joint.own = own
+            self._jacobian(joint, self._rows_of(self.residuals, joint))
         self.schur.factorise(self.joints)
+
+    def _jacobian(self, joint: JointBlocks, residuals: Block | None) -> None:
+        """Record C and C_q of a joint."""
+        i, j = self.body(joint.i), self.body(joint.j)
+        _, left, right, scaled_left, scaled_right, own = self.recorder.call(
+            Joint(joint.parts, i.columns, j.columns),
+            *(i.r, i.p, i.orientation, i.inverse_mass),
+            *(j.r, j.p, j.orientation, j.inverse_mass),
+            *joint.constants,
+            into=(residuals,),
+        )
+        joint.jacobian = {joint.i: left, joint.j: right}
+        joint.scaled = {joint.i: scaled_left, joint.j: scaled_right}
+        joint.own = own
 
     @staticmethod
     def _rows_of(region: Block, joint: JointBlocks) -> Block:
@@ -226,11 +235,15 @@ class _Composer:
             self.recorder.call(Copy(), block, into=(target,))
 
     def _rates(
-        self, output: str, by_body: Sequence[Block], region: Block | None = None
+        self,
+        output: str,
+        by_body: Sequence[Block],
+        region: Block | None = None,
+        joints: Sequence[JointBlocks] | None = None,
     ) -> list[Block]:
         """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
-        for joint in self.joints:
+        for joint in self.joints if joints is None else joints:
             i, j = self.body(joint.i), self.body(joint.j)
             x_i, x_j = (column(()) if k == GROUND_INDEX else by_body[k] for k in (joint.i, joint.j))
             (difference,) = self.recorder.call(
@@ -275,15 +288,30 @@ class _Composer:
         self._pull(self.schur.solve(self._rates("gamma", free), targets), free, self.v_dot)
 
     def _add_forces(self, free: list[Block]) -> None:
-        """Add what forces beside gravity give each body, and write the power of those that work."""
+        """Add what forces beside gravity give each body."""
         shares: list[list[Block]] = [[block] for block in free]
         for force in self.system.forces:
-            added, power = self.forces.effect(force)
-            for index, block in added.items():
-                shares[index].append(block)
-            if power is not None:
-                target = self.auxiliary.of(self.q_dot, WORK, force.name)
-                self.recorder.call(Copy(), power, into=(target,))
+            i, j = self.body(force.i), self.body(force.j)
+            constants = [self.recorder.constant(values) for _, values in force.constants]
+            if force.kind == SPRING:
+                ends = [
+                    block
+                    for body in (i, j)
+                    for block in (
+                        *(body.r, body.p, body.orientation),
+                        *(body.v_r, body.omega_b, body.inverse_mass),
+                    )
+                ]
+                if force.law:
+                    constants.append(self.time)
+                operation = Spring(i.columns, j.columns, force.law)
+                found = self.recorder.call(operation, *ends, *constants)
+            else:
+                blocks = (j.p, j.orientation, j.inverse_mass, *constants)
+                found = (column(()), *self.recorder.call(Load(force.kind, j.columns), *blocks))
+            for index, block in zip((force.i, force.j), found, strict=True):
+                if index != GROUND_INDEX:
+                    shares[index].append(block)
         free[:] = [self._sum(parts) for parts in shares]
 
     def _sum(self, parts: list[Block]) -> Block:
@@ -295,12 +323,30 @@ class _Composer:
             ]
         return parts[0]
 
+    def _reaction(self) -> None:
+        """Record force and torque of each joint."""
+        length = characteristic_length(self.system)
+        record_reactions(
+            self.recorder,
+            self.schur,
+            self.body,
+            rows=(self.joints, self.left_out),
+            geometry=lambda joint: self._jacobian(joint, None),
+            scale=Scale(points_of(self.system), length, self.dependent),
+        )
+
     def _check(self) -> None:
-        """Record what is left of the constraints at the levels of velocity and acceleration."""
-        rates, second = (self.recorder.region(name, self.rows) for name in ("C_dot", "C_ddot"))
+        """Record what is left of the constraints, those that depend on others, too."""
+        count = self.rows + self.others.height
+        rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
         self.recorder.begin("check")
-        self._rates("nu", self._by_body(self.v), rates)
-        self._rates("gamma", self._by_body(self.v_dot), second)
+        for joint in self.left_out:
+            self._jacobian(joint, self._rows_of(self.others, joint))
+        for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
+            by_body = self._by_body(values)
+            self._rates(output, by_body, region)
+            rest = region.part(self.rows, self.others.height)
+            self._rates(output, by_body, rest, self.left_out)
 
     def _energy(self) -> None:
         target = self.recorder.region("energies", 2)
@@ -317,7 +363,9 @@ class _Composer:
             )
         for force in self.system.forces:
             if force.has_potential:
-                parts.append(self.forces.stored(force))
+                i, j = self.body(force.i), self.body(force.j)
+                constants = [self.recorder.constant(values) for _, values in force.constants]
+                parts += self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)
         while len(parts) > CHUNK:
             parts = [
                 self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]

@@ -170,6 +170,8 @@ class Program:
         In the order of the regions ``C`` and ``lam``.
     is_planar : bool
         Whether all bodies move in parallel coordinate planes.
+    left_out : tuple of Row
+        Rows that depend on others, in the order of the region ``C_left_out``.
     auxiliary : tuple of Auxiliary
         What stands in q after the coordinates of the bodies.
     """
@@ -184,6 +186,7 @@ class Program:
     rows: tuple[Row, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
+    left_out: tuple[Row, ...] = ()
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""
@@ -210,6 +213,7 @@ REGIONS = {
     "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
     "q_moved": "q after dq, Euler parameters of norm one",
     "C": "residuals, joint by joint",
+    "C_left_out": "residuals of rows that depend on others and are left out; right behind C",
     "pivots": "D^-1 of the factors, in the order of C: very large where the rank is nearly lost",
     "dv": "correction of v",
     "q_dot": "time derivative of q",
@@ -218,8 +222,8 @@ REGIONS = {
     "reactions": "force (frame O) and torque (body frame) of each joint on body j, or on i if j is"
     " the ground, at the centre of mass; the columns of that body only",
     "energies": "kinetic and potential energy, J",
-    "C_dot": "C_q v - nu, in the order of C",
-    "C_ddot": "C_q v_dot - gamma, in the order of C",
+    "C_dot": "C_q v - nu, in the order of C and C_left_out",
+    "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
     "constants": "the scene's numbers",
 }
 
@@ -232,7 +236,7 @@ SEGMENTS = {
     "acceleration": "v, t -> q_dot, v_dot, lam",
     "reaction": "lam -> reactions",
     "energy": "q, v -> energies",
-    "check": "v, v_dot, t -> C_dot, C_ddot",
+    "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.

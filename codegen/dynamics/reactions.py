@@ -2,22 +2,74 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recorder import Block, column, zeros
+from kousoku.codegen.dynamics.least_norm import LeastNorm, merged
+from kousoku.codegen.dynamics.recorder import column, zeros
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
     from kousoku.codegen.dynamics.joints import JointBlocks
-    from kousoku.codegen.dynamics.recorder import Recorder
+    from kousoku.codegen.dynamics.least_norm import Scale
+    from kousoku.codegen.dynamics.recorder import Block, Recorder
     from kousoku.codegen.dynamics.schur import Schur
 
 
+@dataclass(slots=True)
+class Reaction:
+    """A joint: the rows of it that are kept, and those that are left out.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    end, j : int
+        The body that force and torque act on: body j, or i where j is the ground; and body j.
+    kept, left_out : JointBlocks or None
+        With their Jacobians; one of them is there.
+    multipliers : list of (JointBlocks, Block)
+        Rows, and their multipliers.
+    """
+
+    name: str
+    end: int
+    j: int
+    kept: JointBlocks | None = None
+    left_out: JointBlocks | None = None
+    multipliers: list[tuple[JointBlocks, Block]] = field(default_factory=list)
+
+    @property
+    def parts(self) -> list[JointBlocks]:
+        """Its rows."""
+        return [rows for rows in (self.kept, self.left_out) if rows]
+
+
+def reactions_of(kept: Sequence[JointBlocks], left_out: Sequence[JointBlocks]) -> list[Reaction]:
+    """Return all joints in the order of the system."""
+    found: dict[tuple[str, int, int], Reaction] = {}
+    for joint in (*kept, *left_out):
+        end = joint.i if joint.j == GROUND_INDEX else joint.j
+        new = Reaction(joint.name, end, joint.j)
+        one = found.setdefault((joint.name, joint.i, joint.j), new)
+        if any(joint is rows for rows in kept):
+            one.kept = joint
+        else:
+            one.left_out = joint
+    return sorted(found.values(), key=lambda one: min(min(x.instances) for x in one.parts))
+
+
 def record_reactions(
-    recorder: Recorder, schur: Schur, joints: Sequence[JointBlocks], bodies: Sequence[BodyBlocks]
+    recorder: Recorder,
+    schur: Schur,
+    body: Callable[[int], BodyBlocks],
+    *,
+    rows: tuple[Sequence[JointBlocks], Sequence[JointBlocks]],
+    geometry: Callable[[JointBlocks], None],
+    scale: Scale,
 ) -> None:
     """Record force and torque of each joint on body j, or on i where j is the ground.
 
@@ -26,25 +78,34 @@ def record_reactions(
     recorder : Recorder
         Where they are recorded; it has the region ``lam``.
     schur : Schur
-        The factors of C_q M⁻¹ C_qᵀ.
-    joints : sequence of JointBlocks
-        With their Jacobians.
-    bodies : sequence of BodyBlocks
-        In the order of the system.
+        The factors of the rows that are kept.
+    body : callable
+        The blocks of a body by its index.
+    rows : pair of sequence of JointBlocks
+        The rows that are kept, with their Jacobians, and those that depend on them.
+    geometry : callable
+        Records the Jacobians of the latter.
+    scale : Scale
+        What is least where reactions are not unique.
     """
-    lam = _region(recorder, "lam")
-    ends = [joint.i if joint.j == GROUND_INDEX else joint.j for joint in joints]
-    widths = [len(bodies[end].columns) for end in ends]
+    joints, left_out = rows
+    found = reactions_of(joints, left_out)
+    widths = [len(body(one.end).columns) for one in found]
     target = recorder.region("reactions", sum(widths))
+    region = next(one for one in recorder.regions if one.name == "lam")
+    lam = column(range(region.base + 2, region.base + region.size + 2))
     recorder.begin("reaction")
+    for one in found:
+        if one.kept:
+            one.multipliers = [(one.kept, lam.part(one.kept.first, one.kept.count))]
+    for joint in left_out:
+        geometry(joint)
+    for group in merged(scale.groups or [[one.name for one in found]]):
+        own = [one for one in found if one.name in group]
+        if any(one.left_out for one in own):
+            LeastNorm(recorder, schur, body, joints, scale).share_out(own)
     first = 0
-    for joint, end, width in zip(joints, ends, widths, strict=True):
-        product = (joint.jacobian[end].T, lam.part(joint.first, joint.count))
-        schur.gather(zeros(width, 1), [product], target.part(first, width))
+    for one, width in zip(found, widths, strict=True):
+        products = [(rows.jacobian[one.end].T, x) for rows, x in one.multipliers]
+        schur.gather(zeros(width, 1), products, target.part(first, width))
         first += width
-
-
-def _region(recorder: Recorder, name: str) -> Block:
-    """Return a region that was set aside before, as a column."""
-    region = next(one for one in recorder.regions if one.name == name)
-    return column(range(region.base + 2, region.base + region.size + 2))

@@ -67,16 +67,19 @@ def named_back(program: Program, system: System, shift: int) -> Program:
         )
         for body in program.bodies
     )
-    rows = tuple(
-        replace(
-            row,
-            row=turned_row(
-                _turned_kind(system.constraints[row.instance].kind, shift), row.row, back
-            ),
+    rows, left_out = (
+        tuple(
+            replace(
+                row,
+                row=turned_row(
+                    _turned_kind(system.constraints[row.instance].kind, shift), row.row, back
+                ),
+            )
+            for row in own
         )
-        for row in program.rows
+        for own in (program.rows, program.left_out)
     )
-    return replace(program, bodies=bodies, rows=rows)
+    return replace(program, bodies=bodies, rows=rows, left_out=left_out)
 
 
 def _triple(values: Sequence[T], shift: int) -> Triple[T]:
