@@ -103,4 +103,8 @@ class Flow:
         if x.is_Pow and not x.exp.free_symbols:
             change = self(x.base)
             return S.Zero if change == 0 else x.exp * x.base ** (x.exp - 1) * change
+        if isinstance(x, sympy.atan2):
+            above, beside = x.args
+            turned = beside * self(above) - above * self(beside)
+            return turned / (above**2 + beside**2)
         return sympy.Add(*(x.diff(s) * change for s, change in self._direction.items()))

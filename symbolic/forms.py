@@ -28,6 +28,34 @@ from kousoku.symbolic.variation import abbreviate, coefficient, orthogonality, r
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
+    from kousoku.symbolic.bodies import Column
+
+VARIATIONS = tuple(column.delta for column in COLUMNS)
+
+VARIATIONS = tuple(column.delta for column in COLUMNS)
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """Short forms of the derivatives of a value that is no polynomial.
+
+    What the product rule leaves of it is longer, and loses digits. The multiplier comes last in
+    the reaction, so that no number is rounded to a subnormal one and then multiplied.
+
+    Parameters
+    ----------
+    jacobian : tuple of Matrix
+        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
+    second : tuple of tuple of Matrix
+        δ of each of them, transposed, by the same four.
+    rules : tuple of str
+        Why they equal what is left of δC and of δ(C_qᵀλ).
+    """
+
+    jacobian: tuple[Matrix, ...]
+    second: tuple[tuple[Matrix, ...], ...]
+    rules: tuple[str, str]
+
 
 @dataclass(frozen=True, slots=True)
 class Constraint:
@@ -54,6 +82,8 @@ class Constraint:
     inputs : tuple of Quantity
         What the constraint takes beside the arrays of both bodies, e.g. a given angle; constant in
         time. ``symbolic.matrices`` gives the ``symbol`` and the ``elements`` of each.
+    closed : Closed, optional
+        Of a value that is no polynomial: the forms of its derivatives that are emitted.
     """
 
     name: str
@@ -69,6 +99,7 @@ class Constraint:
     rule: Callable[[Matrix], Matrix | None] = orthogonality
     gamma: Step | None = None
     inputs: tuple[Quantity, ...] = ()
+    closed: Closed | None = None
 
     @property
     def lam(self) -> Quantity:
@@ -85,23 +116,26 @@ class Forms:
     ----------
     variation, rate, acceleration : Matrix
         δC, Ċ and C̈ as the product rule leaves them.
-    jacobian : tuple of Matrix
-        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
+    collected, jacobian : tuple of Matrix
+        The coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as they are left and as they are emitted.
     nu, gamma : Matrix
         Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
     reaction : tuple of Matrix
         The blocks of C_qᵀλ.
-    stiffness : tuple of tuple of Matrix
-        For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
+    varied, stiffness : tuple of tuple of Matrix
+        For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as they are
+        left and as they are emitted.
     """
 
     variation: Matrix
     rate: Matrix
     acceleration: Matrix
+    collected: tuple[Matrix, ...]
     jacobian: tuple[Matrix, ...]
     nu: Matrix
     gamma: Matrix
     reaction: tuple[Matrix, ...]
+    varied: tuple[tuple[Matrix, ...], ...]
     stiffness: tuple[tuple[Matrix, ...], ...]
 
 
@@ -113,31 +147,78 @@ def collect(c: Constraint) -> Forms:
     DerivationError
         Ċ or C̈ has other coefficients than δC.
     """
-
-    def blocks(x: Matrix, symbols: Sequence[Matrix]) -> tuple[Matrix, ...]:
-        collected = (coefficient(x, symbol) for symbol in symbols)
-        square = (rewrite(block, orthogonality) for block in collected)
-        return tuple(abbreviate(rewrite(block, c.rule), *c.names) for block in square)
-
     variation, rate = DELTA(c.value), RATE(c.value)
     acceleration = RATE(rate)
-    jacobian = blocks(variation, [column.delta for column in COLUMNS])
+    collected = blocks_of(variation, c.rule, c.names)
     velocities = [column.velocity for column in COLUMNS]
     accelerations = [column.acceleration for column in COLUMNS]
     for form, symbols in ((rate, velocities), (acceleration, accelerations)):
-        if blocks(form, symbols) != jacobian:
+        if blocks_of(form, c.rule, c.names, symbols) != collected:
             raise DerivationError(f"{c.name}: the coefficients of {form} are not the Jacobian")
-    reaction = tuple(_weighted(block, symbol(c.lam)) for block in jacobian)
+    reaction = _reaction(c, collected)
+    varied = tuple(blocks_of(DELTA(f), c.rule, c.names) for f in reaction)
+    factor = symbol(c.lam)[0, 0]
     return Forms(
         variation,
         rate,
         acceleration,
-        jacobian,
+        collected,
+        collected if c.closed is None else c.closed.jacobian,
         neg(without(rate, *velocities)),
         abbreviate(neg(without(acceleration, *accelerations)), *c.names),
         reaction,
-        tuple(blocks(DELTA(f), [column.delta for column in COLUMNS]) for f in reaction),
+        varied,
+        varied
+        if c.closed is None
+        else tuple(tuple(mul(factor, block) for block in line) for line in c.closed.second),
     )
+
+
+def _reaction(c: Constraint, jacobian: Sequence[Matrix]) -> tuple[Matrix, ...]:
+    if c.closed is None:
+        return tuple(_weighted(block, symbol(c.lam)) for block in jacobian)
+    factor = symbol(c.lam)[0, 0]
+    return tuple(mul(factor, transpose(block)) for block in c.closed.jacobian)
+
+
+def blocks_of(
+    x: Matrix,
+    rule: Callable[[Matrix], Matrix | None] = orthogonality,
+    names: Sequence[Named] = (),
+    symbols: Sequence[Matrix] = VARIATIONS,
+) -> tuple[Matrix, ...]:
+    """Return the coefficients of ``symbols`` in a linear form, rewritten and abbreviated."""
+    collected = (coefficient(x, symbol) for symbol in symbols)
+    square = (rewrite(block, orthogonality) for block in collected)
+    return tuple(abbreviate(rewrite(block, rule), *names) for block in square)
+
+
+def name_blocks(letter: str, blocks: Sequence[Matrix]) -> tuple[Matrix, ...]:
+    """Return the blocks of a row, each that is not zero with a name of its own."""
+    return tuple(
+        block if is_zero(block) else Named(f"{letter}_{_index(x)}", block)
+        for block, x in zip(blocks, COLUMNS, strict=True)
+    )
+
+
+def less_products(
+    second: Sequence[Sequence[Matrix]], *rows: tuple[Sequence[Matrix], Sequence[Matrix]]
+) -> tuple[tuple[Matrix, ...], ...]:
+    """Return a second derivative less the products uᵀv of the rows u and v, with names."""
+    whole = [
+        [
+            add(block, *(neg(mul(transpose(u[m]), v[n])) for u, v in rows))
+            for n, block in enumerate(line)
+        ]
+        for m, line in enumerate(second)
+    ]
+    return tuple(
+        name_blocks(f"K_{_index(x)}", line) for x, line in zip(COLUMNS, whole, strict=True)
+    )
+
+
+def _index(column: Column) -> str:
+    return column.name.replace("θ", "theta")
 
 
 def _weighted(block: Matrix, lam: Matrix) -> Matrix:
@@ -154,7 +235,7 @@ def _weighted(block: Matrix, lam: Matrix) -> Matrix:
 
 def steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     """Return the steps from C to its Jacobian, right-hand sides, reaction and its derivative."""
-    return (*_jacobian_steps(c, forms), *_rate_steps(c, forms), *_force_steps(forms))
+    return (*_jacobian_steps(c, forms), *_rate_steps(c, forms), *_force_steps(c, forms))
 
 
 def with_abbreviations(lines: Sequence[Step]) -> tuple[Step, ...]:
@@ -173,11 +254,14 @@ def with_abbreviations(lines: Sequence[Step]) -> tuple[Step, ...]:
 
 def _jacobian_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     left = MatrixSymbol("δC", *c.value.shape)
-    form = add(*(mul(block, x.delta) for block, x in zip(forms.jacobian, COLUMNS, strict=True)))
-    blocks = (
-        Step(_block("C", x.name, block), block, f"coefficient of {_spoken(x.name)}", "")
-        for block, x in zip(forms.jacobian, COLUMNS, strict=True)
-    )
+    form = add(*(mul(block, x.delta) for block, x in zip(forms.collected, COLUMNS, strict=True)))
+    blocks = []
+    for block, final, x in zip(forms.collected, forms.jacobian, COLUMNS, strict=True):
+        name = final.name if isinstance(final, Named) else f"C_{x.name}"
+        letter = MatrixSymbol(name, *block.shape)
+        blocks.append(Step(letter, block, f"coefficient of {_spoken(x.name)}", ""))
+        if final != block and c.closed is not None:
+            blocks.append(Step(letter, final.value, c.closed.rules[0], ""))
     return (
         Step(left, PRODUCT_RULE(c.value), "product rule; a′ and s′ are constant", "7.10"),
         Step(left, forms.variation, "δA = A δθ′~", "7.16"),
@@ -188,7 +272,7 @@ def _jacobian_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
 
 def _rate_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     rate, acceleration = (MatrixSymbol(f"C_{dots}", *c.value.shape) for dots in ("dot", "ddot"))
-    form = add(*(mul(block, x.velocity) for block, x in zip(forms.jacobian, COLUMNS, strict=True)))
+    form = add(*(mul(block, x.velocity) for block, x in zip(forms.collected, COLUMNS, strict=True)))
     return (
         Step(rate, forms.rate, "δ → d/dt: dA/dt = A ω′~", "5.16"),
         Step(rate, form, "collected: the coefficients are the Jacobian", "7.19"),
@@ -209,7 +293,7 @@ def _rate_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     )
 
 
-def _force_steps(forms: Forms) -> tuple[Step, ...]:
+def _force_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     weighted = dict.fromkeys(
         factor
         for f in forms.reaction
@@ -218,20 +302,16 @@ def _force_steps(forms: Forms) -> tuple[Step, ...]:
     )
     text = "abbreviation: the vector times its multiplier"
     steps = [Step(_block(*_letter_and_index(b.name), b), b.value, text, "") for b in weighted]
-    for f, x, row in zip(forms.reaction, COLUMNS, forms.stiffness, strict=True):
-        steps.append(
-            Step(_block("f", x.name, f), f, f"block of C_qᵀλ dual to {_spoken(x.name)}", "")
-        )
-        steps.extend(
-            Step(
-                _block("f", f"{x.name},{y.name}", block),
-                block,
-                f"δ at fixed λ, coefficient of {_spoken(y.name)}",
-                "7.16",
-            )
-            for block, y in zip(row, COLUMNS, strict=True)
-            if not is_zero(block)
-        )
+    for k, (f, x) in enumerate(zip(forms.reaction, COLUMNS, strict=True)):
+        text = f"block of C_qᵀλ dual to {_spoken(x.name)}"
+        steps.append(Step(_block("f", x.name, f), f, text, ""))
+        for block, final, y in zip(forms.varied[k], forms.stiffness[k], COLUMNS, strict=True):
+            if not is_zero(block):
+                left = _block("f", f"{x.name},{y.name}", block)
+                text = f"δ at fixed λ, coefficient of {_spoken(y.name)}"
+                steps.append(Step(left, block, text, "7.16"))
+                if final != block and c.closed is not None:
+                    steps.append(Step(left, final, c.closed.rules[1], ""))
     return tuple(steps)
 
 

@@ -17,6 +17,7 @@ from kousoku.symbolic.matrices import (
     Dot,
     Matrix,
     Named,
+    Scalar,
     add,
     coefficient_and_factors,
     mul,
@@ -32,6 +33,8 @@ FROM_OWN_ORIGIN = {
     "i": Named("d_i", TO_POINT),
     "j": Named("d_j", add(SYMBOLS["r_j"], neg(SYMBOLS["r_i"]), FROM_CENTRE)),
 }
+#: Why the γ of a distance and of a length is equal to what the product rule leaves.
+GAMMA_RULE = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
 
 
 def derive(package: str) -> Derivation:
@@ -67,7 +70,7 @@ def _point() -> Constraint:
     )
 
 
-def _own_point_drops(x: Matrix) -> Matrix | None:
+def own_point_drops(x: Matrix) -> Matrix | None:
     """Apply dᵀA s̃′ = (d ∓ A s′)ᵀA s̃′: the own point drops out, as (A s′)ᵀA s̃′ = (p·p)² s′ᵀs̃′ = 0.
 
     Without it the product would hold a part that cancels, and with it digits, where the point is
@@ -81,7 +84,7 @@ def _own_point_drops(x: Matrix) -> Matrix | None:
     return None
 
 
-def _distance_gamma() -> Step:
+def distance_gamma(length: Scalar) -> Matrix:
     """Return γ = −(v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i)) / length.
 
     v and r belong to the origins, s = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
@@ -99,9 +102,7 @@ def _distance_gamma() -> Step:
             add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"]))),
         ),
     )
-    rule = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
-    gamma = mul(S.NegativeOne / SYMBOLS["length"], total)
-    return Step(MatrixSymbol("gamma", 1, 1), gamma, rule, "7.15")
+    return mul(S.NegativeOne / length, total)
 
 
 def parts_of_motion(body: str) -> tuple[Matrix, ...]:
@@ -145,6 +146,6 @@ def _distance() -> Constraint:
         value=value,
         components=((dot(d, d) - length**2) / (2 * length),),
         names=(D,),
-        rule=_own_point_drops,
-        gamma=_distance_gamma(),
+        rule=own_point_drops,
+        gamma=Step(MatrixSymbol("gamma", 1, 1), distance_gamma(length), GAMMA_RULE, "7.15"),
     )

@@ -57,6 +57,8 @@ KINDS: dict[str, Kind] = {
         "two points coincident", "joints", ("point",), ("spherical", "atpoint", "coincident points")
     ),
     "distance": Kind("two points at a given distance", "joints", ("distance",), ("distance-1",)),
+    "angle": Kind("angle about a common axis", "angle", ("angle",), ("axis angle",)),
+    "length": Kind("distance of two points", "length", ("length",), ("point distance",)),
     "norm": Kind("Euler parameters of norm one", "joints", ("norm",), ("euler parameter norm",)),
     "spring_damper": Kind(
         "spring and damper between two points",

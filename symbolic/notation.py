@@ -21,6 +21,7 @@ GREEK = {
     "theta": "θ",
     "lam": "λ",
     "nu": "ν",
+    "rho": "ρ",
     "omega": "ω",
     "Omega": "Ω",
     "zeta": "ζ",
@@ -61,12 +62,12 @@ class Name:
     def parse(cls, name: str) -> Name:
         base, *parts = name.split("_")
         dots = sum({"dot": 1, "ddot": 2}.get(part, 0) for part in parts)
-        index = "_".join(part for part in parts if part not in {"b", "dot", "ddot"})
+        index = "_".join(GREEK.get(x, x) for x in parts if x not in {"b", "dot", "ddot"})
         for word, letter in GREEK.items():
             base = base.replace(word, letter) if base.removeprefix("d") == word else base
         if base in {"dr", "dA"} or (base[:1] == "d" and base[1:2] in GREEK_LETTERS):
             base = "δ" + base[1:]
-        return cls(base, GREEK.get(index, index), "b" in parts, dots)
+        return cls(base, index, "b" in parts, dots)
 
 
 class Text:

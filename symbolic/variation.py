@@ -9,6 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import sympy
 from sympy.matrices.expressions import (
     BlockMatrix,
     Identity,
@@ -18,18 +19,22 @@ from sympy.matrices.expressions import (
     Transpose,
     ZeroMatrix,
 )
+from sympy.matrices.expressions.matexpr import MatrixElement
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.matrices import (
+    Divisor,
     Dot,
     Matrix,
     Named,
+    NamedScalar,
     Orientation,
     Scalar,
     Skew,
     add,
     coefficient_and_factors,
+    description,
     is_zero,
     mul,
     neg,
@@ -92,23 +97,64 @@ class Variation:
 
     def _of_product(self, x: Matrix) -> Matrix:
         scalar, factors = coefficient_and_factors(x)
-        self._check_constant(scalar)
+        change = self.of_scalar(scalar)
+        varied = mul(change, *factors) if x.shape[0] == 1 else ZeroMatrix(*x.shape)
+        if x.shape[0] > 1 and not is_zero(change):
+            if x.shape[1] > 1:
+                raise DerivationError(f"variation: the factor {scalar} of a matrix is not constant")
+            varied = mul(*factors, change)
         if len(factors) == 2 and transpose(factors[1]) == factors[0] and x.shape[0] == 1:
-            return mul(2 * scalar, factors[0], self(factors[1]))  # δ(uᵀu) = 2 uᵀδu
+            return add(varied, mul(2 * scalar, factors[0], self(factors[1])))  # δ(uᵀu) = 2 uᵀδu
         return add(
+            varied,
             *(
                 mul(scalar, *factors[:k], self(factor), *factors[k + 1 :])
                 for k, factor in enumerate(factors)
-            )
+            ),
         )
 
-    def _check_constant(self, scalar: Scalar) -> None:
-        for dot in scalar.atoms(Dot):
-            u, v = dot.args
-            if u == v and u in self.rotations:
-                continue
-            if not (is_zero(self(u)) and is_zero(self(v))):
-                raise DerivationError(f"variation: the scalar factor {scalar} is not constant")
+    def of_scalar(self, x: Scalar) -> Matrix:
+        """Return δx (1, 1) of a scalar factor, by the chain rule."""
+        match x:
+            case Dot() if x.args[0] == x.args[1]:
+                u = x.args[0]
+                return ZeroMatrix(1, 1) if u in self.rotations else mul(2, transpose(u), self(u))
+            case Dot():
+                u, v = x.args
+                return add(mul(transpose(u), self(v)), mul(transpose(v), self(u)))
+            case NamedScalar() if x.value.is_Pow and x.value.exp == sympy.Rational(1, 2):
+                return mul(1 / (2 * x), self.of_scalar(x.value.base))  # δ√u = δu / (2 √u)
+            case NamedScalar():
+                return self.of_scalar(x.value)
+            case Divisor():
+                return self.of_scalar(x.args[0])
+            case MatrixElement() if x.parent.shape[1] == 1 and x.parent not in self.rotations:
+                row = [[int(k == x.i) for k in range(int(x.parent.shape[0]))]]
+                return mul(ImmutableDenseMatrix(row), self(x.parent))
+        changes = {arg: self.of_scalar(arg) for arg in x.args}
+        if all(map(is_zero, changes.values())):
+            return ZeroMatrix(1, 1)
+        return add(*(mul(slope, changes[arg]) for slope, arg in _slopes(x)))
+
+
+def _slopes(x: Scalar) -> list[tuple[Scalar, Scalar]]:
+    """Return the arguments of a scalar formula that may vary, each after the derivative by it."""
+    match x:
+        case sympy.Add():
+            return [(sympy.S.One, arg) for arg in sorted(x.args, key=description)]
+        case sympy.Mul():
+            return [(x / arg, arg) for arg in sorted(x.args, key=description)]
+        case sympy.Pow() if x.exp.is_Rational:
+            return [(x.exp * x.base ** (x.exp - 1), x.base)]
+        case sympy.atan2():
+            y, x_ = x.args
+            square = x_**2 + y**2
+            return [(x_ / square, y), (-y / square, x_)]
+        case sympy.sin():
+            return [(sympy.cos(x.args[0]), x.args[0])]
+        case sympy.cos():
+            return [(-sympy.sin(x.args[0]), x.args[0])]
+    raise DerivationError(f"variation: no rule for {type(x).__name__} in the scalar factor {x}")
 
 
 def contains(x: Matrix, symbol: Matrix) -> bool:
@@ -160,6 +206,8 @@ def _of_product(x: Matrix, symbol: Matrix) -> Matrix:
         return neg(mul(scalar, *before, skew(right), coefficient(factor.v, symbol)))
     if tuple(x.shape) == (1, 1):
         return coefficient(transpose(x), symbol)
+    if (number := mul(factor, *after)).shape == (1, 1):
+        return mul(scalar, *before, coefficient(transpose(number), symbol))
     raise DerivationError(f"linear form: {symbol} cannot be brought to the right in {x}")
 
 
@@ -176,6 +224,17 @@ def rewrite(x: Matrix, rule: Callable[[Matrix], Matrix | None]) -> Matrix:
         rebuilt = x
     changed = rule(rebuilt)
     return rebuilt if changed is None or changed == rebuilt else rewrite(changed, rule)
+
+
+def replaced(x: Matrix, symbol: Matrix, other: Matrix) -> Matrix:
+    """Return ``x`` with ``other`` in the place of a symbol."""
+
+    def exchange(node: Matrix) -> Matrix | None:
+        if node in (symbol, transpose(symbol)):
+            return other if node == symbol else transpose(other)
+        return None
+
+    return rewrite(x, exchange)
 
 
 def without(x: Matrix, *symbols: Matrix) -> Matrix:

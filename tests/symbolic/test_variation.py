@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from sympy import Rational
+from sympy import Rational, atan2, exp, sqrt
 from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
+from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.bodies import COLUMNS, DELTA, RATE, SYMBOLS, A
@@ -43,9 +44,25 @@ def test_squared_norm_of_euler_parameters_is_constant() -> None:
     assert DELTA(mul(Dot(p, p) ** 2, S_I)) == ZeroMatrix(3, 1)
 
 
-def test_scalar_factor_that_varies_is_refused() -> None:
+def test_scalar_factor_varies_by_the_chain_rule() -> None:
+    length = sqrt(Dot(R, R))
+    change = add(mul(R, mul(1 / length, transpose(R), DR)), mul(length, DR))
+    assert DELTA(mul(length, R)) == change
+    angle = DELTA(mul(atan2(Dot(R, S_I), R[0, 0]), Identity(1)))
+    first = ImmutableDenseMatrix([[1, 0, 0]])
+    square = Dot(R, S_I) ** 2 + R[0, 0] ** 2
+    slopes = mul(R[0, 0] / square, transpose(S_I), DR), mul(-Dot(R, S_I) / square, first, DR)
+    assert set(angle.args) == set(slopes)
+
+
+def test_scalar_factor_of_a_matrix_that_varies_is_refused() -> None:
     with pytest.raises(DerivationError, match="is not constant"):
-        DELTA(mul(Dot(R, R), S_I))
+        DELTA(mul(Dot(R, R), A_I))
+
+
+def test_scalar_without_a_rule_is_refused_if_it_varies() -> None:
+    with pytest.raises(DerivationError, match="no rule for exp"):
+        DELTA(mul(exp(Dot(R, R)), S_I))
 
 
 def test_number_is_transposed_to_bring_the_variation_to_the_right() -> None:
