@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.auxiliary import Auxiliaries, Copy, entries_of
+from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, entries_of
 from kousoku.codegen.dynamics.bodies import (
     GROUND,
     BodyBlocks,
@@ -20,7 +20,10 @@ from kousoku.codegen.dynamics.bodies import (
     require_masses,
     sizes,
 )
-from kousoku.codegen.dynamics.forces import SPRING, Load, Spring, Stored
+from kousoku.codegen.dynamics.combinations import Combinations
+from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
+from kousoku.codegen.dynamics.force_tasks import ForceTasks
+from kousoku.codegen.dynamics.joint_tasks import JointTasks
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_joints
 from kousoku.codegen.dynamics.least_norm import Scale, points_of
 from kousoku.codegen.dynamics.left_out import others, rows_of
@@ -28,19 +31,18 @@ from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.operations import (
     Energy,
     FreeAcceleration,
-    Joint,
     Motion,
     Move,
     Orientation,
-    Rates,
     Sum,
 )
 from kousoku.codegen.dynamics.planar import plane_of
 from kousoku.codegen.dynamics.program import Program
 from kousoku.codegen.dynamics.reactions import record_reactions
-from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
+from kousoku.codegen.dynamics.recorder import Block, Recorder, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
+from kousoku.model.formulas import TIME
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -121,6 +123,7 @@ class _Composer:
         self.is_planar = is_planar
         self.recorder = Recorder()
         self.time = self.recorder.region("t", 1)
+        self.parameters = self.recorder.region("parameters", len(system.parameters))
         own, velocities = sizes(system, is_planar=is_planar)
         self.auxiliary = Auxiliaries(entries_of(system), own)
         positions = own + len(self.auxiliary.entries)
@@ -129,7 +132,17 @@ class _Composer:
         self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
         self.dv = region("dv", velocities)
         self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
+        names = {TIME: (self.time, self.recorder.constant((1,)))}
+        self.forces = ForceTasks(self.recorder, self.body, names)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
+        self.coordinates = CoordinateBlocks(
+            system, self.recorder, self.body, self.auxiliary, self.q
+        )
+        given = tuple(name for name, _ in system.parameters)
+        combinations = Combinations(
+            self.recorder, self.coordinates, self.time, self.parameters, given
+        )
+        self.tasks = JointTasks(system, self.recorder, self.body, combinations)
         self.joints = joints_of(system, self.recorder, rows, self.body)
         self.rows = sum(joint.count for joint in self.joints)
         rest = others(system, rows) if rows else None
@@ -151,6 +164,8 @@ class _Composer:
         self._acceleration()
         if "reactions" in self.wanted:
             self._reaction()
+        if "coordinates" in self.wanted:
+            self._coordinates()
         if "energies" in self.wanted:
             self._energy()
         if "checks" in self.wanted:
@@ -178,22 +193,8 @@ class _Composer:
             (orientation,) = self.recorder.call(Orientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         for joint in self.joints:
-            self._jacobian(joint, self._rows_of(self.residuals, joint))
+            self.tasks.jacobian(joint, self._rows_of(self.residuals, joint))
         self.schur.factorise(self.joints)
-
-    def _jacobian(self, joint: JointBlocks, residuals: Block | None) -> None:
-        """Record C and C_q of a joint."""
-        i, j = self.body(joint.i), self.body(joint.j)
-        _, left, right, scaled_left, scaled_right, own = self.recorder.call(
-            Joint(joint.parts, i.columns, j.columns),
-            *(i.r, i.p, i.orientation, i.inverse_mass),
-            *(j.r, j.p, j.orientation, j.inverse_mass),
-            *joint.constants,
-            into=(residuals,),
-        )
-        joint.jacobian = {joint.i: left, joint.j: right}
-        joint.scaled = {joint.i: scaled_left, joint.j: scaled_right}
-        joint.own = own
 
     @staticmethod
     def _rows_of(region: Block, joint: JointBlocks) -> Block:
@@ -233,6 +234,7 @@ class _Composer:
         kept, targets = self.auxiliary.kept(self.q), self.auxiliary.kept(self.q_moved)
         for block, target in zip(kept, targets, strict=True):
             self.recorder.call(Copy(), block, into=(target,))
+        self.coordinates.count_turns(self.q_moved)
 
     def _rates(
         self,
@@ -244,17 +246,8 @@ class _Composer:
         """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
         for joint in self.joints if joints is None else joints:
-            i, j = self.body(joint.i), self.body(joint.j)
-            x_i, x_j = (column(()) if k == GROUND_INDEX else by_body[k] for k in (joint.i, joint.j))
-            (difference,) = self.recorder.call(
-                Rates(joint.parts, output),
-                *(i.p, i.orientation, i.v_r, i.omega_b, x_i, joint.jacobian[joint.i]),
-                *(j.p, j.orientation, j.v_r, j.omega_b, x_j, joint.jacobian[joint.j]),
-                *(i.r, j.r),
-                *joint.constants,
-                into=(self._rows_of(region, joint) if region else None,),
-            )
-            found.append(difference)
+            into = self._rows_of(region, joint) if region else None
+            found.append(self.tasks.rates(joint, output, by_body, into))
         return found
 
     def _velocity(self) -> None:
@@ -278,6 +271,7 @@ class _Composer:
                 blocks.omega_b,
                 into=(self.q_dot.part(blocks.q, len(blocks.coordinates)),),
             )
+        self.coordinates.turn(self.q_dot, self._by_body(self.v))
         free: list[Block] = []
         for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
             ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))
@@ -288,30 +282,15 @@ class _Composer:
         self._pull(self.schur.solve(self._rates("gamma", free), targets), free, self.v_dot)
 
     def _add_forces(self, free: list[Block]) -> None:
-        """Add what forces beside gravity give each body."""
+        """Add what forces beside gravity give each body, and write the power of those that work."""
         shares: list[list[Block]] = [[block] for block in free]
         for force in self.system.forces:
-            i, j = self.body(force.i), self.body(force.j)
-            constants = [self.recorder.constant(values) for _, values in force.constants]
-            if force.kind == SPRING:
-                ends = [
-                    block
-                    for body in (i, j)
-                    for block in (
-                        *(body.r, body.p, body.orientation),
-                        *(body.v_r, body.omega_b, body.inverse_mass),
-                    )
-                ]
-                if force.law:
-                    constants.append(self.time)
-                operation = Spring(i.columns, j.columns, force.law)
-                found = self.recorder.call(operation, *ends, *constants)
-            else:
-                blocks = (j.p, j.orientation, j.inverse_mass, *constants)
-                found = (column(()), *self.recorder.call(Load(force.kind, j.columns), *blocks))
-            for index, block in zip((force.i, force.j), found, strict=True):
-                if index != GROUND_INDEX:
-                    shares[index].append(block)
+            added, power = self.forces.effect(force)
+            for index, block in added.items():
+                shares[index].append(block)
+            if power is not None:
+                target = self.auxiliary.of(self.q_dot, WORK, force.name)
+                self.recorder.call(Copy(), power, into=(target,))
         free[:] = [self._sum(parts) for parts in shares]
 
     def _sum(self, parts: list[Block]) -> Block:
@@ -331,9 +310,18 @@ class _Composer:
             self.schur,
             self.body,
             rows=(self.joints, self.left_out),
-            geometry=lambda joint: self._jacobian(joint, None),
+            geometry=lambda joint: self.tasks.jacobian(joint, None),
             scale=Scale(points_of(self.system), length, self.dependent),
         )
+
+    def _coordinates(self) -> None:
+        """Record the coordinates that are shown."""
+        accelerates = "accelerations" in self.wanted
+        count = (3 if accelerates else 2) * len(self.system.shown)
+        region = self.recorder.region("coordinates", count)
+        self.recorder.begin("coordinate")
+        v_dot = self._by_body(self.v_dot) if accelerates else None
+        self.coordinates.show(region, self._by_body(self.v), v_dot)
 
     def _check(self) -> None:
         """Record what is left of the constraints, those that depend on others, too."""
@@ -341,7 +329,7 @@ class _Composer:
         rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
         self.recorder.begin("check")
         for joint in self.left_out:
-            self._jacobian(joint, self._rows_of(self.others, joint))
+            self.tasks.jacobian(joint, self._rows_of(self.others, joint))
         for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
             by_body = self._by_body(values)
             self._rates(output, by_body, region)
@@ -363,9 +351,7 @@ class _Composer:
             )
         for force in self.system.forces:
             if force.has_potential:
-                i, j = self.body(force.i), self.body(force.j)
-                constants = [self.recorder.constant(values) for _, values in force.constants]
-                parts += self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)
+                parts.append(self.forces.stored(force))
         while len(parts) > CHUNK:
             parts = [
                 self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]

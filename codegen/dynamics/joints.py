@@ -12,14 +12,14 @@ from kousoku.codegen.dynamics.operations import COLUMNS, Part, frozen
 from kousoku.codegen.dynamics.recorder import Block, column, pattern_of
 from kousoku.codegen.dynamics.traces import Trace
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
     from kousoku.codegen.dynamics.recorder import Pattern, Recorder
-    from kousoku.model.mechanism import Instance, System
+    from kousoku.model.mechanism import Coordinate, Instance, System
 
 #: How many joints a moving body may have.
 MOST_JOINTS = 64
@@ -33,14 +33,14 @@ class JointBlocks:
     ----------
     name : str
         As in the scene.
-    i, j : int
-        Its bodies.
+    bodies : tuple of int
+        Those that it connects: i, j, and the others of combinations.
     instances : tuple of int
         Places in the system.
     parts : tuple of Part
         The rows of each instance.
-    constants : tuple of Block
-        What the parts need, part by part.
+    constants : tuple of tuple of Block
+        What each part needs; nothing of a combination.
     first, count : int
         Its rows.
     jacobian, scaled : dict of int to Block
@@ -50,16 +50,30 @@ class JointBlocks:
     """
 
     name: str
-    i: int
-    j: int
+    bodies: tuple[int, ...]
     instances: tuple[int, ...]
     parts: tuple[Part, ...]
-    constants: tuple[Block, ...]
+    constants: tuple[tuple[Block, ...], ...]
     first: int
     count: int
     jacobian: dict[int, Block] = field(default_factory=dict)
     scaled: dict[int, Block] = field(default_factory=dict)
     own: Block = field(default_factory=lambda: column(()))
+
+    @property
+    def i(self) -> int:
+        """Body i."""
+        return self.bodies[0]
+
+    @property
+    def j(self) -> int:
+        """Body j."""
+        return self.bodies[1]
+
+    @property
+    def others(self) -> tuple[int, ...]:
+        """Bodies beside i and j."""
+        return self.bodies[2:]
 
 
 def require_few_joints(system: System) -> None:
@@ -92,24 +106,24 @@ def joints_of(
     first = 0
     numbered = list(enumerate(system.constraints))
     for (name, i, j), group in groupby(numbered, lambda x: (x[1].joint, x[1].i, x[1].j)):
-        kept = []
+        kept, bodies = [], [i, j]
         for place, instance in group:
-            blocks = [recorder.constant(values) for _, values in instance.constants]
-            live = live_rows(instance, blocks, body(i), body(j))
+            live = live_rows(system, instance, recorder, body)
             chosen = tuple(row for row in live if row in rows.get(place, live))
             if chosen:
                 names = tuple(name for name, _ in instance.constants)
+                blocks = tuple(recorder.constant(values) for _, values in instance.constants)
                 kept.append((place, Part(instance.kind, chosen, names), blocks))
+                bodies += instance.others
         count = sum(len(part.rows) for _, part, _ in kept)
         if count:
             found.append(
                 JointBlocks(
                     name=name,
-                    i=i,
-                    j=j,
+                    bodies=tuple(dict.fromkeys(bodies)),
                     instances=tuple(place for place, _, _ in kept),
                     parts=tuple(part for _, part, _ in kept),
-                    constants=tuple(block for _, _, blocks in kept for block in blocks),
+                    constants=tuple(blocks for _, _, blocks in kept),
                     first=first,
                     count=count,
                 )
@@ -119,13 +133,24 @@ def joints_of(
 
 
 def live_rows(
-    instance: Instance, constants: Sequence[Block], i: BodyBlocks, j: BodyBlocks
+    system: System, instance: Instance, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     """Return the rows of an instance whose Jacobian is not structurally zero."""
+    if instance.kind != COMBINATION:
+        return _live(instance, recorder, body)
+    terms = (system.coordinates[term.coordinate] for term in instance.terms)
+    return (0,) if any(_live(term, recorder, body) for term in terms) else ()
+
+
+def _live(
+    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+) -> tuple[int, ...]:
+    i, j = body(one.i), body(one.j)
+    constants = [recorder.constant(values) for _, values in one.constants]
     pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
     columns = (*i.columns, *(COLUMNS + k for k in j.columns))
-    names = tuple(name for name, _ in instance.constants)
-    return _live_rows(instance.kind, names, pattern, tuple(lengths), columns)
+    names = tuple(name for name, _ in one.constants)
+    return _live_rows(one.kind, names, pattern, tuple(lengths), columns)
 
 
 @cache

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.matrix import Matrix, square, stack
 from kousoku.codegen.store import load_frozen
+from kousoku.model.mechanism import COMBINATION
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -39,7 +40,8 @@ class Part:
     rows : tuple of int
         The rows that are kept.
     constants : tuple of str
-        Names of the inputs that are fixed; their blocks follow those of the bodies.
+        Names of the inputs that are fixed; their blocks follow those of the bodies. A combination
+        has none: what follows is its residual and its Jacobian body by body, or ν or γ.
     """
 
     kind: str
@@ -73,16 +75,13 @@ def _title(parts: Sequence[Part]) -> str:
 
 
 def _evaluate(
-    trace: Trace, parts: Sequence[Part], kernel: str, state: Mapping[str, Matrix], *rest: Matrix
-) -> list[tuple[Part, dict[str, list[int]]]]:
-    """Inline one kernel of each part; ``rest`` are the constants, part by part."""
-    constants = iter(rest)
-    found = []
-    for part in parts:
-        inputs = {name: block.flat for name, block in state.items()}
-        inputs |= {name: next(constants).flat for name in part.constants}
-        found.append((part, trace.inline(frozen(part.kind, kernel), inputs)))
-    return found
+    trace: Trace, part: Part, kernel: str, state: Mapping[str, Matrix], constants: Sequence[Matrix]
+) -> dict[str, list[int]]:
+    """Inline a kernel of a part."""
+    inputs = {name: block.flat for name, block in state.items()}
+    fixed = (block.flat for block in constants)
+    inputs |= dict(zip(part.constants, fixed, strict=True))
+    return trace.inline(frozen(part.kind, kernel), inputs)
 
 
 def _pick(trace: Trace, nodes: Sequence[int], part: Part, width: int) -> Matrix:
@@ -95,19 +94,19 @@ def _pick(trace: Trace, nodes: Sequence[int], part: Part, width: int) -> Matrix:
 class Joint:
     """Residual, Jacobian, and the joint's own block of the Schur complement.
 
-    Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, and the constants.
+    Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, that diagonal of the other
+    bodies, and what belongs to the parts.
 
     Parameters
     ----------
     parts : tuple of Part
         What the joint is composed of.
-    columns_i, columns_j : tuple of int
+    columns : tuple of tuple of int
         Columns of each body that are coordinates: none of the ground.
     """
 
     parts: tuple[Part, ...]
-    columns_i: tuple[int, ...]
-    columns_j: tuple[int, ...]
+    columns: tuple[tuple[int, ...], ...]
 
     @property
     def title(self) -> str:
@@ -115,29 +114,51 @@ class Joint:
         return f"joint {_title(self.parts)}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return C (n,), C_q of i and of j, C_q M⁻¹ of i and of j, and C_q M⁻¹ C_qᵀ (n, n)."""
-        r_i, p_i, a_i, weights_i, r_j, p_j, a_j, weights_j, *constants = blocks
+        """Return C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n)."""
+        r_i, p_i, a_i, weights_i, r_j, p_j, a_j, weights_j, *rest = blocks
         share(trace, p_i, a_i)
         share(trace, p_j, a_j)
         state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
-        found = _evaluate(trace, self.parts, "constraint", state, *constants)
-        residual = stack(trace.graph, (_pick(trace, x["C"], part, 1) for part, x in found), 1)
-        width = 2 * COLUMNS
-        jacobian = stack(
-            trace.graph, (_pick(trace, x["C_q"], part, width) for part, x in found), width
-        )
-        left = jacobian.columns(self.columns_i)
-        right = jacobian.columns([COLUMNS + k for k in self.columns_j])
-        scaled_left, scaled_right = left.scaled(weights_i), right.scaled(weights_j)
-        graph, n = trace.graph, len(jacobian.rows)
-        lower = [
-            [
-                graph.add(_dot(scaled_left, left, i, j), _dot(scaled_right, right, i, j))
-                for j in range(i + 1)
-            ]
-            for i in range(n)
+        others = len(self.columns) - 2
+        weights = (weights_i, weights_j, *rest[:others])
+        given = iter(rest[others:])
+        graph = trace.graph
+        residuals: list[Matrix] = []
+        slopes: list[list[Matrix]] = [[] for _ in self.columns]
+        for part in self.parts:
+            if part.kind == COMBINATION:
+                residuals.append(next(given))
+                own = [next(given) for _ in self.columns]
+            else:
+                constants = [next(given) for _ in part.constants]
+                found = _evaluate(trace, part, "constraint", state, constants)
+                residuals.append(_pick(trace, found["C"], part, 1))
+                own = self._by_body(_pick(trace, found["C_q"], part, 2 * COLUMNS))
+            for body, matrix in zip(slopes, own, strict=True):
+                body.append(matrix)
+        jacobians = [
+            stack(graph, own, len(columns))
+            for own, columns in zip(slopes, self.columns, strict=True)
         ]
-        return residual, left, right, scaled_left, scaled_right, square(lower, graph)
+        scaled = [own.scaled(weight) for own, weight in zip(jacobians, weights, strict=True)]
+        pairs = list(zip(scaled, jacobians, strict=True))
+        lower = [
+            [graph.sum(_dot(a, b, i, j) for a, b in pairs) for j in range(i + 1)]
+            for i in range(len(jacobians[0].rows))
+        ]
+        return stack(graph, residuals, 1), *jacobians, *scaled, square(lower, graph)
+
+    def _by_body(self, jacobian: Matrix) -> list[Matrix]:
+        """Cut the Jacobian of a kind, which knows bodies i and j only."""
+        found = [
+            jacobian.columns([side * COLUMNS + k for k in columns])
+            for side, columns in enumerate(self.columns[:2])
+        ]
+        zero = jacobian.graph.const(0)
+        for columns in self.columns[2:]:
+            rows = ((zero,) * len(columns),) * len(jacobian.rows)
+            found.append(Matrix(jacobian.graph, rows, len(columns)))
+        return found
 
 
 def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
@@ -150,7 +171,8 @@ class Rates:
     """What a joint asks of velocities or accelerations.
 
     Blocks: p, A, v and ω′ of body i, then what is multiplied by its Jacobian, and the Jacobian;
-    the same of body j; then r of both, and the constants.
+    the same of body j; r of both; of each other body what is multiplied, and the Jacobian; then
+    what belongs to the parts.
 
     Parameters
     ----------
@@ -158,10 +180,13 @@ class Rates:
         What the joint is composed of.
     output : str
         ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ.
+    others : int
+        Bodies beside i and j.
     """
 
     parts: tuple[Part, ...]
     output: str
+    others: int = 0
 
     @property
     def title(self) -> str:
@@ -171,14 +196,24 @@ class Rates:
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return the difference (n,)."""
         p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
-        r_i, r_j, *constants = blocks[12:]
+        r_i, r_j, *rest = blocks[12:]
         share(trace, p_i, a_i)
         share(trace, p_j, a_j)
         state = {"r_i": r_i, "p_i": p_i, "v_i": v_i, "omega_i_b": omega_i}
         state |= {"r_j": r_j, "p_j": p_j, "v_j": v_j, "omega_j_b": omega_j}
-        found = _evaluate(trace, self.parts, "rates", state, *constants)
-        rates = stack(trace.graph, (_pick(trace, x[self.output], part, 1) for part, x in found), 1)
-        return (left @ x_i + right @ x_j - rates,)
+        others, given = rest[: 2 * self.others], iter(rest[2 * self.others :])
+        rates = []
+        for part in self.parts:
+            if part.kind == COMBINATION:
+                rates.append(next(given))
+            else:
+                constants = [next(given) for _ in part.constants]
+                found = _evaluate(trace, part, "rates", state, constants)
+                rates.append(_pick(trace, found[self.output], part, 1))
+        total = left @ x_i + right @ x_j
+        for x, jacobian in zip(others[::2], others[1::2], strict=True):
+            total += jacobian @ x
+        return (total - stack(trace.graph, rates, 1),)
 
 
 @dataclass(frozen=True, slots=True)

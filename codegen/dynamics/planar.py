@@ -12,6 +12,7 @@ each joint
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -24,18 +25,20 @@ from kousoku.codegen.dynamics.bodies import (
     sizes,
     start,
 )
+from kousoku.codegen.dynamics.combinations import fixed_law
 from kousoku.codegen.dynamics.forces import leaves_plane
 from kousoku.codegen.dynamics.joints import live_rows
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.dynamics.recorder import Recorder
 from kousoku.codegen.dynamics.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.codegen.dynamics.bodies import BodyBlocks
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12
@@ -62,20 +65,22 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     recorder = Recorder()
     q, v = (recorder.region("", size) for size in sizes(system, is_planar=True))
     bodies = body_blocks(system, recorder, q, v, is_planar=True)
-    joints: dict[tuple[str, int, int], _Joint] = {}
+    joints: dict[tuple[str, tuple[int, ...]], _Joint] = {}
+
+    def body(index: int) -> BodyBlocks:
+        return GROUND if index == GROUND_INDEX else bodies[index]
+
     for instance in system.constraints:
-        ends = [GROUND if k == GROUND_INDEX else bodies[k] for k in (instance.i, instance.j)]
-        constants = [recorder.constant(values) for _, values in instance.constants]
-        live = live_rows(instance, constants, ends[0], ends[1])
+        live = live_rows(system, instance, recorder, body)
         residual, jacobian = _at_start(system, instance)
         dropped = [row for row in range(len(residual)) if row not in live]
-        if any(abs(residual[row]) > RESIDUAL for row in dropped):
+        if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
             return False
-        joint = joints.setdefault((instance.joint, instance.i, instance.j), _Joint())
+        joint = joints.setdefault((instance.joint, instance.bodies), _Joint())
         joint.live.append(jacobian[list(live)])
         joint.dropped.append(jacobian[dropped])
-        axes = [value for name, value in instance.constants if name.startswith("a_")]
-        joint.turns_about_z &= all(axis in ALONG_Z for axis in axes)
+        if dropped or instance.kind != COMBINATION:
+            joint.turns_about_z &= all(axis in ALONG_Z for axis in _axes(system, instance))
     held = _held(system, joints)
     wants_hold = (
         must_be_held
@@ -83,8 +88,8 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         or any(leaves_plane(system, force, NORMAL) for force in system.forces)
     )
     return (all(held) or not wants_hold) and all(
-        joint.stays_in_plane or all(held[k] for k in (i, j) if k != GROUND_INDEX)
-        for (_, i, j), joint in joints.items()
+        joint.stays_in_plane or all(held[k] for k in ends if k != GROUND_INDEX)
+        for (_, ends), joint in joints.items()
     )
 
 
@@ -102,7 +107,7 @@ def plane_of(system: System) -> int | None:
 
 @dataclass(slots=True)
 class _Joint:
-    """Derivatives of a joint at the start: (rows, 12) of each instance.
+    """Derivatives of a joint at the start: (rows, six for each body) of each instance.
 
     Parameters
     ----------
@@ -120,7 +125,11 @@ class _Joint:
     @property
     def stays_in_plane(self) -> bool:
         """Whether no reaction that is left leads out of the plane."""
-        return not any(np.any(self._out(rows, side)) for rows in self.live for side in (0, 1))
+        return not any(
+            np.any(self._out(rows, side))
+            for rows in self.live
+            for side in range(rows.shape[1] // COLUMNS)
+        )
 
     def holds(self, side: int) -> bool:
         """Whether the body on one side cannot leave the plane while the other stays."""
@@ -140,23 +149,52 @@ def _starts_in_plane(body: MovingBody) -> bool:
 
 
 def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]:
-    """Return residuals and Jacobian (rows, 12) of an instance at the start."""
-    inputs: dict[str, Sequence[float]] = dict(instance.constants)
-    for end, index in (("i", instance.i), ("j", instance.j)):
+    """Return residuals and Jacobian (rows, six for each body) of an instance at the start.
+
+    A residual that changes with time, or with a parameter, is infinite.
+    """
+    if instance.kind != COMBINATION:
+        residual, jacobian = _kernel_at_start(system, instance)
+        return residual, np.reshape(jacobian, (-1, 2 * COLUMNS))
+    total = instance.offset - fixed_law(instance, [name for name, _ in system.parameters])
+    rows = np.zeros((1, len(instance.bodies), COLUMNS))
+    for term in instance.terms:
+        one = system.coordinates[term.coordinate]
+        (value,), jacobian = _kernel_at_start(system, one)
+        turns = round((one.near - value) / math.tau) if one.counts_turns else 0
+        total += term.factor * (value + math.tau * turns)
+        for index, part in zip((one.i, one.j), np.reshape(jacobian, (2, COLUMNS)), strict=True):
+            rows[0, instance.bodies.index(index)] += term.factor * part
+    return [total], rows.reshape(1, -1)
+
+
+def _kernel_at_start(
+    system: System, one: Instance | Coordinate
+) -> tuple[Sequence[float], Sequence[float]]:
+    inputs: dict[str, Sequence[float]] = dict(one.constants)
+    for end, index in (("i", one.i), ("j", one.j)):
         position = (
             (0.0, 0.0, 0.0, *NO_TURN) if index == GROUND_INDEX else start(system.bodies[index])[0]
         )
         inputs |= {f"r_{end}": position[:3], f"p_{end}": position[3:]}
-    found = evaluate(frozen(instance.kind, "constraint"), inputs, FLOAT)
-    return found["C"], np.reshape(found["C_q"], (-1, 2 * COLUMNS))
+    found = evaluate(frozen(one.kind, "constraint"), inputs, FLOAT)
+    return found["C"], found["C_q"]
 
 
-def _held(system: System, joints: dict[tuple[str, int, int], _Joint]) -> list[bool]:
+def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
+    """Return the axes of an instance, or of what it combines."""
+    constants = list(instance.constants)
+    for term in instance.terms:
+        constants += system.coordinates[term.coordinate].constants
+    return [value for name, value in constants if name.startswith(("a_", "b_"))]
+
+
+def _held(system: System, joints: dict[tuple[str, tuple[int, ...]], _Joint]) -> list[bool]:
     """Return for each body whether joints hold it to the ground in the plane, one after another."""
     held = [False] * len(system.bodies)
     beside: list[list[int]] = [[] for _ in system.bodies]
     waiting: list[int] = []
-    for (_, i, j), joint in joints.items():
+    for (_, (i, j, *_)), joint in joints.items():
         for side, (body, other) in enumerate(((i, j), (j, i))):
             if body != GROUND_INDEX and joint.holds(side):
                 if other == GROUND_INDEX:

@@ -208,6 +208,7 @@ class Program:
 #: What the regions hold, in the order of the workspace.
 REGIONS = {
     "t": "time, s",
+    "parameters": "what formulas depend on and a run may vary, in the order of the scene",
     "q": "r (frame O) and Euler parameters p of each body in turn, then the auxiliary entries",
     "v": "velocity (frame O) and angular velocity (body frame) of each body in turn",
     "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
@@ -221,6 +222,8 @@ REGIONS = {
     "lam": "multipliers, in the order of C",
     "reactions": "force (frame O) and torque (body frame) of each joint on body j, or on i if j is"
     " the ground, at the centre of mass; the columns of that body only",
+    "coordinates": "value and rate of each coordinate that is shown, and its acceleration where"
+    " accelerations are wanted: m or rad",
     "energies": "kinetic and potential energy, J",
     "C_dot": "C_q v - nu, in the order of C and C_left_out",
     "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
@@ -235,12 +238,13 @@ SEGMENTS = {
     "velocity": "v, t -> dv = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 (C_q v - nu)",
     "acceleration": "v, t -> q_dot, v_dot, lam",
     "reaction": "lam -> reactions",
+    "coordinate": "q, v, v_dot -> coordinates",
     "energy": "q, v -> energies",
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.
-AFTER_GEOMETRY = frozenset({"position", "velocity", "acceleration", "reaction", "check"})
+AFTER_GEOMETRY = frozenset({"position", "velocity", "acceleration", "reaction", "coordinate", "check"})
 
 
 def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:

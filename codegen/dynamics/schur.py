@@ -86,7 +86,7 @@ class Schur:
         blocks = {(k, k): joint.own for k, joint in enumerate(joints)}
         by_body: dict[int, list[int]] = {}
         for k, joint in enumerate(joints):
-            for body in dict.fromkeys((joint.i, joint.j)):
+            for body in joint.bodies:
                 if body == GROUND_INDEX:
                     continue
                 for other in by_body.setdefault(body, []):

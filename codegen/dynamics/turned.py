@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
+from kousoku.model.mechanism import COMBINATION
 from kousoku.model.rows import ROWS
 
 if TYPE_CHECKING:
@@ -25,13 +26,18 @@ if TYPE_CHECKING:
 AXES = "xyz"
 #: The kinds that know which of their axes is which.
 KINDS = frozenset(
-    {"point", "distance", "n1", "n2", *(f"{p}_{x}" for p in ("p1", "p2") for x in AXES)}
+    {
+        *("point", "distance", "n1", "n2", "angle", "length", COMBINATION),
+        *(f"{p}_{x}" for p in ("p1", "p2") for x in AXES),
+    }
 )
 
 
 def can_turn(system: System) -> bool:
     """Return whether all kinds of a system are known to mean the same after a turn."""
-    return all(instance.kind in KINDS for instance in system.constraints)
+    kinds = [instance.kind for instance in system.constraints]
+    kinds += [coordinate.kind for coordinate in system.coordinates]
+    return KINDS.issuperset(kinds)
 
 
 def turned(system: System, shift: int) -> System:
@@ -41,6 +47,10 @@ def turned(system: System, shift: int) -> System:
         bodies=tuple(_turned_body(body, shift) for body in system.bodies),
         constraints=tuple(_turned_instance(one, shift) for one in system.constraints),
         gravity=_triple(system.gravity, shift),
+        coordinates=tuple(
+            replace(one, constants=_turned_constants(one.constants, shift))
+            for one in system.coordinates
+        ),
         forces=tuple(
             replace(one, constants=_turned_constants(one.constants, shift)) for one in system.forces
         ),
@@ -112,7 +122,7 @@ def _turned_constants(constants: Constants, shift: int) -> Constants:
 
 def _turned_kind(kind: str, shift: int) -> str:
     name, _, axis = kind.partition("_")
-    return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis else kind
+    return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis in ROWS else kind
 
 
 def _components(kind: str) -> tuple[int, ...]:
@@ -120,4 +130,4 @@ def _components(kind: str) -> tuple[int, ...]:
     if kind == "point":
         return 0, 1, 2
     _, _, axis = kind.partition("_")
-    return ROWS[axis] if axis else (0,)
+    return ROWS.get(axis, (0,))
