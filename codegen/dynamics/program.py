@@ -244,7 +244,9 @@ SEGMENTS = {
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.
-AFTER_GEOMETRY = frozenset({"position", "velocity", "acceleration", "reaction", "coordinate", "check"})
+AFTER_GEOMETRY = frozenset(
+    {"position", "velocity", "acceleration", "reaction", "coordinate", "check"}
+)
 
 
 def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:

@@ -44,7 +44,9 @@ def system_of(mechanisms: SimpleNamespace, name: str) -> System:
 def test_straight_line_code_computes_what_the_tasks_compute(
     mechanisms: SimpleNamespace, rng: np.random.Generator, name: str, statements: int
 ) -> None:
-    program = compose(system_of(mechanisms, name), ["reactions", "coordinates", "energies", "checks"])
+    program = compose(
+        system_of(mechanisms, name), ["reactions", "coordinates", "energies", "checks"]
+    )
     straight = inline(program, limit=100_000, statements=statements)
     one, other = Workspace(program), Workspace(straight)
     noise = {name: rng.normal(scale=0.05, size=len(one[name])) for name in ("q", "v")}
