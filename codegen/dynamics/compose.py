@@ -352,6 +352,8 @@ class _Composer:
         for force in self.system.forces:
             if force.has_potential:
                 parts.append(self.forces.stored(force))
+        if self.system.resting:
+            parts.append(self.recorder.constant((0, self.system.resting)))
         while len(parts) > CHUNK:
             parts = [
                 self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]

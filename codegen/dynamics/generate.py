@@ -9,6 +9,7 @@ from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.emit import emit_dynamics
 from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
 from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.motion_data import is_flat
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.model.errors import SceneError
@@ -55,8 +56,8 @@ def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dic
     AssemblyError
         Its bodies do not fit together near the positions that it gives.
     """
-    system = assemble(system_of(scene))
     wanted = scene.outputs if outputs is None else outputs
+    system = merged(assemble(system_of(scene)), wanted).system
     program, freedom = independent(system, (*LEDGER, *wanted))
     if "reactions" in wanted:
         _require_unique(freedom)
