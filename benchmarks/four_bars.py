@@ -13,8 +13,9 @@ from peers import required
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.model.families import n_four_bar
-from kousoku.runtime.dynamics import METHODS, DynamicsSolver, load_dynamics
+from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.motion import rotated
+from kousoku.runtime.options import RUNGE_KUTTA
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -70,7 +71,7 @@ def load(folder: Path, count: int = COUNT) -> DynamicsSolver:
 def cheapest(solver: DynamicsSolver) -> tuple[float, str] | None:
     """Return the loosest tolerance that reaches both limits, with the method that costs least."""
     found = []
-    for method in METHODS:
+    for method in RUNGE_KUTTA:
         for tolerance in TOLERANCES:
             reached = kousoku_run(solver, tolerance, method, ROWS)
             if reached.position <= POSITION_LIMIT and reached.energy <= ENERGY_LIMIT:

@@ -11,8 +11,9 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.library import read_files, read_manifest
-from kousoku.runtime.motion import BodyPlaces, ReactionPlaces
-from kousoku.runtime.run import METHODS, Options, Run, SavedRun
+from kousoku.runtime.motion import BodyPlaces, CoordinatePlaces, ReactionPlaces
+from kousoku.runtime.options import KINEMATICS, options_of
+from kousoku.runtime.run import Run, SavedRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -27,13 +28,6 @@ if TYPE_CHECKING:
 
 #: What a scene's folder tells about its bodies.
 MOTION_FILE = "motion.json"
-#: A run that needs more steps is stopped, unless it is told otherwise.
-MOST_STEPS = 1_000_000
-
-
-def method_for(tolerance: float) -> str:
-    """Return the method that costs least for a tolerance."""
-    return "dopri5" if tolerance > 1e-5 else "dop853"
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,16 +46,28 @@ class DynamicsSolver:
         Coordinates and velocities at the start.
     target : SolverTarget
         What computes.
+    length : float [m]
+        A length of the scene: corrections are compared with it, and torques weighed by it.
     rows : tuple of (str, str)
         Joint of each constraint, and the unit of its residual: m or rad.
+    left_out : tuple of (str, str)
+        The same of constraints that depend on others and are not solved for.
     parts : tuple of (str, int)
         What a row has beyond time, q and v, and how many numbers.
     reactions : tuple of ReactionPlaces
         Where the forces of joints stand.
+    not_unique : tuple of str
+        Joints whose forces the motion does not determine.
     is_flat : bool
         Whether all lies in one plane, so that no force leads out of it.
+    coordinates : tuple of CoordinatePlaces
+        Where the coordinates stand that are shown.
     works : tuple of (str, int)
         Forces and drivers that do work that is no potential energy, and where it stands in q.
+    parameters : tuple of (str, float)
+        What a run may change, and its value in the scene.
+    is_driven : bool
+        Whether drivers determine the whole motion.
     """
 
     name: str
@@ -70,11 +76,23 @@ class DynamicsSolver:
     q: Array
     v: Array
     target: SolverTarget
+    length: float
     rows: tuple[tuple[str, str], ...]
+    left_out: tuple[tuple[str, str], ...]
     parts: tuple[tuple[str, int], ...]
     reactions: tuple[ReactionPlaces, ...]
+    not_unique: tuple[str, ...]
     is_flat: bool
+    coordinates: tuple[CoordinatePlaces, ...]
     works: tuple[tuple[str, int], ...]
+    parameters: tuple[tuple[str, float], ...]
+    is_driven: bool
+
+    def method_for(self, tolerance: float) -> str:
+        """Return the method that costs least for a tolerance."""
+        if self.is_driven:
+            return KINEMATICS
+        return "dopri5" if tolerance > 1e-5 else "dop853"
 
     def simulate(
         self,
@@ -98,7 +116,7 @@ class DynamicsSolver:
         progress : callable, optional
             Called now and then with the time reached and the last time.
         **options
-            As in :meth:`begin`.
+            As in :meth:`begin`, such as ``tolerance=1e-12`` or ``parameters={"k": 3.0}``.
 
         Raises
         ------
@@ -111,48 +129,24 @@ class DynamicsSolver:
         """
         return self.begin(self._times(end, times, samples), **options).finish(progress)
 
-    def begin(
-        self,
-        times: Sequence[float] | Array,
-        *,
-        tolerance: float = 1e-9,
-        method: str | None = None,
-        largest_step: float = np.inf,
-        checks: bool = True,
-        most_steps: int = MOST_STEPS,
-    ) -> Run:
+    def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Return a run at time 0 that can be stopped and go on.
 
         Parameters
         ----------
         times : sequence of float [s]
             The times to write, ascending.
-        tolerance : float
-            Local error of a step, relative to a length of the scene and to the state.
-        method : {"dopri5", "dop853"}, optional
-            Of order 5 or 8; by the tolerance unless given.
-        largest_step : float [s]
-            No step is longer.
-        checks : bool
-            Whether the ledger says what is left of the constraints, and how the energy changes.
-        most_steps : int
-            A run that needs more is stopped.
+        **options
+            As in :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``method``, ``step``,
+            ``largest_step``, ``checks``, ``most_steps``, ``parameters``.
 
         Raises
         ------
         SolveError
             An option is not possible, or the start is not.
         """
-        name = method_for(tolerance) if method is None else method
-        if name not in METHODS:
-            raise SolveError(f"{self.name}: method {name!r}; wanted one of {', '.join(METHODS)}")
-        if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
-            raise SolveError(
-                f"{self.name}: tolerance {tolerance!r}, largest step {largest_step!r}, at most"
-                f" {most_steps!r} steps; wanted a tolerance from 1e-15 to 1 and the others above 0"
-            )
-        chosen = self._times(None, times, 0)
-        return Run(self, chosen, Options(tolerance, largest_step, checks, name, most_steps))
+        chosen = options_of(self, **options)
+        return Run(self, self._times(None, times, 0), chosen)
 
     def resume(self, saved: SavedRun) -> Run:
         """Return a run that goes on where another one was saved, with the same bits.
@@ -218,9 +212,15 @@ def load_dynamics(
         q=np.array(data["q"], dtype=np.float64),
         v=np.array(data["v"], dtype=np.float64),
         target=open_solver(folder, manifest, files, target),
+        length=data["length"],
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
+        left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
         parts=tuple((part, size) for part, size in data["parts"]),
         reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),
+        not_unique=tuple(data["not_unique"]),
         is_flat=data["is_flat"],
+        coordinates=tuple(map(CoordinatePlaces.from_data, data["coordinates"])),
         works=tuple((name, place) for name, place in data["works"]),
+        parameters=tuple((name, value) for name, value in data["parameters"]),
+        is_driven=data["is_driven"],
     )

@@ -42,9 +42,9 @@ class NumpySolver:
         self.work_size = int(module.WORK_SIZE)
         self.row_size = int(module.ROW_SIZE)
 
-    def start(self, time: float, q: Array, v: Array, memory: Memory) -> int:
+    def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
         """Take a position and velocity, and project them onto the constraints."""
-        return int(self.module.start(time, q, v, memory.state, memory.work))
+        return int(self.module.start(time, q, v, parameters, memory.state, memory.work))
 
     def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
         """Move on, and write rows.

@@ -54,7 +54,7 @@ class SolverTarget(Protocol):
     work_size: int
     row_size: int
 
-    def start(self, time: float, q: Array, v: Array, memory: Memory) -> int:
+    def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
         """Take a position and velocity, and project them onto the constraints."""
 
     def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
@@ -92,9 +92,9 @@ class CompiledSolver:
         function.restype = result
         return function
 
-    def start(self, time: float, q: Array, v: Array, memory: Memory) -> int:
+    def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
         """Take a position and velocity, and project them onto the constraints."""
-        arrays = map(_address, (q, v, memory.state, memory.work))
+        arrays = map(_address, (q, v, parameters, memory.state, memory.work))
         return int(self._function("start")(ctypes.c_double(time), *arrays))
 
     def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:

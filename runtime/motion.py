@@ -23,10 +23,13 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 
+#: The tables of coordinates.
+COORDINATE_TABLES = ("coordinate", "coordinate_rate", "coordinate_acceleration")
 #: The tables of a motion.
 TABLES = (
     *("position", "orientation", "velocity", "angular_velocity"),
     *("acceleration", "angular_acceleration", "force", "torque", "energy", "work"),
+    *COORDINATE_TABLES,
 )
 
 
@@ -101,6 +104,30 @@ class ReactionPlaces:
 
 
 @dataclass(frozen=True, slots=True)
+class CoordinatePlaces:
+    """Where a coordinate stands among the coordinates of a row.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    is_length : bool
+        Whether it is a length; else it has no unit of length.
+    columns : tuple of int
+        Places of value, rate and, where accelerations are wanted, second derivative.
+    """
+
+    name: str
+    is_length: bool
+    columns: tuple[int, ...]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> CoordinatePlaces:
+        """Return what ``motion.json`` says of a coordinate."""
+        return cls(data["name"], data["is_length"], tuple(data["columns"]))
+
+
+@dataclass(frozen=True, slots=True)
 class Motion:
     """Positions and velocities of bodies at the times that were asked for.
 
@@ -127,12 +154,23 @@ class Motion:
         gets the opposite. A body that hangs on its joint j is pulled upward: the force is against
         gravity. Empty unless wanted. In a scene that moves in a plane, and does not lie in it, what
         leads out of the plane is not computed, and NaN.
+    not_unique : tuple of str
+        Joints whose force and torque the motion does not determine, because constraints depend on
+        each other. What they have is the least that moves all bodies so: Σ |force|² + |torque|²/ℓ²
+        over the joints of a set of such constraints is as small as it can be.
+    reaction_length : float
+        ℓ, a length of the scene, in its unit.
     energy : mapping of str to (n,) array
         ``kinetic``, ``potential`` and their sum ``total`` [kg unit²/s²]; empty unless wanted.
     work : mapping of str to (n,) array
         What each force without potential and each driver has done since the start, and the damper
         of each spring [kg unit²/s²]; empty unless energies are wanted. The total energy changes by
         their sum.
+    coordinate, coordinate_rate : mapping of str to (n,) array
+        Value and rate of each coordinate of the scene: lengths, or angles [rad] with the turns that
+        they have made; empty unless wanted.
+    coordinate_acceleration : mapping of str to (n,) array
+        Their second derivatives; empty unless accelerations are wanted, too.
     ledger : RunLedger
         What the run cost.
     target : {"c", "numpy"}
@@ -151,8 +189,13 @@ class Motion:
     angular_acceleration: Mapping[str, Array]
     force: Mapping[str, Array]
     torque: Mapping[str, Array]
+    not_unique: tuple[str, ...]
+    reaction_length: float
     energy: Mapping[str, Array]
     work: Mapping[str, Array]
+    coordinate: Mapping[str, Array]
+    coordinate_rate: Mapping[str, Array]
+    coordinate_acceleration: Mapping[str, Array]
     ledger: RunLedger
     target: str
     is_complete: bool = True
@@ -166,7 +209,7 @@ class Motion:
         ``time``, then for each body ``crank.x crank.y crank.z``, ``crank.e0`` … ``crank.e3``,
         ``crank.vx`` …, ``crank.omega_x`` …, and where they are wanted ``crank.ax`` …,
         ``crank.alpha_x`` …; for each joint ``hinge.fx`` …, ``hinge.mx`` …; ``energy.kinetic`` …;
-        ``work.damper`` ….
+        ``work.damper`` …; for each coordinate ``theta``, ``theta_dot`` and ``theta_ddot``.
         """
         table = {"time": self.time}
         bodies = (
@@ -184,7 +227,12 @@ class Motion:
                     if owner in values:
                         table |= {f"{owner}.{n}": values[owner][:, k] for k, n in enumerate(names)}
         table |= {f"energy.{name}": values for name, values in self.energy.items()}
-        return table | {f"work.{name}": values for name, values in self.work.items()}
+        table |= {f"work.{name}": values for name, values in self.work.items()}
+        for name in self.coordinate:
+            table |= {name: self.coordinate[name], f"{name}_dot": self.coordinate_rate[name]}
+            if name in self.coordinate_acceleration:
+                table[f"{name}_ddot"] = self.coordinate_acceleration[name]
+        return table
 
     def summary(self) -> dict[str, object]:
         """Return what a program may want to know, ready for JSON."""
@@ -241,11 +289,17 @@ def motion_of(
             "total": kinetic + potential,
         }
         tables["work"] = {name: q[:, place] / solver.unit**2 for name, place in solver.works}
+    for shown in solver.coordinates:
+        unit = solver.unit if shown.is_length else 1.0
+        for name, place in zip(COORDINATE_TABLES, shown.columns, strict=False):
+            tables[name][shown.name] = parts["coordinates"][:, place] / unit
     frozen = {name: MappingProxyType(table) for name, table in tables.items()}
     return Motion(
         solver.name,
         rows[:, 0],
         **frozen,
+        not_unique=solver.not_unique,
+        reaction_length=solver.length / solver.unit,
         ledger=ledger,
         target=solver.target.name,
         is_complete=is_complete,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import time
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,10 +20,10 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.motion import Motion
+    from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
 
-METHODS = ("dopri5", "dop853")
 GOOD, BUFFER_FULL, PAUSED = 0, 1, 2
 STEP_TOO_SMALL, NOT_PROJECTED, NOT_ASSEMBLED, BAD_ARGUMENT, WRONG_STATE = -1, -2, -3, -4, -5
 MESSAGES = {
@@ -40,47 +39,6 @@ MESSAGES = {
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
 PULSE = 0.1
-
-
-class Settings(ctypes.Structure):
-    """The record of ``solver.h``."""
-
-    _fields_ = (
-        ("tolerance", ctypes.c_double),
-        ("largest_step", ctypes.c_double),
-        ("checks", ctypes.c_int),
-        ("method", ctypes.c_int),
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Options:
-    """How a run is made.
-
-    Parameters
-    ----------
-    tolerance : float
-        Local error of a step, relative to a length of the scene and to the state.
-    largest_step : float [s]
-        No step is longer.
-    checks : bool
-        Whether each row is checked for the ledger: constraints at three levels, and energy.
-    method : {"dopri5", "dop853"}
-        Of order 5 or 8.
-    most_steps : int
-        A run that needs more is stopped.
-    """
-
-    tolerance: float
-    largest_step: float
-    checks: bool
-    method: str
-    most_steps: int
-
-    def settings(self) -> Settings:
-        """Return what the solver in C takes."""
-        step = min(self.largest_step, 1e300)
-        return Settings(self.tolerance, step, int(self.checks), METHODS.index(self.method))
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +110,9 @@ class Run:
 
     def _start(self) -> None:
         begin = time.perf_counter()
-        status = self.solver.target.start(0.0, self.solver.q, self.solver.v, self._memory)
+        parameters = np.array([value for _, value in self.options.parameters], dtype=np.float64)
+        given = (self.solver.q, self.solver.v, parameters)
+        status = self.solver.target.start(0.0, *given, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
             raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{self._where()}")
@@ -260,11 +220,18 @@ class Run:
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
+        solver = self.solver
         ledger = ledger_of(
-            self.state, self.solver.rows, self.options, dict(self.seconds), self.solver.works
+            self.state,
+            solver.rows,
+            self.options,
+            dict(self.seconds),
+            solver.works,
+            left_out=solver.left_out,
+            length=solver.length,
         )
         is_complete = self.written == len(self.times)
-        return motion_of(self.solver, self._rows[: self.written], ledger, is_complete=is_complete)
+        return motion_of(solver, self._rows[: self.written], ledger, is_complete=is_complete)
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

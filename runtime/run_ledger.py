@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.runtime.options import KINEMATICS
+
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
 
-    from kousoku.runtime.run import Options
+    from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
 
@@ -21,7 +23,7 @@ if TYPE_CHECKING:
 COUNTERS = (
     *("key", "time", "next step", "error", "next row", "time before"),
     *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
-    *("growth", "growth time", "best growth", "energy", "energy error"),
+    *("growth", "growth time", "best growth", "energy", "energy error", "corrections"),
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -31,6 +33,8 @@ SHOWN = 3
 MOST_WORKS = 12
 #: A joint is open when its residual is larger, in metres or radians.
 OPEN = 1e-9
+#: A row that was left out is no longer met when its residual is larger, relative to a length.
+RELEASED = 1e-6
 #: Below this pivot ratio the rows of joints count as dependent.
 DEPENDENT = 1e-10
 #: Pivots up to this multiple of the smallest are named with it.
@@ -61,11 +65,17 @@ class RunLedger:
     method : str
         The Runge-Kutta method.
     tolerance : float
-        Local error of a step, relative.
+        Local error of a step, relative; nothing is measured by it where the step is fixed, and
+        where drivers determine the motion.
+    fixed_step : float or None [s]
+        Length of all steps, where no error decides it.
+    parameters : mapping of str to float
+        Of the run.
     steps, rejected : int
         Steps that were made, and that were tried in vain.
-    derivatives, factorisations : int
-        Evaluations of the accelerations, and factorisations of C_q M⁻¹ C_qᵀ.
+    derivatives, factorisations, corrections : int
+        Evaluations of the accelerations, factorisations of C_q M⁻¹ C_qᵀ, and corrections of
+        positions in Newton's method.
     drift : float
         Largest correction of a step onto the constraints, relative to a length of the scene.
     avoided : int
@@ -81,17 +91,25 @@ class RunLedger:
         Work at the end of what has no potential energy: drivers, dampers, springs with a formula,
         torques, forces that change or turn with a body.
     violations : mapping of str to Violation
-        What is left of the constraints by joint; empty where rows were not checked.
+        What is left of the constraints by joint, of those too that depend on others and are not
+        solved for; empty where rows were not checked.
+    released : tuple of str
+        Joints that came open by more than 1e-6 of a length of the scene, or 1e-6 rad, at a
+        constraint that was left out because it depends on others: elsewhere it does not, and the
+        motion is not that of the scene.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
     """
 
     method: str
     tolerance: float
+    fixed_step: float | None
+    parameters: Mapping[str, float]
     steps: int
     rejected: int
     derivatives: int
     factorisations: int
+    corrections: int
     drift: float
     avoided: int
     growth: float
@@ -100,6 +118,7 @@ class RunLedger:
     energy_error: float | None
     works: Mapping[str, float]
     violations: Mapping[str, Violation]
+    released: tuple[str, ...]
     seconds: Mapping[str, float]
 
     def worst(self, level: str) -> tuple[float, float]:
@@ -116,6 +135,14 @@ class RunLedger:
         k, found = LEVELS.index(level), self.violations
         return max(found, key=lambda name: max(found[name].metres[k], found[name].radians[k]))
 
+    def _control(self) -> str:
+        """Return what decides how long steps are."""
+        if self.method == KINEMATICS:
+            return "driven"
+        if self.fixed_step is not None:
+            return f"steps of {self.fixed_step:g} s without control of the error"
+        return f"tolerance {self.tolerance:g}"
+
     def as_data(self) -> dict[str, object]:
         """Return it ready for JSON."""
         named = {name: getattr(self, name) for name in self.__slots__}
@@ -124,13 +151,15 @@ class RunLedger:
             for joint, one in self.violations.items()
         }
         named["works"] = dict(self.works)
+        named["parameters"] = dict(self.parameters)
         named["seconds"] = dict(self.seconds)
         return named
 
     def __str__(self) -> str:
         lines = [
-            f"{self.method}, tolerance {self.tolerance:g}: {self.steps} steps, {self.rejected}"
-            f" rejected, {self.derivatives} accelerations, {self.factorisations} factorisations;"
+            f"{self.method}, {self._control()}: {self.steps} steps, {self.rejected}"
+            f" rejected, {self.derivatives} accelerations, {self.factorisations} factorisations,"
+            f" {self.corrections} corrections of positions;"
             f" a step left the constraints by {self.drift:.1e} at most before it was brought back"
         ]
         if self.energy_error is not None:
@@ -150,6 +179,14 @@ class RunLedger:
                     f"left of the constraints, {level}: {metres:.1e} m{per},"
                     f" {radians:.1e} rad{per}, most at joints.{self.worst_joint(level)}"
                 )
+        if self.released:
+            names = ", ".join(f"joints.{name}" for name in self.released[:SHOWN])
+            names += ", …" if len(self.released) > SHOWN else ""
+            lines.append(
+                f"came open: {names}; a constraint that was left out, because it depends on others"
+                " where it was looked at, does not depend on them here: this is not the motion of"
+                " the scene"
+            )
         if self.violations:
             lines.append(
                 f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
@@ -165,6 +202,9 @@ def ledger_of(
     options: Options,
     seconds: Mapping[str, float],
     works: Sequence[tuple[str, int]] = (),
+    *,
+    left_out: Sequence[tuple[str, str]] = (),
+    length: float = 1.0,
 ) -> RunLedger:
     """Return the ledger of a state.
 
@@ -180,16 +220,23 @@ def ledger_of(
         Time that each phase took.
     works : sequence of (str, int)
         What does work, and where that stands in q.
+    left_out : sequence of (str, str)
+        Joint and unit of each constraint that depends on others and is not solved for.
+    length : float [m]
+        A length of the scene.
     """
     numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
     counts = {
         name: int(numbers[name])
-        for name in ("steps", "rejected", "derivatives", "factorisations", "avoided")
+        for name in ("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided")
     }
-    worst = state[len(state) - 3 * len(rows) :].reshape(3, len(rows))
+    checked = [*rows, *left_out]
+    worst = state[len(state) - 3 * len(checked) :].reshape(3, len(checked))
     return RunLedger(
         method=options.method,
         tolerance=options.tolerance,
+        fixed_step=options.step,
+        parameters=MappingProxyType(dict(options.parameters)),
         drift=numbers["drift"],
         growth=numbers["growth"],
         growth_time=numbers["growth time"],
@@ -198,7 +245,8 @@ def ledger_of(
         works=MappingProxyType(
             {name: float(state[len(COUNTERS) + place]) for name, place in works}
         ),
-        violations=MappingProxyType(_violations(worst, rows) if options.checks else {}),
+        violations=MappingProxyType(_violations(worst, checked) if options.checks else {}),
+        released=_released(worst[0, len(rows) :], left_out, length) if options.checks else (),
         seconds=MappingProxyType(dict(seconds)),
         **counts,
     )
@@ -213,6 +261,19 @@ def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Viol
         joint: Violation(*(tuple(own[unit].tolist()) for unit in UNITS))
         for joint, own in sizes.items()
     }
+
+
+def _released(
+    worst: Array, left_out: Sequence[tuple[str, str]], length: float
+) -> tuple[str, ...]:
+    """Return the joints that came open where a row was left out."""
+    limits = [RELEASED * (length if unit == "m" else 1.0) for _, unit in left_out]
+    open_rows = [
+        joint
+        for (joint, _), size, limit in zip(left_out, worst.tolist(), limits, strict=True)
+        if not size <= limit
+    ]
+    return tuple(dict.fromkeys(open_rows))
 
 
 def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:

@@ -23,7 +23,12 @@ if TYPE_CHECKING:
 
 MOTION_FILE = "motion.json"
 #: What a row has for each output beyond positions and velocities.
-PARTS_OF_ROWS = {"accelerations": "v_dot", "reactions": "reactions", "energies": "energies"}
+PARTS_OF_ROWS = {
+    "accelerations": "v_dot",
+    "coordinates": "coordinates",
+    "reactions": "reactions",
+    "energies": "energies",
+}
 TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",
@@ -60,7 +65,7 @@ def emit_dynamics(
     """
     length = characteristic_length(system)
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
-    view = dynamics_view(program, length, parts)
+    view = dynamics_view(program, system, length, parts)
     templates = environment()
     total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
     for part in PARTS:

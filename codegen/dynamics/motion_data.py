@@ -6,7 +6,10 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK
 from kousoku.codegen.dynamics.forces import leaves_plane
+from kousoku.codegen.dynamics.least_norm import ORIGIN, points_of
+from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.program import Coordinates, Place
+from kousoku.codegen.dynamics.view import is_driven
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -17,7 +20,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import Carried, Instance, MovingBody, System
 
 #: Kinds whose residuals are lengths; those of the others are angles.
-LENGTHS = ("point", "distance", "n2", "p2")
+LENGTHS = ("point", "distance", "length", "n2", "p2")
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
@@ -50,14 +53,18 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "unit": system.unit,
         **start,
         "bodies": _bodies(program, system, bases["q"], bases["v"]),
+        "parameters": [[name, value] for name, value in system.parameters],
+        "is_driven": is_driven(program, system),
+        "length": characteristic_length(system),
         "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
+        "left_out": [_row(row, system.constraints[row.instance]) for row in program.left_out],
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
+        "not_unique": list(program.not_unique) if "reactions" in parts else [],
         "is_flat": is_flat(program, system),
+        "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
         "works": [
-            [one.name, one.place.slot - bases["q"]]
-            for one in program.auxiliary
-            if one.kind == WORK
+            [one.name, one.place.slot - bases["q"]] for one in program.auxiliary if one.kind == WORK
         ],
     }
 
@@ -93,18 +100,15 @@ def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> flo
 
 def _row(row: Row, instance: Instance) -> list[str]:
     """Return the joint of a row, and the unit of its residual."""
-    return [row.joint, "m" if instance.kind.partition("_")[0] in LENGTHS else "rad"]
+    is_length = instance.kind.partition("_")[0] in LENGTHS
+    return [row.joint, instance.unit or ("m" if is_length else "rad")]
 
 
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
     """Return on which body each joint acts, where, and which of its components are computed."""
-    instances = {row.joint: system.constraints[row.instance] for row in program.rows}
-    points = {
-        one.joint: list(values)
-        for one in system.constraints
-        for name, values in one.constants
-        if name == "s_j_b"
-    }
+    rows = sorted((*program.rows, *program.left_out), key=lambda row: row.instance)
+    instances = {row.joint: system.constraints[row.instance] for row in rows}
+    points = points_of(system)
     bases = [[place.slot for place in (*one.v, *one.omega_b)] for one in program.bodies]
     found: list[dict[str, object]] = []
     first = 0
@@ -116,12 +120,25 @@ def _reactions(program: Program, system: System) -> list[dict[str, object]]:
                 "joint": joint,
                 "body": body,
                 "j": instance.j,
-                "point_b": points.get(joint, [0.0, 0.0, 0.0]),
+                "point_b": list(points.get(joint, ORIGIN)),
                 "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
             }
         )
         first += len(live)
     return found
+
+
+def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]]:
+    """Return where value, rate and acceleration of the coordinates stand that are shown."""
+    count = 3 if "v_dot" in parts else 2
+    return [
+        {
+            "name": system.coordinates[place].name,
+            "is_length": system.coordinates[place].kind in LENGTHS,
+            "columns": list(range(count * k, count * (k + 1))),
+        }
+        for k, place in enumerate(system.shown)
+    ]
 
 
 def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, object]]:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.program import Program, Task
     from kousoku.codegen.kernel import Kernel
+    from kousoku.model.mechanism import System
 
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
@@ -121,6 +122,12 @@ class DynamicsView:
         Regions that a row has beyond time, q and v.
     rows : int
         Count of constraints.
+    parameters : str
+        Values of the parameters unless a run is given others, in lines.
+    parameter_names : tuple of str
+        Their names, in this order.
+    has_drivers, is_driven : bool
+        Whether there are drivers, and whether they determine the whole motion.
     """
 
     name: str
@@ -138,6 +145,15 @@ class DynamicsView:
     length: str
     parts: tuple[str, ...]
     rows: int
+    parameters: str
+    parameter_names: tuple[str, ...]
+    has_drivers: bool
+    is_driven: bool
+
+    @property
+    def accelerates(self) -> bool:
+        """Whether a row takes what geometry and accelerations leave."""
+        return any(part in self.parts for part in ("v_dot", "coordinates", "reactions"))
 
     @property
     def meanings(self) -> Mapping[str, str]:
@@ -184,13 +200,17 @@ def task_table(tasks: Sequence[Task]) -> list[int]:
     return numbers
 
 
-def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) -> DynamicsView:
+def dynamics_view(
+    program: Program, system: System, length: float, parts: Sequence[str] = ()
+) -> DynamicsView:
     """Return what the templates get.
 
     Parameters
     ----------
     program : Program
         Task lists, or what inlining made of them.
+    system : System
+        What it was composed of.
     length : float [m]
         A length of the scene, to which corrections are compared.
     parts : sequence of str
@@ -199,8 +219,10 @@ def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) ->
     sizes = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
     counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
     sizes += [(name, program.region(region).size) for name, region in counts.items()]
+    sizes.append(("NCHECK", len(program.rows) + len(program.left_out)))
     sizes += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
     sizes.append(("WORKS", sum(one.kind == WORK for one in program.auxiliary)))
+    sizes += parameter_sizes(program)
     sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
     shifts, turns = shift_slots(program), turn_slots(program)
@@ -225,7 +247,29 @@ def dynamics_view(program: Program, length: float, parts: Sequence[str] = ()) ->
         length=repr(length),
         parts=tuple(parts),
         rows=len(program.rows),
+        parameters=_numbers(repr(value) for _, value in system.parameters),
+        parameter_names=tuple(name for name, _ in system.parameters),
+        has_drivers=has_drivers(system),
+        is_driven=is_driven(program, system),
     )
+
+
+def parameter_sizes(program: Program) -> list[tuple[str, int]]:
+    """Return how many parameters there are, and where they are if there is no region of them."""
+    for region in program.regions:
+        if region.name == "parameters":
+            return [("N_PARAMETERS", region.size)]
+    return [("W_PARAMETERS", 0), ("N_PARAMETERS", 0)]
+
+
+def has_drivers(system: System) -> bool:
+    """Return whether constraints depend on time."""
+    return any(instance.is_driver for instance in system.constraints)
+
+
+def is_driven(program: Program, system: System) -> bool:
+    """Return whether drivers and joints leave no freedom, so that the motion is kinematics."""
+    return has_drivers(system) and len(program.rows) == program.region("v").size
 
 
 def _slots(program: Program, name: str) -> range:

@@ -9,7 +9,7 @@
 int main(void)
 {
     const double q[] = { -0.75, 0, 1, 0 }, v[] = { 0, 0, 0 }; /* x, y, e0, e3 of the rod; at rest */
-    const kousoku_pendulum_settings settings = { 1e-12, 1e300, 0, 1 };
+    const kousoku_pendulum_settings settings = { 1e-12, 1e300, 0, 0, 1 };
     double times[11], *state, *work, *rows;
     size_t written = 0, total = 0, row = kousoku_pendulum_row_size();
     int status;
@@ -17,7 +17,7 @@ int main(void)
     state = (double *)calloc(kousoku_pendulum_state_size(), sizeof *state);
     work = (double *)calloc(kousoku_pendulum_work_size(), sizeof *work);
     rows = (double *)calloc(2 * row, sizeof *rows);
-    status = kousoku_pendulum_start(0, q, v, state, work);
+    status = kousoku_pendulum_start(0, q, v, NULL, state, work);
     while (status >= 0 && total < 11) { /* at most two rows a call */
         status = kousoku_pendulum_run(&settings, times, 11, 100, 2, state, work, rows, &written);
         for (size_t k = 0; k < written; ++k, ++total) {
