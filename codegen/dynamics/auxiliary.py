@@ -37,10 +37,16 @@ def entries_of(system: System) -> tuple[Auxiliary, ...]:
     """Return the entries that a system needs, in their order."""
     turns = (one for one in system.coordinates if one.counts_turns)
     working = dict.fromkeys(force.name for force in system.forces if force.works)
+    working |= dict.fromkeys(drivers_of(system))
     return (
         *(Auxiliary(TURNS, one.name, Place(-1, one.near)) for one in turns),
         *(Auxiliary(WORK, name, Place(-1, 0.0)) for name in working),
     )
+
+
+def drivers_of(system: System) -> tuple[str, ...]:
+    """Return the names of the drivers."""
+    return tuple(dict.fromkeys(one.joint for one in system.constraints if one.is_driver))
 
 
 class Auxiliaries:

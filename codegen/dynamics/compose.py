@@ -10,7 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, entries_of
+from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, drivers_of, entries_of
 from kousoku.codegen.dynamics.bodies import (
     GROUND,
     BodyBlocks,
@@ -39,7 +39,7 @@ from kousoku.codegen.dynamics.operations import (
 from kousoku.codegen.dynamics.planar import plane_of
 from kousoku.codegen.dynamics.program import Program
 from kousoku.codegen.dynamics.reactions import record_reactions
-from kousoku.codegen.dynamics.recorder import Block, Recorder, zeros
+from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
 from kousoku.model.formulas import TIME
@@ -279,7 +279,12 @@ class _Composer:
             free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
         self._add_forces(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
-        self._pull(self.schur.solve(self._rates("gamma", free), targets), free, self.v_dot)
+        multipliers = self.schur.solve(self._rates("gamma", free), targets)
+        self._pull(multipliers, free, self.v_dot)
+        powers = self.tasks.powers(self.joints, multipliers)
+        for name in drivers_of(self.system):
+            target = self.auxiliary.of(self.q_dot, WORK, name)
+            self.recorder.call(Copy(), powers.get(name, column((0,))), into=(target,))
 
     def _add_forces(self, free: list[Block]) -> None:
         """Add what forces beside gravity give each body, and write the power of those that work."""

@@ -127,7 +127,7 @@ class Curvature:
 class Along:
     """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last."""
 
-    title: str = "rate of a coordinate"
+    title: str = "rate"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return Σ J x minus the last block."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.coordinates import Along
 from kousoku.codegen.dynamics.operations import Joint, Rates
 from kousoku.codegen.dynamics.recorder import column
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
@@ -71,6 +72,24 @@ class JointTasks:
             into=(into,),
         )
         return difference
+
+    def powers(
+        self, joints: Sequence[JointBlocks], multipliers: Sequence[Block]
+    ) -> dict[str, Block]:
+        """Record what each driver does to the bodies, −λ·ν, by the name of the driver [W]."""
+        pairs: dict[str, list[Block]] = {}
+        for joint, solution in zip(joints, multipliers, strict=True):
+            first = 0
+            for place, part in zip(joint.instances, joint.parts, strict=True):
+                one = self.system.constraints[place]
+                if one.is_driver:
+                    rate = self.combinations.law(one, 1)
+                    given = column([-entry for entry in rate.entries])
+                    pairs.setdefault(one.joint, []).extend((given, solution.part(first, 1)))
+                first += len(part.rows)
+        return {
+            name: self.recorder.call(Along(), *own, column((0,)))[0] for name, own in pairs.items()
+        }
 
     def _of_parts(self, joint: JointBlocks, output: str) -> list[Block]:
         """Return what the parts of a joint take: constants, or what is combined of coordinates."""
