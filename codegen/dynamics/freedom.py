@@ -8,12 +8,15 @@ parallelogram that lies flat). The rows that are left out can be left out at all
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, replace
+from math import isfinite
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kousoku.codegen.dynamics.branch import Branch
+from kousoku.codegen.dynamics.combinations import fixed_law
 from kousoku.codegen.dynamics.driven import Drivers
 from kousoku.codegen.dynamics.least import Metric
 from kousoku.codegen.dynamics.loops import loops_of
@@ -183,8 +186,18 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
 
 
 def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
-    """Return the rows that hold at all times and those of drivers."""
-    drives = [system.constraints[row.instance].is_driver for row in rows]
+    """Return the rows that hold at all times and those of drivers.
+
+    A point is driven in three directions. Where one of them stays, as in a plane, nothing moves in
+    it: such a row may repeat what joints hold.
+    """
+    instances = [system.constraints[row.instance] for row in rows]
+    parts = Counter((one.joint, one.is_driver) for one in instances)
+    names = [name for name, _ in system.parameters]
+    drives = [
+        one.is_driver and not (parts[one.joint, True] > 1 and isfinite(fixed_law(one, names)))
+        for one in instances
+    ]
     joints = [row for row, is_driven in zip(rows, drives, strict=True) if not is_driven]
     return joints, [row for row, is_driven in zip(rows, drives, strict=True) if is_driven]
 
