@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -105,6 +105,22 @@ def require_masses(system: System, *, is_planar: bool) -> None:
                 " about; wanted positive ones: give it some thickness",
                 key=f"bodies.{body.name}.inertia",
             )
+
+
+def thickened(system: System) -> System:
+    """Return the system with bodies that can turn about any axis: thin ones get some thickness.
+
+    A motion in a plane, and what it takes to hold bodies in it, does not change by that.
+    """
+    return replace(system, bodies=tuple(map(_thickened, system.bodies)))
+
+
+def _thickened(body: MovingBody) -> MovingBody:
+    if body.is_point:
+        return body
+    x, y, z = body.inertia
+    thin = max(x, y, z) / 2 or 1.0
+    return replace(body, inertia=(x or thin, y or thin, z or thin))
 
 
 def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[Fraction]:

@@ -172,6 +172,8 @@ class Program:
         Whether all bodies move in parallel coordinate planes.
     left_out : tuple of Row
         Rows that depend on others, in the order of the region ``C_left_out``.
+    not_unique : tuple of str
+        Joints whose reactions are not unique.
     auxiliary : tuple of Auxiliary
         What stands in q after the coordinates of the bodies.
     """
@@ -187,6 +189,7 @@ class Program:
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
     left_out: tuple[Row, ...] = ()
+    not_unique: tuple[str, ...] = ()
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""
