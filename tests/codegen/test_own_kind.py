@@ -31,9 +31,9 @@ COSINE = Quantity("cos_theta", (), "-", "cosine of the given angle")
 AXES = {body: mul(A[body], SYMBOLS[f"a_{body}_b"]) for body in "ij"}
 TURNED = [rotate(COMPONENTS[f"p_{body}"], COMPONENTS[f"a_{body}_b"]) for body in "ij"]
 VALUE = add(mul(transpose(AXES["i"]), AXES["j"]), neg(mul(symbol(COSINE), Identity(1))))
-ANGLE = Constraint(
-    name="angle",
-    kind="angle",
+SLANT = Constraint(
+    name="slant",
+    kind="slant",
     title="two vectors at a given angle",
     source="this test",
     formula="C = a_i · a_j − cos_theta",
@@ -60,15 +60,15 @@ X = Quantity("x", (), "m", "a length")
 
 @pytest.fixture(scope="module")
 def tree() -> dict[str, str]:
-    return generate(derive_constraint(ANGLE), regenerate="python angle.py")
+    return generate(derive_constraint(SLANT), regenerate="python slant.py")
 
 
 def test_an_own_kind_is_emitted_and_verified(
     tree: dict[str, str], tmp_path: Path, backend: Literal["c", "numpy"]
 ) -> None:
-    assert " * regenerate: python angle.py\n" in tree["kernels.c"]
-    assert write_tree(tmp_path / "angle", tree) == list(tree)
-    library = load(tmp_path / "angle", target=backend)
+    assert " * regenerate: python slant.py\n" in tree["kernels.c"]
+    assert write_tree(tmp_path / "slant", tree) == list(tree)
+    library = load(tmp_path / "slant", target=backend)
     report = verify(library, target=backend)
     report.check()
     assert {row.output for row in report.rows} == {
@@ -103,7 +103,7 @@ def test_references_of_an_own_kind_hold_its_own_input_and_all_sorts_of_points(
 
 
 def test_equal_derivations_give_equal_folders(tree: dict[str, str]) -> None:
-    assert generate(derive_constraint(ANGLE), regenerate="python angle.py") == tree
+    assert generate(derive_constraint(SLANT), regenerate="python slant.py") == tree
 
 
 def test_a_kind_whose_right_hand_sides_vanish_has_kernels_for_them(tmp_path: Path) -> None:
@@ -126,7 +126,7 @@ def test_a_kind_whose_right_hand_sides_vanish_has_kernels_for_them(tmp_path: Pat
 
 
 def test_a_wrong_sign_in_the_components_is_refused_by_the_proof() -> None:
-    wrong = replace(ANGLE, components=(dot(*TURNED) + elements(COSINE)[0],))
+    wrong = replace(SLANT, components=(dot(*TURNED) + elements(COSINE)[0],))
     with pytest.raises(DerivationError, match="two levels differ in C, element 0 of 1"):
         generate(derive_constraint(wrong))
 
@@ -135,16 +135,16 @@ def test_a_wrong_transpose_on_the_matrix_level_is_refused_by_the_proof() -> None
     axis = mul(transpose(A["i"]), SYMBOLS["a_i_b"])
     value = add(mul(transpose(axis), AXES["j"]), neg(mul(symbol(COSINE), Identity(1))))
     with pytest.raises(DerivationError, match="two levels differ in C, element 0 of 1"):
-        generate(derive_constraint(replace(ANGLE, value=value)))
+        generate(derive_constraint(replace(SLANT, value=value)))
 
 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"components": ()}, r"shape \(1, 1\) and there are 0 components"),
-        ({"components": ANGLE.components * 2}, "there are 2 components"),
+        ({"components": SLANT.components * 2}, "there are 2 components"),
         ({"value": symbol(COSINE)}, r"has shape \(\)"),
-        ({"inputs": ()}, "angle.constraint: the matrix level of C holds cos_theta, which is not"),
+        ({"inputs": ()}, "slant.constraint: the matrix level of C holds cos_theta, which is not"),
         ({"inputs": (COSINE, replace(COSINE, name="r_i"))}, "input r_i is there already"),
         ({"inputs": (COSINE, replace(COSINE, name="lam"))}, "input lam is there already"),
         ({"components": (Symbol("x") + dot(*TURNED),)}, "components of C hold x, which is not"),
@@ -157,17 +157,17 @@ def test_a_wrong_transpose_on_the_matrix_level_is_refused_by_the_proof() -> None
         ),
         (
             {"components": dot(*TURNED) - elements(COSINE)[0]},
-            "angle: components is of type Add, wanted a tuple of expressions; of one",
+            "slant: components is of type Add, wanted a tuple of expressions; of one",
         ),
         (
             {"inputs": COSINE},
-            "angle: inputs is of type Quantity, wanted a tuple of quantities; of one",
+            "slant: inputs is of type Quantity, wanted a tuple of quantities; of one",
         ),
     ],
 )
 def test_a_mistake_gets_one_clear_message(change: dict[str, Any], message: str) -> None:
     with pytest.raises(DerivationError, match=message) as caught:
-        generate(derive_constraint(replace(ANGLE, **change)))
+        generate(derive_constraint(replace(SLANT, **change)))
     assert "\n" not in str(caught.value)
 
 
@@ -179,9 +179,9 @@ def test_a_number_in_place_of_a_matrix_is_refused_where_it_stands() -> None:
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("two angles", "not a name"),
-        ("1angle", "not a name"),
-        ("../angle", "not a name"),
+        ("two slants", "not a name"),
+        ("1slant", "not a name"),
+        ("../slant", "not a name"),
         ("class", "is a Python keyword"),
         ("double", "is a C or C.. keyword"),
         ("sin", "taken by the C library"),
@@ -192,7 +192,7 @@ def test_a_number_in_place_of_a_matrix_is_refused_where_it_stands() -> None:
 )
 def test_a_name_that_cannot_be_emitted_or_is_taken_is_refused(name: str, message: str) -> None:
     with pytest.raises(DerivationError, match=message):
-        generate(derive_constraint(replace(ANGLE, name=name)))
+        generate(derive_constraint(replace(SLANT, name=name)))
 
 
 @pytest.mark.parametrize("name", ["lambda", "register", "2x", "x y"])
@@ -259,8 +259,8 @@ def test_a_root_that_is_never_real_is_refused() -> None:
 def test_the_file_that_the_document_shows_runs_as_it_stands(tmp_path: Path) -> None:
     document = (ROOT / "docs" / "own_kind.md").read_text(encoding="utf-8")
     (program,) = re.findall(r"```python\n(.*?)```", document, re.DOTALL)
-    (tmp_path / "angle.py").write_text(program, encoding="utf-8")
-    command = [sys.executable, "angle.py"]
+    (tmp_path / "slant.py").write_text(program, encoding="utf-8")
+    command = [sys.executable, "slant.py"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
     assert run.stdout.startswith("[0.] [[")
-    assert (tmp_path / "angle" / "kernels.h").exists()
+    assert (tmp_path / "slant" / "kernels.h").exists()
