@@ -9,23 +9,27 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.bodies import gyroscopic_ratios, thickened
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.counts import counts, operations
 from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
 from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.groups import fixed_joints
 from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.structure import structure_of
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.freedom import Freedom
+    from kousoku.codegen.dynamics.merge import Constants, Merged
     from kousoku.codegen.dynamics.program import Program
     from kousoku.codegen.dynamics.structure import Structure
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
 #: Everything that can be computed.
@@ -105,25 +109,21 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     SceneError, AssemblyError
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
-    system = assemble(system_of(scene))
+    each = assemble(system_of(scene))
     wanted = (*LEDGER, *(scene.outputs if outputs is None else outputs))
-    everything = compose(system, ALL)
-    thick = _thick(system)
-    in_space = compose(thick, ALL, may_be_planar=False)
-    unfolded = compose(_generic(thick), ALL, may_be_planar=False)
+    found = merged(each, wanted)
+    system = found.system
     full = compose(system, wanted)
     freedom = freedom_of(system, full)
     program = compose(system, wanted, rows=kept_rows(freedom, full)) if freedom.dropped else full
     final = inline(program)
     structure = structure_of(system, program)
-    folded = structure_of(thick, in_space)
     steps = [
-        *_counted(system),
-        _step("zeros and ones folded", _of_elements(folded), unfolded, in_space),
-        _step("planar", _of_plane(everything), in_space, everything),
-        _step("outputs not wanted", _of_outputs(wanted), everything, full),
+        *_counted(system, program),
+        *_compared(each, found, full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, program),
         Step("parts solved apart", f"{structure.parts} without a common moving body"),
+        *_of_coordinates(system, freedom),
         _step("straight-line code", _of_code(final, program), program, final),
     ]
     segments: dict[str, int] = {}
@@ -134,13 +134,32 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         steps=tuple(steps),
         segments=tuple(segments.items()),
         structure=structure,
-        freedom=freedom,
+        freedom=freedom_of(each, compose(each, wanted)) if found.joints else freedom,
         removed=tuple(
             f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
             for row in freedom.dropped
         ),
         is_planar=program.is_planar,
     )
+
+
+def _compared(each: System, found: Merged, full: Program, wanted: Sequence[str]) -> Iterator[Step]:
+    """Yield the steps that compare two programs, from one that leaves nothing out."""
+    thick = thickened(found.system)
+    unfolded = compose(_generic(_spinning(thick)), ALL, may_be_planar=False)
+    if found.joints:
+        apart = compose(_generic(_spinning(thickened(each))), ALL, may_be_planar=False)
+        yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
+    else:
+        yield Step("bodies joined rigidly", _of_fixed(each, wanted))
+    spinning = compose(_spinning(thick), ALL, may_be_planar=False)
+    in_space = compose(thick, ALL, may_be_planar=False)
+    folded = structure_of(thick, in_space)
+    yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
+    yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
+    everything = compose(found.system, ALL)
+    yield _step("planar", _of_plane(everything), in_space, everything)
+    yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 
 
 def _step(name: str, detail: str, before: Program, after: Program) -> Step:
@@ -155,34 +174,33 @@ def _step(name: str, detail: str, before: Program, after: Program) -> Step:
     )
 
 
-def _counted(system: System) -> list[Step]:
+def _counted(system: System, program: Program) -> list[Step]:
     """Return the steps that leave nothing to compare with: what they avoid is counted."""
     shipped = shipped_kinds()
-    used = dict.fromkeys(one.kind for one in system.constraints)
-    grounded = sum(GROUND_INDEX in (one.i, one.j) for one in system.constraints)
-    columns = sum(3 if body.is_point else 6 for body in system.bodies)
+    kinds = [one.kind for one in system.constraints]
+    kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]
+    used = [name for name in dict.fromkeys(kinds) if name in shipped]
+    grounded = sum(GROUND_INDEX in one.bodies for one in system.constraints)
     return [
         Step("kinds not used", f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}"),
         Step("ground has no columns", f"{grounded} constraints with the ground", columns=6),
         Step(
             "mass blocks inverted beforehand",
             f"{len(system.bodies)} constant diagonal blocks",
-            operations=columns,
+            operations=program.region("v").size,
         ),
     ]
 
 
-def _thick(system: System) -> System:
-    """Return the system with bodies that can turn about any axis, to compare with."""
-    return replace(system, bodies=tuple(map(_thick_body, system.bodies)))
-
-
-def _thick_body(body: MovingBody) -> MovingBody:
-    if body.is_point:
-        return body
-    x, y, z = body.inertia
-    thin = max(x, y, z) / 2 or 1.0
-    return replace(body, inertia=(x or thin, y or thin, z or thin))
+def _spinning(system: System) -> System:
+    """Return the system with bodies of three different moments, to compare with."""
+    return replace(
+        system,
+        bodies=tuple(
+            replace(body, inertia=(x, 0.9 * x, 0.7 * x))
+            for body, x in ((body, max(body.inertia)) for body in system.bodies)
+        ),
+    )
 
 
 def _generic(system: System) -> System:
@@ -190,16 +208,51 @@ def _generic(system: System) -> System:
     return replace(
         system,
         constraints=tuple(
-            replace(
-                one,
-                constants=tuple(
-                    (name, tuple(GENERIC if x in {-1.0, 0.0, 1.0} else x for x in values))
-                    for name, values in one.constants
-                ),
-            )
-            for one in system.constraints
+            replace(one, constants=_without_zeros(one.constants)) for one in system.constraints
+        ),
+        coordinates=tuple(
+            replace(one, constants=_without_zeros(one.constants)) for one in system.coordinates
         ),
     )
+
+
+def _without_zeros(constants: Constants) -> Constants:
+    return tuple(
+        (name, tuple(GENERIC if x in {-1.0, 0.0, 1.0} else x for x in values))
+        for name, values in constants
+    )
+
+
+def _of_joints(found: Merged) -> str:
+    bodies = len(found.system.carried)
+    return f"{', '.join(found.joints)} left out: {bodies} bodies move as {len(found.system.bodies)}"
+
+
+def _of_fixed(system: System, wanted: Sequence[str]) -> str:
+    if not fixed_joints(system):
+        return "no fixed joint"
+    return "their reactions are wanted" if "reactions" in wanted else "not where it costs more"
+
+
+def _of_moments(system: System) -> str:
+    """Say of how many bodies moments are equal, so that (I₂ − I₃)/I₁ and its like are zero."""
+    ratios = [gyroscopic_ratios(body, range(6)) for body in system.bodies if not body.is_point]
+    gone = sum(ratio == 0 for own in ratios for ratio in own)
+    return f"{gone} of {3 * len(ratios)} are zero in space: equal moments of inertia"
+
+
+def _of_coordinates(system: System, freedom: Freedom) -> list[Step]:
+    """Return what is not done: it would change how a scene is solved, not only what it costs."""
+    drivers = dict.fromkeys(one.joint for one in system.constraints if one.is_driver)
+    prescribed = "no driver"
+    if drivers:
+        prescribed = f"not done: {', '.join(drivers)} are rows, and their bodies are solved for"
+        if not freedom.degrees:
+            prescribed = f"all: {', '.join(drivers)} leave nothing to integrate"
+    return [
+        Step("prescribed bodies evaluated", prescribed),
+        Step("dependent coordinates eliminated", "not done: all bodies keep their coordinates"),
+    ]
 
 
 def _of_elements(structure: Structure) -> str:

@@ -32,7 +32,7 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
     Two that move are not made one where that one would have more than :data:`MOST_JOINTS` joints:
     it would cost more than it saves.
     """
-    edges = _fixed_joints(system)
+    edges = fixed_joints(system)
     count = len(system.bodies)
     leaders = _Leaders(count)
     beside: list[list[int]] = [[] for _ in range(count + 1)]
@@ -82,7 +82,7 @@ class _Leaders:
         return low != high
 
 
-def _fixed_joints(system: System) -> list[Edge]:
+def fixed_joints(system: System) -> list[Edge]:
     """Return the bodies of each joint that leaves no motion."""
     kinds: dict[tuple[str, int, int], list[str]] = {}
     for one in system.constraints:

@@ -15,6 +15,7 @@ from kousoku.codegen.dynamics.explain import ALL, Explanation, explain
 from kousoku.codegen.dynamics.generate import independent
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.dynamics.structure import structure_of
+from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
 from kousoku.model.mechanism import System
 from kousoku.model.read import read_scene
@@ -26,6 +27,15 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.program import Program
 
 SCENES = Path(__file__).parents[3] / "scenes"
+WELDED = (
+    SceneBuilder("welded", unit="m")
+    .gravity(0, 0, -9.81)
+    .body("a", position=(0, 0, 0), boxes=[{"mass": 1, "size": (1, 2, 3), "at": (0.5, 0, 0)}])
+    .body("b", position=(1, 1, 0), boxes=[{"mass": 2, "size": (2, 1, 1)}])
+    .joint("hinge", type="revolute", bodies=("ground", "a"), at=(0, 0, 0), axis=(0, 1, 1))
+    .joint("weld", type="fixed", bodies=("a", "b"), at=(1, 0, 0))
+    .build()
+)
 SUBSETS = [names for n in range(len(ALL) + 1) for names in itertools.combinations(ALL, n)]
 
 
@@ -83,6 +93,38 @@ def test_each_step_says_what_it_saves() -> None:
     assert saved(found, "redundant rows removed").rows == 0
     assert "reactions" in saved(found, "outputs not wanted").detail
     assert "2 of" in saved(found, "kinds not used").detail
+
+
+def test_bodies_that_a_fixed_joint_holds_are_one_and_its_rows_are_gone() -> None:
+    found, apart = explain(WELDED), explain(WELDED, ("reactions",))
+    step = saved(found, "bodies joined rigidly")
+
+    assert (step.rows, step.columns) == (6, 6)
+    assert step.operations > 1000
+    assert "weld left out: 2 bodies move as 1" in step.detail
+    assert found.freedom.degrees == apart.freedom.degrees == 1
+    assert "reactions are wanted" in saved(apart, "bodies joined rigidly").detail
+    assert found.structure.rows + 6 == apart.structure.rows
+
+
+@pytest.mark.parametrize(
+    ("moments", "gone"), [((2.0, 2.0, 2.0), 3), ((1.0, 1.0, 1.5), 1), ((1.0, 1.5, 2.2), 0)]
+)
+def test_gyroscopic_terms_of_equal_moments_are_gone(
+    mechanisms: SimpleNamespace, moments: tuple[float, ...], gone: int
+) -> None:
+    body = mechanisms.body("b", (0.0, 0.0, 0.0), inertia=moments)
+    same = compose(System("free", 1.0, (body,), (), (1.0, 2.0, 3.0)), may_be_planar=False)
+    kernel = [one for one in same.kernels if one.title == "free acceleration"]
+
+    assert sum(one.operations.total() for one in kernel) == 2 * (3 - gone)
+
+
+def test_gyroscopic_terms_of_a_top_are_counted() -> None:
+    step = saved(explain(read_scene(SCENES / "heavy_top.toml")), "gyroscopic terms")
+
+    assert step.operations == 2
+    assert "1 of 3 are zero" in step.detail
 
 
 def test_the_steps_add_up_to_what_remains() -> None:
