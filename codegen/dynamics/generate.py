@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.bodies import thickened
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.emit import emit_dynamics
 from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
@@ -12,7 +14,6 @@ from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.motion_data import is_flat
 from kousoku.codegen.dynamics.run import Workspace
-from kousoku.model.errors import SceneError
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 LEDGER = ("checks", "energies")
 #: Rows are dependent when one pivot is smaller than this part of another.
 DEPENDENT = 1e-12
-#: Joints that a message names.
-SHOWN = 6
 
 
 def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dict[str, str]:
@@ -51,8 +50,7 @@ def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dic
     Raises
     ------
     SceneError
-        The scene asks for what dynamics does not honour, or for reactions that are not unique; the
-        message names it.
+        The scene asks for what dynamics does not honour; the message names it.
     AssemblyError
         Its bodies do not fit together near the positions that it gives.
     """
@@ -60,9 +58,7 @@ def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dic
     system = merged(assemble(system_of(scene)), wanted).system
     program, freedom = independent(system, (*LEDGER, *wanted))
     if "reactions" in wanted:
-        _require_unique(freedom)
-    if "reactions" in wanted and program.is_planar and not is_flat(program, system):
-        program = _spatial(system, (*LEDGER, *wanted)) or program
+        program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
     return emit_dynamics(inline(program), system, wanted)
 
 
@@ -82,32 +78,40 @@ def independent(
     freedom = freedom_of(system, program)
     if freedom.dropped:
         rows = kept_rows(freedom, program)
-        program = compose(system, wanted, rows=rows, may_be_planar=may_be_planar)
+        sets = [one.joints for one in freedom.dependent if one.is_everywhere]
+        program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
     return program, freedom
 
 
-def _require_unique(freedom: Freedom) -> None:
-    """Refuse reactions that the motion does not determine."""
-    if joints := freedom.not_unique:
-        shown = ", ".join(f"joints.{joint}" for joint in joints[:SHOWN])
-        more = f" and {len(joints) - SHOWN} more" if len(joints) > SHOWN else ""
-        raise SceneError(
-            f"asks for reactions, which are not unique at {shown}{more}: {len(freedom.dropped)} of"
-            f" {freedom.rows} rows depend on others; leave reactions out, or free what is held"
-            " twice (kousoku explain lists it)",
-            key="outputs",
-        )
+def with_reactions(
+    system: System, wanted: Sequence[str], program: Program, freedom: Freedom
+) -> Program:
+    """Return the program that finds the forces of all joints, and knows which are not unique.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    wanted : sequence of str
+        What is computed.
+    program, freedom : Program, Freedom
+        As :func:`independent` returned them.
+    """
+    if not program.is_planar:
+        return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
+    thick = thickened(system)
+    in_space, whole = independent(thick, wanted, may_be_planar=False)
+    joints = dict.fromkeys((*freedom.not_unique, *whole.not_unique, *whole.unknown))
+    chosen = program if is_flat(program, system) or not _is_regular(in_space) else in_space
+    return replace(chosen, not_unique=tuple(joints))
 
 
-def _spatial(system: System, wanted: Sequence[str]) -> Program | None:
-    """Return the program in space, if it determines all reactions: no row depends on others."""
+def _is_regular(program: Program) -> bool:
+    """Return whether the rows that a program keeps are independent at the start."""
+    workspace = Workspace(program)
     try:
-        program = compose(system, wanted, may_be_planar=False)
-        workspace = Workspace(program)
         workspace.run("geometry")
-    except SceneError:  # a body that only a motion in the plane can have, such as a thin rod
-        return None
     except ZeroDivisionError:  # a pivot is exactly zero
-        return None
+        return False
     pivots = workspace["pivots"]
-    return program if min(pivots) > DEPENDENT * max(pivots) else None
+    return not pivots or min(pivots) > DEPENDENT * max(pivots)

@@ -11,7 +11,6 @@ import pytest
 from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.model import precise
-from kousoku.model.errors import SceneError
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
 
@@ -112,8 +111,57 @@ def test_the_linkage_of_bricard_keeps_its_energy_and_closes_all_rows(
     assert abs(motion.columns()["rod_3.y"][-1] - 1) > 0.1
 
 
-def test_forces_of_joints_that_are_not_unique_are_refused_by_name(
+def door(*heights: float) -> Scene:
+    """Return a door of 24 kg on hinges along the z axis."""
+    tree: dict[str, Any] = {"name": "door", "unit": "m", "gravity": [0, 0, -9.81]}
+    box = {"mass": 24, "size": [1, 0.05, 2]}
+    tree["bodies"] = {"door": {"position": [0.5, 0, 0], "boxes": [box]}}
+    tree["joints"] = {
+        f"hinge_{k}": {
+            "type": "revolute",
+            "bodies": ["ground", "door"],
+            "at": [0, 0, height],
+            "axis": [0, 0, 1],
+        }
+        for k, height in enumerate(heights)
+    }
+    return scene_from_dict(tree)
+
+
+def test_hinges_of_a_door_share_its_weight_and_say_that_this_is_not_unique(
     mover: Callable[..., Any],
 ) -> None:
-    with pytest.raises(SceneError, match=r"not unique at joints\.a, joints\.b.*: 1 of 30 rows"):
-        mover("bricard", ("reactions",))
+    motion = mover(door(-0.8, 0, 0.8), ("reactions",)).simulate(0.1, samples=2)
+
+    assert motion.not_unique == ("hinge_0", "hinge_1", "hinge_2")
+    # of 1 m, the longest arm of a point of a joint in a body is 0.8 m
+    assert motion.reaction_length == pytest.approx(0.8)
+    forces = np.array([motion.force[f"hinge_{k}"][0] for k in range(3)])
+    torques = np.array([motion.torque[f"hinge_{k}"][0] for k in range(3)])
+    assert forces[:, 2] == pytest.approx([8 * 9.81] * 3, rel=1e-12)
+    # least squares with a torque m of each hinge and forces ±f at the outer two: 3 m + 1.6 f = M
+    # and 3 m²/ℓ² + 2 f² is least for f = 0.8 m/ℓ²
+    m = -12 * 9.81 / (3 + 1.6 * 0.8 / 0.64)
+    assert torques[:, 1] == pytest.approx([m] * 3, rel=1e-12)
+    assert forces[2, 0] == pytest.approx(0.8 * m / 0.64, rel=1e-12)
+    assert forces[:, 0].sum() == pytest.approx(0.0, abs=1e-10)
+
+
+def test_forces_in_the_plane_are_unique_in_a_four_bar_and_its_joints_are_still_named(
+    mover: Callable[..., Any],
+) -> None:
+    flat = mover(four_bar(), ("reactions",)).simulate(0.5, samples=6, tolerance=1e-11)
+    turned = mover(four_bar(TURN), ("reactions",)).simulate(0.5, samples=6, tolerance=1e-11)
+
+    assert flat.not_unique == turned.not_unique == ("a", "b", "c", "d")
+    w, x, y, z = map(precise.number, TURN)
+    for joint in flat.force:
+        for here, there in zip(flat.force[joint], turned.force[joint], strict=True):
+            seen = precise.rotate((w, x, y, z), precise.triple(here))
+            assert list(there) == pytest.approx([float(value) for value in seen], abs=1e-7)
+
+
+def test_forces_of_joints_in_no_loop_are_unique(mover: Callable[..., Any]) -> None:
+    motion = mover("heavy_top", ("reactions",)).simulate(0.1, samples=2)
+
+    assert motion.not_unique == ()
