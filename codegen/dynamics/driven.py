@@ -93,8 +93,8 @@ class Drivers:
         held = f" determine already with {_listed(joints)}" if joints else " prescribe already"
         if len(drivers) == 1:
             raise SceneError(
-                f"prescribes what {_listed(joints) or 'joints'} hold already, whatever its formula"
-                " is; leave it out, or free a joint",
+                f"prescribes {extra} more than {_listed(joints) or 'bodies'} leave free, whatever"
+                " its formula is; drive another coordinate, leave it out, or free a joint",
                 key=drivers[0],
             )
         raise SceneError(
