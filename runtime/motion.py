@@ -31,6 +31,8 @@ TABLES = (
     *("acceleration", "angular_acceleration", "force", "torque", "energy", "work"),
     *COORDINATE_TABLES,
 )
+#: Joints that a line names.
+SHOWN = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,8 +244,22 @@ class Motion:
             "rows": len(self),
             "bodies": list(self.position),
             "is_complete": self.is_complete,
+            "not_unique": list(self.not_unique),
+            "reaction_length": self.reaction_length,
             "ledger": self.ledger.as_data(),
         }
+
+    def note(self) -> str:
+        """Return the line on forces that are not unique, empty where all are."""
+        if not self.not_unique:
+            return ""
+        names = ", ".join(f"joints.{name}" for name in self.not_unique[:SHOWN])
+        more = len(self.not_unique) - SHOWN
+        names += f" and {more} more" if more > 0 else ""
+        return (
+            f"not unique: force and torque of {names}; those with the least Σ|F|² + |M|²/ℓ² are"
+            f" given, ℓ = {self.reaction_length:.6g} in the unit of the scene"
+        )
 
     def save(self, path: str | Path) -> None:
         """Write the columns to a ``.csv`` or ``.npz`` file, as :func:`save_columns` does."""

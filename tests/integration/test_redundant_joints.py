@@ -134,6 +134,9 @@ def test_hinges_of_a_door_share_its_weight_and_say_that_this_is_not_unique(
     motion = mover(door(-0.8, 0, 0.8), ("reactions",)).simulate(0.1, samples=2)
 
     assert motion.not_unique == ("hinge_0", "hinge_1", "hinge_2")
+    assert motion.note().startswith(
+        "not unique: force and torque of joints.hinge_0, joints.hinge_1"
+    )
     # of 1 m, the longest arm of a point of a joint in a body is 0.8 m
     assert motion.reaction_length == pytest.approx(0.8)
     forces = np.array([motion.force[f"hinge_{k}"][0] for k in range(3)])
@@ -165,3 +168,4 @@ def test_forces_of_joints_in_no_loop_are_unique(mover: Callable[..., Any]) -> No
     motion = mover("heavy_top", ("reactions",)).simulate(0.1, samples=2)
 
     assert motion.not_unique == ()
+    assert motion.note() == ""
