@@ -107,10 +107,15 @@ class CoordinateList:
         Of all bodies and the ground.
     unit : number [m]
         The unit of the scene.
+
+    Attributes
+    ----------
+    unit : number [m]
+        The unit of the scene.
     """
 
     def __init__(self, scene: Scene, frames: Mapping[str, BodyFrame], unit: High) -> None:
-        self._scene, self._frames, self._unit = scene, frames, unit
+        self._scene, self._frames, self.unit = scene, frames, unit
         self._places: dict[str, int] = {}
         self._records: list[Coordinate] = []
         self._values: list[High] = []
@@ -128,7 +133,7 @@ class CoordinateList:
     def unit_of(self, place: int) -> tuple[str, High]:
         """Return ``rad`` or ``m``, and what a value of the scene is multiplied by."""
         kind = self._records[place].kind
-        return ("rad", CONTEXT.mpf(1)) if kind in ("angle", "n1") else ("m", self._unit)
+        return ("rad", CONTEXT.mpf(1)) if kind in ("angle", "n1") else ("m", self.unit)
 
     def place(self, name: str) -> int:
         """Return the place of a coordinate of the scene."""
@@ -181,7 +186,7 @@ class CoordinateList:
             start = value if near is None else near
             value += 2 * CONTEXT.pi * CONTEXT.nint((start - value) / (2 * CONTEXT.pi))
         i, j = (end.index for end in measure.ends)
-        constants = measure.constants(self._unit)
+        constants = measure.constants(self.unit)
         self._records.append(Coordinate(name, measure.kind, i, j, constants, float(start)))
         self._values.append(value * self.unit_of(place)[1])
         return place

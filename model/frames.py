@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
-from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.precise import IDENTITY, NOISE, ZERO, High, Quadruple, Triple
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import Quaternion, Vector
@@ -86,10 +86,25 @@ def joint_vectors(
 ) -> tuple[dict[str, Triple], dict[str, Triple]]:
     """Return axis, across and third of the two joint frames, each in its principal frame.
 
-    The frame of body j is that of body i at the positions of the scene, turned as little as makes
-    its axis the one that is given: this is the turn that prismatic and fixed joints keep. Without a
+    Where the joint says by ``zero`` which directions are across the axes, these are taken. Else the
+    frame of body j is that of body i at the positions of the scene, turned as little as makes its
+    axis the one that is given: this is the turn that prismatic and fixed joints keep. Without a
     joint, or where it gives no axis, the axis is the third principal axis of body i.
     """
+    axis_i, axis_j = _axes(ends, joint)
+    if joint is not None and joint.zero is not None:
+        across_i, across_j = (
+            precise.unit(precise.without(end.principal(precise.triple(zero)), axis))
+            for end, zero, axis in zip(ends, joint.zero, (axis_i, axis_j), strict=True)
+        )
+    else:
+        across_i = precise.across(axis_i)
+        across_j = _across(ends, axis_i, across_i, axis_j)
+    return _frame_of(axis_i, across_i), _frame_of(axis_j, across_j)
+
+
+def _axes(ends: tuple[BodyFrame, BodyFrame], joint: Joint | None) -> tuple[Triple, Triple]:
+    """Return the axes of norm one, in the principal frames."""
     first, second = ends
     if joint is not None and joint.axes is not None:
         axis_i, axis_j = (
@@ -101,13 +116,26 @@ def joint_vectors(
     else:
         axis_i = precise.triple((0.0, 0.0, 1.0))
         axis_j = second.from_ground(first.to_ground(axis_i))
-    axis_i, axis_j = precise.unit(axis_i), precise.unit(axis_j)
-    across_i = precise.across(axis_i)
-    seen = precise.without(second.from_ground(first.to_ground(across_i)), axis_j)
-    across_j = (
-        precise.across(axis_j) if precise.length(seen) < precise.NOISE else precise.unit(seen)
-    )
-    return _frame_of(axis_i, across_i), _frame_of(axis_j, across_j)
+    return precise.unit(axis_i), precise.unit(axis_j)
+
+
+def _across(
+    ends: tuple[BodyFrame, BodyFrame], axis_i: Triple, across_i: Triple, axis_j: Triple
+) -> Triple:
+    """Return the direction across the axis of j that the one of i is turned into.
+
+    The turn is the one about the normal of both axes that takes the axis of i to that of j.
+    """
+    first, second = ends
+    seen, axis = (second.from_ground(first.to_ground(vector)) for vector in (across_i, axis_i))
+    along = precise.dot(seen, axis_j)
+    cosine = precise.dot(axis, axis_j)
+    if abs(along) <= NOISE or 1 + cosine < NOISE:
+        turned = precise.without(seen, axis_j)
+    else:
+        middle = precise.scale(along / (1 + cosine), precise.add(axis, axis_j))
+        turned = precise.without(precise.subtract(seen, middle), axis_j)
+    return precise.across(axis_j) if precise.length(turned) < NOISE else precise.unit(turned)
 
 
 def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:

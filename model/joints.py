@@ -11,7 +11,15 @@ from dataclasses import dataclass
 ANGLE, DISPLACEMENT = "angle", "displacement"
 """What a joint can leave free that is one number."""
 
-ROWS_OF = {"point": 3, "distance": 1, "n1": 1, "n2": 1, "p1": 2, "p2": 2}
+ROWS_OF = {
+    "point": 3,
+    "distance": 1,
+    "n1": 1,
+    "n2": 1,
+    "p1": 2,
+    "p2": 2,
+    "linear_combination": 1,
+}
 """Equations of each kind that joints are made of."""
 
 
@@ -22,7 +30,8 @@ class Part:
     Parameters
     ----------
     kind : str
-        ``point``, ``distance``, ``n1``, ``n2``, ``p1`` or ``p2``.
+        ``point``, ``distance``, ``n1``, ``n2``, ``p1``, ``p2``, or ``linear_combination`` of
+        coordinates.
     i, j : {"axis", "across", "third"}
         Which vectors of the joint frames are a_i and a_j, where the kind has them.
     """
@@ -50,6 +59,8 @@ class JointKind:
         Other names that are accepted.
     leaves : tuple of str
         What it leaves free that is one number: its ``angle``, its ``displacement``, or both.
+    keys : tuple of str
+        Numbers that a scene gives and that no other joint has.
     """
 
     title: str
@@ -58,6 +69,7 @@ class JointKind:
     has_point: bool = True
     aliases: tuple[str, ...] = ()
     leaves: tuple[str, ...] = ()
+    keys: tuple[str, ...] = ()
 
     @property
     def rows(self) -> int:
@@ -66,11 +78,45 @@ class JointKind:
 
     def turns(self, body: int) -> bool:
         """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
-        needs = {"n1": (True, True), "p1": (True, True), "n2": (True, False), "p2": (True, False)}
-        return any(needs.get(part.kind, (False, False))[body] for part in self.parts)
+        both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
+        return any(part.kind in (both if body else both + first) for part in self.parts)
+
+    @property
+    def has_zero(self) -> bool:
+        """Whether directions across its axis count: it has an angle, or keeps one."""
+        across = any("across" in (part.i, part.j) for part in self.parts)
+        return across or ANGLE in self.leaves or (self.axes == 2 and _COMBINED in self.parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Coupling:
+    """A linear combination of what other joints leave free: it has no bodies of its own.
+
+    Parameters
+    ----------
+    title : str
+        What it couples, in one line.
+    keys : tuple of str
+        What a scene gives.
+    couples : tuple of str
+        What the two joints of it must leave free, where it names joints.
+    aliases : tuple of str
+        Other names that are accepted.
+    """
+
+    title: str
+    keys: tuple[str, ...]
+    couples: tuple[str, ...] = ()
+    aliases: tuple[str, ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """Count of equations."""
+        return 1
 
 
 _POINT, _PARALLEL, _ON_LINE, _ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
+_COMBINED = Part("linear_combination")
 _NO_TURN = Part("n1", "across", "third")
 
 JOINTS: dict[str, JointKind] = {
@@ -144,21 +190,57 @@ JOINTS: dict[str, JointKind] = {
         has_point=False,
         aliases=("perpendicular",),
     ),
+    "screw": JointKind(
+        "a turn about an axis and, with it, a displacement along it",
+        (_PARALLEL, _ON_LINE, _COMBINED),
+        1,
+        aliases=("helical",),
+        leaves=(ANGLE, DISPLACEMENT),
+        keys=("pitch",),
+    ),
+    "constant_velocity": JointKind(
+        "the bend of two shafts that turn equally fast",
+        (_POINT, _COMBINED),
+        2,
+        aliases=("cv", "homokinetic", "rzeppa", "convel"),
+    ),
 }
-"""All joints by name."""
+"""All joints between two bodies by name."""
 
-LATER = {
-    "screw": "the angle about a common axis, and a linear combination of coordinates",
-    "gear": "the angle about a common axis, and a linear combination of coordinates",
-    "rack_and_pinion": "the angle about a common axis, and a linear combination of coordinates",
-    "constant_velocity": "a linear combination of rows: n1 of x_i and y_j less n1 of y_i and x_j",
+COUPLINGS: dict[str, Coupling] = {
+    "gear": Coupling(
+        "the angles of two joints, in a ratio",
+        ("joints", "ratio"),
+        (ANGLE, ANGLE),
+        aliases=("gears",),
+    ),
+    "rack_and_pinion": Coupling(
+        "the angle of one joint and the displacement of another",
+        ("joints", "radius"),
+        (ANGLE, DISPLACEMENT),
+        aliases=("rack", "rackpin"),
+    ),
+    "linear": Coupling(
+        "the sum of coordinates, each multiplied by a factor",
+        ("coordinates", "factors"),
+        aliases=("coupler",),
+    ),
 }
-"""Joints that are known but cannot be composed yet, and the kinds that they wait for."""
+"""All couplings by name."""
 
 NAMES: dict[str, str] = {
-    name: joint for joint, entry in JOINTS.items() for name in (joint, *entry.aliases)
+    name: joint
+    for table in (JOINTS, COUPLINGS)
+    for joint, entry in table.items()
+    for name in (joint, *entry.aliases)
 }
-"""The joint that each accepted name stands for."""
+"""The joint or coupling that each accepted name stands for."""
+
+
+def leaves_of(kind: str) -> tuple[str, ...]:
+    """Return what a joint leaves free that is one number, by its name or alias."""
+    name = NAMES[kind]
+    return JOINTS[name].leaves if name in JOINTS else ()
 
 
 def sort_of(kind: str, of: str | None) -> str:
@@ -171,4 +253,4 @@ def sort_of(kind: str, of: str | None) -> str:
     of : str, optional
         ``angle`` or ``displacement``.
     """
-    return of or JOINTS[NAMES[kind]].leaves[0]
+    return of or leaves_of(kind)[0]

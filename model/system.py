@@ -10,6 +10,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.combinations import combination_of
 from kousoku.model.coordinates import CoordinateList
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import (
@@ -21,9 +22,9 @@ from kousoku.model.frames import (
     to_vector,
 )
 from kousoku.model.held import held_coordinates, held_of
-from kousoku.model.joints import JOINTS, NAMES
+from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import Instance, MovingBody, System
+from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
@@ -93,12 +94,12 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         held_rates += kept[1]
     coordinates = CoordinateList(scene, frames, unit)
     start_values(scene, coordinates)
-    joints = (_instances(name, joint, frames, unit) for name, joint in scene.joints.items())
+    joints = (_instances(name, joint, frames, coordinates) for name, joint in scene.joints.items())
     constraints = (
         *chain.from_iterable(joints),
         *driver_instances(scene, coordinates, frames),
     )
-    forces = force_elements(scene.forces, frames, unit)
+    forces = force_elements(scene, frames, coordinates, unit)
     shown = scene.coordinates if "coordinates" in wanted else ()
     places = tuple(coordinates.place(name) for name in shown)
     return System(
@@ -143,14 +144,21 @@ def _moving(
 
 
 def _instances(
-    name: str, joint: Joint, frames: Mapping[str, BodyFrame], unit: High
+    name: str, joint: Joint, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> Iterator[Instance]:
     """Yield what a joint is composed of, in the order of the table of joints."""
+    if NAMES[joint.type] in COUPLINGS:
+        yield combination_of(name, joint, frames, coordinates)
+        return
+    unit = coordinates.unit
     kind = JOINTS[NAMES[joint.type]]
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     points = joint_points(joint, ends) if kind.has_point else ()
     vectors = joint_vectors(ends, joint) if any(kind.turns(k) for k in (0, 1)) else ({}, {})
     for part in kind.parts:
+        if part.kind == COMBINATION:
+            yield combination_of(name, joint, frames, coordinates)
+            continue
         constants = dict(_constants(part, ends, points, vectors, unit))
         package = part.kind
         if package in ("p1", "p2"):

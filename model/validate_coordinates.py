@@ -9,7 +9,7 @@ from kousoku.model.decode import LARGEST, join, unknown
 from kousoku.model.drivers import TIME
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
-from kousoku.model.joints import ANGLE, JOINTS, NAMES, sort_of
+from kousoku.model.joints import ANGLE, JOINTS, leaves_of, sort_of
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 
@@ -109,7 +109,7 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
         problem = unknown(f"joint {name[:40]!r}", name, tuple(scene.joints))
         raise SceneError(problem, key=f"{key}.joint")
     kind = scene.joints[name].type
-    leaves = JOINTS[NAMES[kind]].leaves
+    leaves = leaves_of(kind)
     if not leaves:
         known = ", ".join(other for other, entry in JOINTS.items() if entry.leaves)
         raise SceneError(

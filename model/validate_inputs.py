@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.decode import join, unknown
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import JOINTS, NAMES
+from kousoku.model.joints import leaves_of
 from kousoku.model.motion import turns_of
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ def _check_speed(scene: Scene, name: str) -> None:
 def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
     """Check that the coordinate of a joint reaches the last value, on the straight way."""
     kind = scene.joints[joint].type
-    leaves = JOINTS[NAMES[kind]].leaves
+    leaves = leaves_of(kind)
     if len(leaves) != 1:
         problem = (
             "leaves free no angle or displacement that is one number; wanted another joint"

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, join, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import JOINTS, LATER, NAMES
+from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.orientation import check_orientation
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinates import check_coordinates
-from kousoku.model.validate_forces import check_force
+from kousoku.model.validate_couplings import check_coupling
+from kousoku.model.validate_forces import check_force, uses_of
 from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
+
+PARALLEL = 1e-9
+"""Sine of the smallest angle between two directions that are told apart."""
 
 TURNING = ("orientation", "angular_velocity")
 """What a point cannot hold."""
@@ -52,15 +56,22 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
     for name, body in scene.bodies.items():
         key = join("bodies", name)
         problems.check(key, [key], _check_body, body, key)
+    couplings = {}
     for name, joint in scene.joints.items():
         key = join("joints", name)
+        if NAMES.get(joint.type) in COUPLINGS:
+            couplings[key] = joint
+            continue
         uses = [join("bodies", body) for body in joint.bodies or ()]
         problems.check(key, [key, *uses], _check_joint, scene, joint, key)
     check_coordinates(scene, problems)
+    for key, joint in couplings.items():
+        uses = [join("joints", other) for other in joint.joints or ()]
+        uses += [join("coordinates", name) for name in joint.coordinates or ()]
+        problems.check(key, [key, *uses], check_coupling, scene, joint, key)
     for name, force in scene.forces.items():
         key = join("forces", name)
-        uses = [join("bodies", body) for body in (force.body, *(force.bodies or ())) if body]
-        problems.check(key, [key, *uses], check_force, scene, force, key)
+        problems.check(key, [key, *uses_of(force)], check_force, scene, force, key)
 
 
 def _check_body(body: Body, key: str) -> None:
@@ -82,6 +93,7 @@ def _check_body(body: Body, key: str) -> None:
 
 
 def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
+    kind = _kind(joint, key)
     if joint.bodies is None:
         raise SceneError("is missing; wanted a list of 2 names", key=f"{key}.bodies")
     for index, body in enumerate(joint.bodies):
@@ -95,9 +107,10 @@ def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
             f"connects {joint.bodies[0]} to itself; wanted two different bodies",
             key=f"{key}.bodies",
         )
-    kind = _kind(joint, key)
     _check_point(scene, joint, kind, key)
     _check_axes(joint, kind, key)
+    _check_zero(joint, kind, key)
+    _check_numbers(joint, kind, key)
     _check_length(joint, key)
     for index, name in enumerate(joint.ends):
         if name != GROUND and scene.bodies[name].point and kind.turns(index):
@@ -110,11 +123,6 @@ def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
 
 def _kind(joint: Joint, key: str) -> JointKind:
     name = joint.type
-    if name in LATER:
-        raise SceneError(
-            f"a {name} joint is not composed yet: it wants {LATER[name]}; take another joint",
-            key=f"{key}.type",
-        )
     if name not in NAMES:
         raise SceneError(unknown(f"joint {name[:40]!r}", name, tuple(NAMES)), key=f"{key}.type")
     return JOINTS[NAMES[name]]
@@ -152,7 +160,7 @@ def _check_point(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
 
 def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
     given = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
-    if not kind.axes:
+    if not kind.axes and joint.zero is None:
         for name in given:
             raise SceneError(f"a {joint.type} joint has no axis; leave it out", key=f"{key}.{name}")
         return
@@ -177,6 +185,45 @@ def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
         _check_axis(joint.axis, f"{key}.axis")
     if joint.second_axis is not None:
         _check_axis(joint.second_axis, f"{key}.second_axis")
+
+
+def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
+    """Check the directions across the axes, from which an angle is counted."""
+    if joint.zero is None:
+        return
+    if not kind.has_zero:
+        raise SceneError(
+            f"a {joint.type} joint has no angle, and keeps none; leave it out", key=f"{key}.zero"
+        )
+    if joint.axes is None:
+        raise SceneError(
+            "is missing; 'zero' has a direction in each body, and wants the axis in each",
+            key=f"{key}.axes",
+        )
+    for index, (zero, axis) in enumerate(zip(joint.zero, joint.axes, strict=True)):
+        _check_axis(zero, f"{key}.zero[{index}]")
+        sizes = hypot(*zero) * hypot(*axis)
+        (a, b, c), (x, y, z) = zero, axis
+        if not hypot(b * z - c * y, c * x - a * z, a * y - b * x) > PARALLEL * sizes:
+            raise SceneError(
+                "is parallel to the axis; wanted a direction across it", key=f"{key}.zero[{index}]"
+            )
+
+
+def _check_numbers(joint: Joint, kind: JointKind, key: str) -> None:
+    """Check the numbers of a screw, and that others have none."""
+    for name in ("pitch", "joints", "ratio", "radius", "coordinates", "factors"):
+        given = getattr(joint, name)
+        if given is not None and name not in kind.keys:
+            raise SceneError(f"a {joint.type} joint has none; leave it out", key=f"{key}.{name}")
+    if "pitch" in kind.keys and joint.pitch is None:
+        raise SceneError(
+            f"is missing; a {joint.type} joint wants its advance in one turn", key=f"{key}.pitch"
+        )
+    if joint.pitch == 0:
+        raise SceneError(
+            "a pitch of zero does not advance; take a revolute joint", key=f"{key}.pitch"
+        )
 
 
 def _check_axis(axis: tuple[float, float, float], key: str) -> None:

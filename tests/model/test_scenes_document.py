@@ -14,7 +14,7 @@ import pytest
 from kousoku.model import loads, planar, spatial
 from kousoku.model.decode import MOST_ELEMENTS
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import JOINTS, LATER
+from kousoku.model.joints import COUPLINGS, JOINTS
 from kousoku.model.orientation import Orientation
 from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.model.scene import TABLES, Scene, Unit
@@ -90,6 +90,8 @@ def test_the_shown_message_is_the_one_that_comes() -> None:
         planar.Method,
         spatial.Body,
         spatial.Joint,
+        spatial.Coordinate,
+        spatial.Driver,
         loads.Force,
         Orientation,
     ],
@@ -117,5 +119,9 @@ def test_the_table_of_joints_is_the_one_of_the_code(name: str) -> None:
     assert row.replace("|  |", "| |") in TEXT
 
 
-def test_joints_that_come_later_are_named() -> None:
-    assert all(f"`{name}`" in TEXT for name in LATER)
+@pytest.mark.parametrize("name", COUPLINGS)
+def test_the_table_of_couplings_is_the_one_of_the_code(name: str) -> None:
+    coupling = COUPLINGS[name]
+    aliases = ", ".join(f"`{alias}`" for alias in coupling.aliases)
+    keys = ", ".join(f"`{key}`" for key in coupling.keys)
+    assert f"| `{name}` | {aliases} | {keys} | " in TEXT

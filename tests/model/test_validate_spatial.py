@@ -96,21 +96,6 @@ def test_a_quaternion_is_given_with_its_order(
     refused(bar, f"bodies.bar.orientation{key}", says)
 
 
-@pytest.mark.parametrize(
-    ("name", "waits_for"),
-    [
-        ("screw", "the angle about a common axis"),
-        ("gear", "a linear combination of coordinates"),
-        ("rack_and_pinion", "a linear combination of coordinates"),
-        ("constant_velocity", "a linear combination of rows"),
-    ],
-)
-def test_joints_that_cannot_be_composed_yet_are_refused_by_name(
-    bar: Tree, name: str, waits_for: str
-) -> None:
-    refused(put(bar, "joints.a.type", name), "joints.a.type", waits_for)
-
-
 def joint(kind: str, **keys: object) -> Tree:
     """Return a joint between the ground and the bar."""
     return {"type": kind, "bodies": ["ground", "bar"], **keys}

@@ -1,0 +1,111 @@
+"""The angle, displacement, distance or place that a coordinate is, with the sign that is said."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin, sqrt
+from typing import Any
+
+import pytest
+
+from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.codegen.store import load_frozen
+from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
+from kousoku.model.read import scene_from_dict
+from kousoku.model.system import system_of
+
+Tree = dict[str, Any]
+ZERO = [0, 0, 0]
+
+
+def value(system: System, coordinate: Coordinate) -> float:
+    """Return a coordinate at the start, as the shipped kernel gives it."""
+    kernel = next(k for k in load_frozen(coordinate.kind).kernels if k.name == "constraint")
+    inputs: dict[str, tuple[float, ...]] = dict(coordinate.constants)
+    for letter, index in (("i", coordinate.i), ("j", coordinate.j)):
+        on_ground = index == GROUND_INDEX
+        inputs[f"r_{letter}"] = ZERO if on_ground else system.bodies[index].r
+        inputs[f"p_{letter}"] = (1.0, 0.0, 0.0, 0.0) if on_ground else system.bodies[index].p
+    return evaluate(kernel, inputs, FLOAT)["C"][0]
+
+
+def arm(angle: float, **tables: Any) -> Tree:
+    """Return a body that is turned about z, in millimetres, on a cylindrical joint."""
+    joint = {"type": "cylindrical", "bodies": ["ground", "arm"], "points": [[0, 0, 5], ZERO]}
+    axes = {"axes": [[0, 0, 2], [0, 0, 1]], "zero": [[3, 0, 1], [0, 1, 0]]}
+    body = {
+        "position": [0, 0, 12],
+        "orientation": {"axis": [0, 0, 1], "angle": angle},
+        "mass": 2,
+        "center": [10, 0, 0],
+        "inertia": {"xx": 3, "yy": 2, "zz": 4, "xy": 0.5},
+    }
+    tree = {"name": "arm", "unit": "mm", "outputs": ["coordinates"]}
+    return {**tree, "bodies": {"arm": body}, "joints": {"axle": {**joint, **axes}}, **tables}
+
+
+def test_an_angle_is_counted_from_zero_to_zero_counter_clockwise_about_the_axis() -> None:
+    tree = arm(0.25, coordinates={"turn": {"joint": "axle", "of": "angle"}})
+    system = system_of(scene_from_dict(tree))
+    (turn,) = system.coordinates
+    assert (turn.name, turn.kind, turn.counts_turns) == ("turn", "angle", True)
+    assert turn.near == pytest.approx(0.25 + pi / 2, abs=1e-15)
+    assert value(system, turn) == pytest.approx(0.25 + pi / 2, abs=1e-15)
+    assert system.shown == (0,)
+
+
+def test_without_zero_an_angle_is_zero_as_the_orientations_are_written() -> None:
+    tree = arm(0.25, coordinates={"turn": {"joint": "axle", "of": "angle"}})
+    del tree["joints"]["axle"]["zero"]
+    system = system_of(scene_from_dict(tree))
+    assert system.coordinates[0].near == 0
+    assert value(system, system.coordinates[0]) == pytest.approx(0, abs=1e-16)
+
+
+def test_a_displacement_is_that_of_the_point_of_j_along_the_axis_in_metres() -> None:
+    tree = arm(0.25, coordinates={"rise": {"joint": "axle", "of": "displacement"}})
+    system = system_of(scene_from_dict(tree))
+    assert value(system, system.coordinates[0]) == pytest.approx(0.007, rel=1e-14)
+
+
+def test_a_distance_and_a_place_are_those_of_the_points() -> None:
+    coordinates = {
+        "span": {"bodies": ["ground", "arm"], "points": [[0, 0, 12], [3, 4, 12]]},
+        "place": {"body": "arm", "point": [2, 0, 0], "along": [5, 5, 0]},
+    }
+    system = system_of(scene_from_dict(arm(0.25, coordinates=coordinates)))
+    span, place = system.coordinates
+    assert (span.kind, place.kind) == ("length", "n2")
+    assert value(system, span) == pytest.approx(0.013, rel=1e-14)
+    assert value(system, place) == pytest.approx((0.002 * (cos(0.25) + sin(0.25))) / sqrt(2))
+
+
+def test_a_coordinate_that_nothing_needs_is_left_out() -> None:
+    tree = arm(0, coordinates={"turn": {"joint": "axle", "of": "angle"}}, outputs=["energies"])
+    system = system_of(scene_from_dict(tree))
+    assert (system.coordinates, system.shown) == ((), ())
+    assert system_of(scene_from_dict(tree), ["coordinates"]).shown == (0,)
+
+
+def test_near_says_which_turn_an_angle_is_in() -> None:
+    """A gear with such an angle keeps the relation of the values with their turns."""
+    tree = arm(0, coordinates={"turn": {"joint": "axle", "of": "angle", "near": 12}})
+    tree["joints"]["rack"] = {"type": "linear", "coordinates": ["turn"], "factors": [1]}
+    system = system_of(scene_from_dict(tree))
+    assert system.coordinates[0].near == 12
+    assert system.constraints[-1].offset == pytest.approx(-(pi / 2 + 4 * pi), rel=1e-15)
+
+
+def test_a_held_coordinate_is_kept_as_it_is_written_or_near_what_is_said() -> None:
+    coordinates = {
+        "rise": {"joint": "axle", "of": "displacement", "hold": True},
+        "turn": {"joint": "axle", "of": "angle", "hold": True, "near": 1.5},
+    }
+    system = system_of(scene_from_dict(arm(0, coordinates=coordinates, outputs=[])))
+    rise, turn = system.held
+    assert (rise.joint, rise.unit, rise.law) == ("coordinates.rise.hold", "m", "")
+    assert rise.offset == pytest.approx(-0.007)
+    assert (turn.offset, turn.unit) == (-1.5, "rad")
+    assert [system.coordinates[one.terms[0].coordinate].name for one in system.held] == [
+        "rise",
+        "turn",
+    ]
