@@ -1,0 +1,71 @@
+"""Constraints that are left out because they depend on others are watched in every run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.compose import compose
+from kousoku.codegen.dynamics.emit import emit_dynamics
+from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
+from kousoku.codegen.generate import write_tree
+from kousoku.model.read import read_scene
+from kousoku.model.system import system_of
+from kousoku.runtime.dynamics import load_dynamics
+
+if TYPE_CHECKING:
+    from kousoku.runtime.toolchain import Toolchain
+
+SCENES = Path(__file__).parents[2] / "scenes"
+
+
+@pytest.fixture(scope="module")
+def loose(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of a pendulum whose hinge does not hold its point along x."""
+    system = assemble(system_of(read_scene(SCENES / "pendulum.toml")))
+    rows = {place: [1, 2] for place, x in enumerate(system.constraints) if x.kind == "point"}
+    folder = tmp_path_factory.mktemp("loose") / "pendulum"
+    write_tree(folder, emit_dynamics(compose(system, LEDGER, rows=rows), system))
+    return folder
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_joint_that_comes_open_where_a_row_was_left_out_is_named(
+    compiler: Toolchain, loose: Path, target: Any
+) -> None:
+    ledger = load_dynamics(loose, target=target).simulate(0.5, samples=6).ledger
+
+    assert ledger.released == ("hinge",)
+    assert ledger.violations["hinge"].metres[0] > 0.01
+    assert ledger.worst_joint("position") == "hinge"
+    assert "came open: joints.hinge; a constraint that was left out" in str(ledger)
+
+
+def test_row_that_depends_on_others_is_met_and_the_same_in_both_targets(
+    compiler: Toolchain, tmp_path: Path
+) -> None:
+    folder = tmp_path / "bricard"
+    write_tree(folder, generate_dynamics(read_scene(SCENES / "bricard.toml"), ()))
+    solvers = [load_dynamics(folder, target=target) for target in ("c", "numpy")]
+    runs = [solver.begin(np.linspace(0.0, 0.5, 4), tolerance=1e-9) for solver in solvers]
+    ledgers = [run.finish().ledger for run in runs]
+
+    assert len(solvers[0].rows) == 29
+    assert len(solvers[0].left_out) == 1
+    assert ledgers[0].released == ()
+    assert "came open" not in str(ledgers[0])
+    np.testing.assert_array_equal(runs[0].state, runs[1].state)
+    joint = solvers[0].left_out[0][0]
+    # nothing solves for it: the other 29 rows hold it up to rounding
+    assert 0.0 < max(ledgers[0].violations[joint].radians[:2]) < 1e-12
+
+
+def test_checks_can_be_left_out_of_a_run(compiler: Toolchain, loose: Path) -> None:
+    ledger = load_dynamics(loose).simulate(0.5, samples=6, checks=False).ledger
+
+    assert ledger.released == ()
+    assert not ledger.violations
