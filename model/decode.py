@@ -145,6 +145,7 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
         problems.break_(key)
         return FAILED
     kind = _without_none(kind)
+    wanted, kind = kind, _chosen(kind, value)
     origin, arguments = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
         return _whole(value, kind, key, problems)
@@ -152,15 +153,14 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
         return _mapping(value, arguments[1], key, problems)
     if origin is tuple:
         return _tuple(value, kind, key, problems)
-    one = (str if isinstance(value, str) else float) if _may_be_formula(kind) else kind
     if isinstance(value, int | float) and not abs(value) <= LARGEST:
         problem = "is too large" if abs(value) < inf else "is not a finite number"
         shown = _got(value).removeprefix("the number ")
         return _failed(f"{shown} {problem}; wanted at most {LARGEST:g}", key, problems)
     try:
-        leaf: object = msgspec.convert(value, one)
+        leaf: object = msgspec.convert(value, kind)
     except msgspec.ValidationError:
-        return _failed(_refusal(value, kind), key, problems)
+        return _failed(_refusal(value, wanted), key, problems)
     return leaf
 
 
@@ -212,9 +212,20 @@ def _without_none(kind: Any) -> Any:
     return kind
 
 
-def _may_be_formula(kind: Any) -> bool:
-    """Return whether a value may be a number or the text of a formula."""
-    return get_origin(kind) in (Union, UnionType) and set(get_args(kind)) == {float, str}
+def _choices(kind: Any) -> tuple[Any, ...]:
+    """Return what a value may be: a number, the text of a formula, a list."""
+    return get_args(kind) if get_origin(kind) in (Union, UnionType) else (kind,)
+
+
+def _chosen(kind: Any, value: object) -> Any:
+    """Return that of some types which a value is meant to have."""
+    choices = _choices(kind)
+    lists = [of for of in choices if get_origin(of) is tuple]
+    if lists and isinstance(value, list | tuple):
+        return lists[0]
+    if str in choices and isinstance(value, str):
+        return str
+    return next((of for of in choices if of not in lists), choices[0])
 
 
 def _refusal(value: object, kind: Any) -> str:
@@ -226,8 +237,9 @@ def _refusal(value: object, kind: Any) -> str:
 
 def _wanted(kind: Any) -> str:
     kind = _without_none(kind)
-    if _may_be_formula(kind):
-        return "a number or a formula"
+    if str in _choices(kind) and kind is not str:
+        names = {float: "a number", str: "a formula"}
+        return " or ".join(names.get(of) or _wanted(of) for of in _choices(kind))
     simple = {float: "a number", int: "a whole number", bool: "true or false", str: "a text"}
     if kind in simple:
         return simple[kind]
@@ -237,7 +249,7 @@ def _wanted(kind: Any) -> str:
     if origin is tuple and arguments[-1] is Ellipsis:
         return "a list"
     if origin is tuple:
-        what = "numbers or formulas" if _may_be_formula(arguments[0]) else "lists"
+        what = "numbers or formulas" if float in _choices(arguments[0]) else "lists"
         what = {float: "numbers", str: "names"}.get(arguments[0], what)
         return f"a list of {len(arguments)} {what}"
     return "a table"

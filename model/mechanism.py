@@ -17,6 +17,9 @@ GROUND_INDEX = -1
 COMBINATION = "linear_combination"
 """The kind of an instance that combines coordinates."""
 
+SPRINGS = ("spring_damper", "coordinate_spring")
+"""Kinds of forces that hold potential energy unless they have a law of their own."""
+
 LAW_NAMES = ("x", "v", "t")
 """What the tension of a spring may depend on: elongation, rate of its length, time."""
 
@@ -176,25 +179,30 @@ class ForceElement:
     Parameters
     ----------
     name : str
-        As in the scene.
+        As in the scene; a bushing is several elements of one name.
     kind : str
         ``force`` and ``torque`` in frame O, ``force_b`` and ``torque_b`` in the principal frame,
-        ``spring_damper``.
+        ``spring_damper``; ``along`` a coordinate, ``coordinate_spring`` against it.
     i, j : int
-        Of a spring the two bodies; a force or torque acts on body j, and i is the ground.
+        Of a spring or a coordinate the two bodies; a force or torque acts on body j, and i is the
+        ground.
     constants : tuple of (str, tuple of float)
         ``s_j_b`` [m] and ``force`` [N] of a force, ``torque`` [N m] of a torque; of a spring
         ``s_i_b``, ``s_j_b``, ``stiffness`` [N/m], ``damping`` [N s/m], ``free_length`` [m]. Points
         are in the principal frames, frame O for the ground. Of a spring with a law of its own
         ``unit`` [m] in place of stiffness and damping. A force or torque has a further vector
-        for each component that is a formula, such as ``force_x``: all are added up.
+        for each component that is a formula, such as ``force_x``: all are added up. Along a
+        coordinate ``force`` [N or N m]; of a spring against it ``stiffness``, ``damping`` and
+        ``free``, or with a law ``moment``, its unit, and ``free``.
     law : str
-        Tension as a formula of :data:`LAW_NAMES` and parameters, in the unit of the scene; empty
-        where linear.
+        Tension, or what acts against a coordinate, as a formula of :data:`LAW_NAMES` and
+        parameters, in the unit of the scene; empty where linear.
     formulas : tuple of (str, str)
         Constants that are multiplied by a formula: name, and text. Of a spring it depends on
         parameters only, of a force or torque also on time ``t``, coordinates, and their rates with
         ``_dot`` behind the name, in the unit of the scene and rad.
+    coordinate : int
+        Place in :attr:`System.coordinates` of the one that it acts along or against.
     """
 
     name: str
@@ -204,11 +212,12 @@ class ForceElement:
     constants: tuple[tuple[str, tuple[float, ...]], ...]
     law: str = ""
     formulas: tuple[tuple[str, str], ...] = ()
+    coordinate: int = -1
 
     @property
     def has_potential(self) -> bool:
         """Whether work of it is potential energy."""
-        if self.kind == "spring_damper":
+        if self.kind in SPRINGS:
             return not self.law
         return self.kind == "force" and not self.formulas
 

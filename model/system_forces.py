@@ -2,46 +2,72 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.coordinate_forces import coordinate_elements, scalars
+from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import RATE, state_names
 from kousoku.model.frames import to_vector
 from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.terms import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from kousoku.model.coordinate_forces import Constants, Formulas
+    from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
     from kousoku.model.mechanism import Vector
     from kousoku.model.precise import High, Triple
-    from kousoku.model.spatial import Components, Value
-
-    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+    from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Value
 
 AXES = "xyz"
 
 
 def force_elements(
-    forces: Mapping[str, Force], frames: Mapping[str, BodyFrame], unit: High
+    scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList, unit: High
 ) -> tuple[ForceElement, ...]:
-    """Return the forces of a checked scene as elements.
+    """Return the forces of a checked scene as elements; a bushing is several.
 
     Parameters
     ----------
-    forces : mapping of str to Force
-        The forces.
+    scene : Scene
+        A checked scene.
     frames : mapping of str to BodyFrame
         Of all bodies and the ground.
+    coordinates : CoordinateList
+        What the forces need is added.
     unit : number [m]
         The unit of the scene.
     """
-    return tuple(_element(name, force, frames, unit) for name, force in forces.items())
+    found: list[ForceElement] = []
+    for name, force in scene.forces.items():
+        if force.type == "spring_damper":
+            found.append(_spring(name, force, frames, unit))
+        elif force.type in ("force", "torque"):
+            found.append(_load(name, force, frames, unit))
+        else:
+            found += coordinate_elements(name, force, scene, frames, coordinates, unit)
+    texts = chain.from_iterable(one.formulas for one in found)
+    for name in _named(scene, [text for _, text in texts]):
+        coordinates.place(name)
+    return tuple(found)
 
 
-def _element(name: str, force: Force, frames: Mapping[str, BodyFrame], unit: High) -> ForceElement:
-    if force.type == "spring_damper":
-        return _spring(name, force, frames, unit)
+def _named(scene: Scene, formulas: list[str]) -> list[str]:
+    """Return the coordinates that formulas name, or whose rates they name."""
+    known = state_names(scene)
+    names = chain.from_iterable(names_of(parse_expression(text, known)) for text in formulas)
+    rates = {f"{name}{RATE}": name for name in scene.coordinates}
+    used = dict.fromkeys(rates.get(name, name) for name in names)
+    return [name for name in used if name in scene.coordinates]
+
+
+def _load(name: str, force: Force, frames: Mapping[str, BodyFrame], unit: High) -> ForceElement:
     assert force.body is not None
     frame = frames[force.body]
     is_fixed = getattr(force, force.type) is not None
@@ -55,9 +81,7 @@ def _element(name: str, force: Force, frames: Mapping[str, BodyFrame], unit: Hig
     return ForceElement(name, kind, GROUND_INDEX, frame.index, constants, formulas=formulas)
 
 
-def _vectors(
-    force: Force, kind: str, frame: BodyFrame, scale: High
-) -> tuple[Constants, tuple[tuple[str, str], ...]]:
+def _vectors(force: Force, kind: str, frame: BodyFrame, scale: High) -> tuple[Constants, Formulas]:
     """Return the vectors that a force or torque is the sum of, and the formulas of some of them.
 
     Components that are numbers make one vector. Each that is a formula stands beside the direction
@@ -68,7 +92,7 @@ def _vectors(
         return to_vector(precise.scale(scale, vector if kind == force.type else in_body(vector)))
 
     in_body = frame.principal
-    given: Components = getattr(force, kind)
+    given = getattr(force, kind)
     numbers = [0.0 if isinstance(value, str) else value for value in given]
     constants = [(force.type, seen(precise.triple((numbers[0], numbers[1], numbers[2]))))]
     formulas = []
@@ -95,31 +119,14 @@ def _spring(name: str, force: Force, frames: Mapping[str, BodyFrame], unit: High
     one = precise.number(1)
     law: dict[str, tuple[Value | High, High]] = {"unit": (1.0, unit)}
     if force.tension is None:
-        law = {"stiffness": (force.stiffness or 0.0, one), "damping": (force.damping or 0.0, one)}
-    scalars, formulas = _scalars(law | {"free_length": (free, unit)})
+        given = {"stiffness": force.stiffness, "damping": force.damping}
+        law = {name: (value or 0.0, one) for name, value in given.items()}
+    numbers, formulas = scalars(law | {"free_length": (free, unit)})
     constants = (
         ("s_i_b", ends[0].point(points[0], unit)),
         ("s_j_b", ends[1].point(points[1], unit)),
-        *scalars,
+        *numbers,
     )
     i, j = (end.index for end in ends)
     law_text = force.tension or ""
     return ForceElement(name, force.type, i, j, constants, law=law_text, formulas=formulas)
-
-
-def _scalars(
-    given: Mapping[str, tuple[Value | High, High]],
-) -> tuple[Constants, tuple[tuple[str, str], ...]]:
-    """Return numbers in SI units; of a formula its unit, and the text.
-
-    Parameters
-    ----------
-    given : mapping of str to (float or str, number)
-        By name the value in the scene, and its unit.
-    """
-    constants = tuple(
-        (name, (float(unit * precise.number(1 if isinstance(value, str) else value)),))
-        for name, (value, unit) in given.items()
-    )
-    texts = ((name, value) for name, (value, _) in given.items() if isinstance(value, str))
-    return constants, tuple(texts)

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import unknown
+from kousoku.model.decode import join, unknown
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import fixed_names, formula_problems, state_names
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
+from kousoku.model.validate_coordinate_forces import (
+    check_along,
+    check_bushing,
+    check_friction,
+    check_law,
+    check_rotational,
+)
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from kousoku.model.loads import Force
     from kousoku.model.scene import Scene
 
@@ -18,11 +27,24 @@ KEYS = {
     "force": ("body", "point", "force", "force_b"),
     "torque": ("body", "torque", "torque_b"),
     "spring_damper": ("bodies", "points", "stiffness", "damping", "tension", "free_length"),
+    "rotational_spring_damper": (
+        *("joint", "coordinate", "stiffness", "damping", "moment", "free_angle"),
+    ),
+    "along": ("coordinate", "force"),
+    "friction": ("joint", "of", "damping"),
+    "bushing": ("bodies", "points", "at", "axes", "stiffness", "damping"),
 }
 """Keys of each type."""
 
-LATER = {"rotational_spring_damper": "the angle about a common axis, which must count turns"}
-"""Types that are known but cannot be composed yet, and what they wait for."""
+
+def uses_of(force: Force) -> list[str]:
+    """Return the elements that the check of a force depends on."""
+    tables = {
+        "bodies": (force.body, *(force.bodies or ())),
+        "joints": (force.joint,),
+        "coordinates": (force.coordinate,),
+    }
+    return [join(table, name) for table, names in tables.items() for name in names if name]
 
 
 def check_force(scene: Scene, force: Force, key: str) -> None:
@@ -33,10 +55,6 @@ def check_force(scene: Scene, force: Force, key: str) -> None:
     SceneError
         With the dotted key of what is wrong.
     """
-    if force.type in LATER:
-        raise SceneError(
-            f"a {force.type} is not composed yet: it wants {LATER[force.type]}", key=f"{key}.type"
-        )
     if force.type not in KEYS:
         raise SceneError(
             unknown(f"force {force.type[:40]!r}", force.type, tuple(KEYS)), key=f"{key}.type"
@@ -45,10 +63,9 @@ def check_force(scene: Scene, force: Force, key: str) -> None:
     for name in dict.fromkeys(name for names in KEYS.values() for name in names):
         if name not in own and getattr(force, name) is not None:
             raise SceneError(f"a {force.type} has none; leave it out", key=f"{key}.{name}")
-    if force.type == "spring_damper":
-        _check_spring(scene, force, key)
-    else:
-        _check_load(scene, force, key)
+    if "bodies" in own:
+        _check_ends(scene, force, key)
+    CHECKS[force.type](scene, force, key)
     _check_formulas(scene, force, key)
 
 
@@ -70,6 +87,10 @@ def _check_load(scene: Scene, force: Force, key: str) -> None:
             f"is given in frame O too, as {force.type}; wanted one of them",
             key=f"{key}.{force.type}_b",
         )
+    if isinstance(fixed, str | float):
+        raise SceneError(
+            "is one number; wanted three components in frame O", key=f"{key}.{force.type}"
+        )
     if scene.bodies[force.body].point:
         if force.type == "torque":
             raise SceneError("a point does not turn; wanted a body", key=f"{key}.body")
@@ -85,11 +106,11 @@ def _check_only_point(name: str, point: tuple[float, float, float] | None, key: 
         raise SceneError(f"{name} is a point; wanted [0, 0, 0], its only point", key=key)
 
 
-def _check_spring(scene: Scene, force: Force, key: str) -> None:
-    for name, what in (("bodies", "the two bodies"), ("points", "its end in each of them")):
-        if getattr(force, name) is None:
-            raise SceneError(f"is missing; wanted {what}", key=f"{key}.{name}")
-    bodies: tuple[str, ...] = force.bodies or ()
+def _check_ends(scene: Scene, force: Force, key: str) -> None:
+    """Check what has two bodies."""
+    if force.bodies is None:
+        raise SceneError("is missing; wanted the two bodies", key=f"{key}.bodies")
+    bodies = force.bodies
     for index, name in enumerate(bodies):
         if name != GROUND and name not in scene.bodies:
             problem = unknown(f"body {name[:40]!r}", name, (*scene.bodies, GROUND))
@@ -98,10 +119,16 @@ def _check_spring(scene: Scene, force: Force, key: str) -> None:
         raise SceneError(
             f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"
         )
-    for index, (name, point) in enumerate(zip(bodies, force.points or (), strict=True)):
+
+
+def _check_spring(scene: Scene, force: Force, key: str) -> None:
+    if force.points is None:
+        raise SceneError("is missing; wanted its end in each of them", key=f"{key}.points")
+    bodies = force.bodies or ()
+    for index, (name, point) in enumerate(zip(bodies, force.points, strict=True)):
         if name != GROUND and scene.bodies[name].point:
             _check_only_point(name, point, f"{key}.points[{index}]")
-    _check_law(force, key)
+    check_law(force, "tension", key)
     free = force.free_length
     if isinstance(free, float) and free < 0:
         raise SceneError(
@@ -109,27 +136,12 @@ def _check_spring(scene: Scene, force: Force, key: str) -> None:
         )
 
 
-def _check_law(force: Force, key: str) -> None:
-    is_linear = force.stiffness is not None or force.damping is not None
-    if force.tension is None:
-        if not is_linear:
-            raise SceneError(
-                "is missing; wanted a stiffness, a damping or both, or a tension",
-                key=f"{key}.stiffness",
-            )
-        return
-    if is_linear:
-        raise SceneError(
-            "has a stiffness or a damping too; wanted one of them", key=f"{key}.tension"
-        )
-
-
 def _check_formulas(scene: Scene, force: Force, key: str) -> None:
     """Refuse texts that are no formulas, all of them."""
     fixed = fixed_names(scene)
-    names = dict.fromkeys(("stiffness", "damping", "free_length"), fixed)
+    names = dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), fixed)
     names |= dict.fromkeys(("force", "force_b", "torque", "torque_b"), state_names(scene))
-    names["tension"] = (*LAW_NAMES, *fixed)
+    names |= dict.fromkeys(("tension", "moment"), (*LAW_NAMES, *fixed))
     found = [
         problem
         for name, known in names.items()
@@ -137,3 +149,15 @@ def _check_formulas(scene: Scene, force: Force, key: str) -> None:
     ]
     if found:
         raise SceneError.of(found)
+
+
+CHECKS: dict[str, Callable[[Scene, Force, str], None]] = {
+    "force": _check_load,
+    "torque": _check_load,
+    "spring_damper": _check_spring,
+    "rotational_spring_damper": check_rotational,
+    "along": check_along,
+    "friction": check_friction,
+    "bushing": check_bushing,
+}
+"""What checks the own keys of each type."""

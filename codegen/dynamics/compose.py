@@ -42,7 +42,6 @@ from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
-from kousoku.model.formulas import TIME
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -132,11 +131,13 @@ class _Composer:
         self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
         self.dv = region("dv", velocities)
         self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
-        names = {TIME: (self.time, self.recorder.constant((1,)))}
-        self.forces = ForceTasks(self.recorder, self.body, names)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
         self.coordinates = CoordinateBlocks(
             system, self.recorder, self.body, self.auxiliary, self.q
+        )
+        self.forces = ForceTasks(
+            *(system, self.recorder, self.body, self.coordinates),
+            *(self.time, self.parameters, self._by_body(self.v)),
         )
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(
@@ -289,14 +290,17 @@ class _Composer:
     def _add_forces(self, free: list[Block]) -> None:
         """Add what forces beside gravity give each body, and write the power of those that work."""
         shares: list[list[Block]] = [[block] for block in free]
+        powers: dict[str, list[Block]] = {}
         for force in self.system.forces:
             added, power = self.forces.effect(force)
             for index, block in added.items():
                 shares[index].append(block)
             if power is not None:
-                target = self.auxiliary.of(self.q_dot, WORK, force.name)
-                self.recorder.call(Copy(), power, into=(target,))
+                powers.setdefault(force.name, []).append(power)
         free[:] = [self._sum(parts) for parts in shares]
+        for name, parts in powers.items():
+            target = self.auxiliary.of(self.q_dot, WORK, name)
+            self.recorder.call(Copy(), self._sum(parts), into=(target,))
 
     def _sum(self, parts: list[Block]) -> Block:
         """Return the sum of blocks, a few at a time."""

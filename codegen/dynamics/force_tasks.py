@@ -5,17 +5,18 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.forces import ELONGATION, SPRING, Load, Spring, Stored
-from kousoku.codegen.dynamics.formulas import scaled, used_names
+from kousoku.codegen.dynamics.forces_along import Held, Push, Resist
+from kousoku.codegen.dynamics.formulas import Names, scaled, used_names
 from kousoku.codegen.dynamics.recorder import Block, column
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.formulas import Meaning
+    from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
     from kousoku.codegen.dynamics.recorder import Recorder
-    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.mechanism import ForceElement, System
 
     Effect = tuple[dict[int, Block], Block | None]
 
@@ -25,23 +26,35 @@ class ForceTasks:
 
     Parameters
     ----------
+    system : System
+        The scene.
     recorder : Recorder
         The program.
     body : callable
         Returns the blocks of a body, or of the ground, by its index.
-    names : mapping of str to (Block, Block)
-        What formulas may depend on: value and unit.
+    coordinates : CoordinateBlocks
+        What formulas and forces along coordinates need.
+    time, parameters : Block
+        Where they are.
+    by_body : sequence of Block
+        The velocities of each body.
     """
 
     def __init__(
         self,
+        system: System,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
-        names: Mapping[str, Meaning],
+        coordinates: CoordinateBlocks,
+        time: Block,
+        parameters: Block,
+        by_body: Sequence[Block],
     ) -> None:
         self.recorder = recorder
         self.body = body
-        self.names = names
+        self.coordinates = coordinates
+        self.by_body = by_body
+        self.names = Names(system, recorder, coordinates, time, parameters, by_body)
 
     def effect(self, force: ForceElement) -> Effect:
         """Record what a force adds to the accelerations of each body, and its power.
@@ -49,10 +62,12 @@ class ForceTasks:
         The power is that of what is no potential energy, None where all is.
         """
         constants = self._constants(force)
-        i, j = self.body(force.i), self.body(force.j)
-        if force.kind == SPRING:
-            found = self._spring(force, i, j, constants)
+        if force.coordinate >= 0:
+            found = self._along(force, constants)
+        elif force.kind == SPRING:
+            found = self._spring(force, constants)
         else:
+            j = self.body(force.j)
             blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
             operation = Load(force.kind, j.columns, force.works)
             found = (column(()), *self.recorder.call(operation, *blocks, *constants))
@@ -63,9 +78,12 @@ class ForceTasks:
     def stored(self, force: ForceElement) -> Block:
         """Record (0, V) of a force that has a potential energy."""
         constants = self._constants(force)
+        if force.coordinate >= 0:
+            return self.recorder.call(Held(), self.coordinates.value(force.coordinate), *constants)[
+                0
+            ]
         i, j = self.body(force.i), self.body(force.j)
-        operation = Stored(force.kind)
-        return self.recorder.call(operation, i.r, i.p, j.r, j.p, *constants)[0]
+        return self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)[0]
 
     def _constants(self, force: ForceElement) -> list[Block]:
         """Return the constants; those that a formula belongs to are multiplied by it."""
@@ -78,9 +96,16 @@ class ForceTasks:
             found.append(block)
         return found
 
-    def _spring(
-        self, force: ForceElement, i: BodyBlocks, j: BodyBlocks, constants: list[Block]
-    ) -> tuple[Block, ...]:
+    def _law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
+        """Return what a law depends on beside elongation and rate, with values and units."""
+        if not force.law:
+            return (), []
+        used = used_names(force.law, (*ELONGATION, *self.names))
+        names = tuple(name for name in used if name not in ELONGATION)
+        return names, [block for name in names for block in self.names[name]]
+
+    def _spring(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:
+        i, j = self.body(force.i), self.body(force.j)
         ends = [
             block
             for body in (i, j)
@@ -89,10 +114,21 @@ class ForceTasks:
                 *(body.v_r, body.omega_b, body.inverse_mass),
             )
         ]
-        names: tuple[str, ...] = ()
-        if force.law:
-            used = used_names(force.law, (*ELONGATION, *self.names))
-            names = tuple(name for name in used if name not in ELONGATION)
-            constants += [block for name in names for block in self.names[name]]
+        names, given = self._law(force)
         operation = Spring(i.columns, j.columns, force.law, names, force.works)
-        return self.recorder.call(operation, *ends, *constants)
+        return self.recorder.call(operation, *ends, *constants, *given)
+
+    def _along(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:
+        slopes = self.coordinates.slopes(force.coordinate)
+        ends = [
+            block
+            for index in (force.i, force.j)
+            for block in (slopes[index], self.body(index).inverse_mass)
+        ]
+        rate = self.coordinates.rate(force.coordinate, self.by_body)
+        if force.kind == "along":
+            return self.recorder.call(Push(), *ends, rate, *constants)
+        names, given = self._law(force)
+        operation = Resist(force.law, names, force.works)
+        value = self.coordinates.value(force.coordinate)
+        return self.recorder.call(operation, *ends, value, rate, *constants, *given)

@@ -1,4 +1,4 @@
-"""What acts on bodies beside gravity: accelerations, potential energy, and planes that it leaves.
+"""What acts on bodies beside gravity: accelerations, power, and potential energy.
 
 Forces on points come from the kernel ``resultant`` of ``mass_points``, springs from the kind
 ``spring_damper``.
@@ -12,17 +12,13 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.formulas import formula_node
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen, share
-from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX, LAW_NAMES
+from kousoku.model.mechanism import LAW_NAMES
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.traces import Trace
-    from kousoku.model.mechanism import ForceElement, System
 
-#: Heights up to this part of the largest do not count: rounding.
-FLAT = 1e-12
 SPRING = "spring_damper"
 #: Names of the constants of a spring, in their order.
 ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
@@ -209,44 +205,3 @@ def _accelerations(
     mul = trace.graph.mul
     pairs = zip(columns, weights.flat, strict=True)
     return Matrix(trace.graph, tuple((mul(forces[k], weight),) for k, weight in pairs), 1)
-
-
-def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
-    """Return whether a force of a system that starts in a coordinate plane leads out of it.
-
-    Parameters
-    ----------
-    system : System
-        The scene.
-    force : ForceElement
-        One of its forces.
-    normal : int
-        Which axis is normal to the plane; it is so in all principal frames.
-    """
-    given = dict(force.constants)
-    if force.kind in {"torque", "torque_b"}:
-        return any(x for values in given.values() for k, x in enumerate(values) if k != normal)
-    heights = [given["s_j_b"][normal]]
-    if force.kind == SPRING:
-        heights.append(given["s_i_b"][normal] if force.i != GROUND_INDEX else 0.0)
-        start, end = (_height(system, force, end, normal) for end in "ij")
-        heights.append(end - start)
-        if force.j == GROUND_INDEX:
-            heights[0] = 0.0
-    elif any(values[normal] for name, values in given.items() if name != "s_j_b"):
-        return True
-    return max(map(abs, heights)) > FLAT * max(
-        1.0, *(abs(x) for values in given.values() for x in values)
-    )
-
-
-def _height(system: System, force: ForceElement, end: str, normal: int) -> float:
-    """Return a coordinate of an end of a spring at the start."""
-    point = dict(force.constants)[f"s_{end}_b"]
-    index = force.i if end == "i" else force.j
-    if index == GROUND_INDEX:
-        return point[normal]
-    body = system.bodies[index]
-    w, x, y, z = map(precise.number, body.p)
-    seen = precise.rotate((w, x, y, z), precise.triple(point))
-    return body.r[normal] + float(seen[normal])

@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import RATE, TIME
 from kousoku.model.terms import names_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Sequence
 
+    from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
     from kousoku.codegen.dynamics.recorder import Block, Recorder
     from kousoku.codegen.dynamics.traces import Trace
+    from kousoku.model.mechanism import System
 
     #: What a name stands for: a value, and the unit that it is given in.
     Meaning = tuple[Block, Block]
+
+#: Kinds of coordinates that are lengths.
+LENGTHS = ("n2", "length")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +77,62 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
 def used_names(formula: str, names: tuple[str, ...]) -> tuple[str, ...]:
     """Return those names that a formula depends on, in the order of its text."""
     return names_of(parse_expression(formula, names))
+
+
+class Names(Mapping[str, "Meaning"]):
+    """What formulas may depend on: time, parameters, coordinates, and rates of coordinates.
+
+    Each is recorded in the segment that asks for it.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    recorder : Recorder
+        The program.
+    coordinates : CoordinateBlocks
+        Its coordinates.
+    time, parameters : Block
+        Where they are.
+    by_body : sequence of Block
+        The velocities of each body.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        recorder: Recorder,
+        coordinates: CoordinateBlocks,
+        time: Block,
+        parameters: Block,
+        by_body: Sequence[Block],
+    ) -> None:
+        self._fixed = {TIME: time}
+        for k, (name, _) in enumerate(system.parameters):
+            self._fixed[name] = parameters.part(k, 1)
+        self._places = {one.name: place for place, one in enumerate(system.coordinates)}
+        self._rates = {f"{name}{RATE}": place for name, place in self._places.items()}
+        self._unit = system.unit
+        self._recorder, self._coordinates, self._by_body = recorder, coordinates, by_body
+
+    def __getitem__(self, name: str) -> Meaning:
+        one = self._recorder.constant((1,))
+        if name in self._fixed:
+            return self._fixed[name], one
+        if name in self._rates:
+            place = self._rates[name]
+            value = self._coordinates.rate(place, self._by_body)
+        else:
+            place = self._places[name]
+            value = self._coordinates.value(place)
+        is_length = self._coordinates.all[place].kind in LENGTHS
+        return value, self._recorder.constant((self._unit,)) if is_length else one
+
+    def __iter__(self) -> Iterator[str]:
+        yield from (*self._fixed, *self._places, *self._rates)
+
+    def __len__(self) -> int:
+        return len(self._fixed) + len(self._places) + len(self._rates)
 
 
 def scaled(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK
-from kousoku.codegen.dynamics.forces import leaves_plane
+from kousoku.codegen.dynamics.forces_plane import leaves_plane
 from kousoku.codegen.dynamics.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.program import Coordinates, Place

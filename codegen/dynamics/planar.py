@@ -26,7 +26,7 @@ from kousoku.codegen.dynamics.bodies import (
     start,
 )
 from kousoku.codegen.dynamics.combinations import fixed_law
-from kousoku.codegen.dynamics.forces import leaves_plane
+from kousoku.codegen.dynamics.forces_plane import leaves_plane
 from kousoku.codegen.dynamics.joints import live_rows
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.dynamics.recorder import Recorder

@@ -31,7 +31,8 @@ def resting_energy(system: System, seats: Mapping[int, Seat]) -> float:
         if seats[k].carrier == GROUND_INDEX:
             total -= precise.number(body.mass) * precise.dot(gravity, precise.triple(body.r))
     for force in system.forces:
-        if force.has_potential and seats[force.i].carrier == seats[force.j].carrier:
+        is_fixed = force.has_potential and not force.formulas and force.coordinate < 0
+        if is_fixed and seats[force.i].carrier == seats[force.j].carrier:
             total += _stored(force, seats)
     return float(total)
 

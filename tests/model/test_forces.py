@@ -42,7 +42,7 @@ def scene(**force: Any) -> Tree:
     ("force", "key", "says"),
     [
         ({"type": "spring"}, "type", "unknown force 'spring'"),
-        ({"type": "rotational_spring_damper"}, "type", "must count turns"),
+        ({"type": "rotational_spring_damper", "stiffness": 1}, "joint", "the angle that it acts"),
         ({"type": "force", "force": [1, 0, 0]}, "body", "is missing"),
         ({"type": "force", "body": "ground", "force": [1, 0, 0]}, "body", "unknown body 'ground'"),
         ({"type": "force", "body": "bar"}, "force", "or in the body frame as 'force_b'"),
