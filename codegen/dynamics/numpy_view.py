@@ -7,12 +7,11 @@ those of one kernel can run together, on arrays whose last axis is the task.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from textwrap import fill
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.program import SEGMENTS, levels
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
-from kousoku.codegen.dynamics.view import floors, shift_slots, turn_slots
+from kousoku.codegen.dynamics.view import floors, in_lines, shift_slots, turn_slots
 from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
@@ -212,5 +211,4 @@ def _method(method: Method) -> PythonMethod:
 
 def _table(items: Iterable[object]) -> str:
     """Return numbers in lines, with blanks between them."""
-    text = " ".join(map(str, items))
-    return fill(text, 100, break_long_words=False, break_on_hyphens=False)
+    return in_lines(map(str, items), 100)

@@ -62,6 +62,13 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
+    wants_hold = (
+        must_be_held
+        or system.gravity[2] != 0
+        or any(leaves_plane(system, force, NORMAL) for force in system.forces)
+    )
+    if wants_hold and not _may_hold(system):
+        return False
     recorder = Recorder()
     q, v = (recorder.region("", size) for size in sizes(system, is_planar=True))
     bodies = body_blocks(system, recorder, q, v, is_planar=True)
@@ -82,11 +89,6 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         if dropped or instance.kind != COMBINATION:
             joint.turns_about_z &= all(axis in ALONG_Z for axis in _axes(system, instance))
     held = _held(system, joints)
-    wants_hold = (
-        must_be_held
-        or system.gravity[2] != 0
-        or any(leaves_plane(system, force, NORMAL) for force in system.forces)
-    )
     return (all(held) or not wants_hold) and all(
         joint.stays_in_plane or all(held[k] for k in ends if k != GROUND_INDEX)
         for (_, ends), joint in joints.items()
@@ -141,6 +143,30 @@ class _Joint:
     @staticmethod
     def _out(rows: Any, side: int) -> Any:
         return rows[:, [side * COLUMNS + k for k in OUT]]
+
+
+def _may_hold(system: System) -> bool:
+    """Return whether joints that turn about z only connect all bodies to the ground.
+
+    Others hold no body in the plane. This costs little, and most scenes in space end here.
+    """
+    beside: dict[int, list[int]] = {}
+    joints: dict[tuple[str, tuple[int, ...]], bool] = {}
+    for one in system.constraints:
+        turns_about_z = one.kind == COMBINATION or all(a in ALONG_Z for a in _axes(system, one))
+        key = (one.joint, one.bodies)
+        joints[key] = joints.get(key, True) and turns_about_z
+    for (_, ends), turns_about_z in joints.items():
+        for k in ends if turns_about_z else ():
+            beside.setdefault(k, []).extend(ends)
+    reached = {GROUND_INDEX: None}
+    waiting = [GROUND_INDEX]
+    while waiting:
+        for k in beside.get(waiting.pop(), ()):
+            if k not in reached:
+                reached[k] = None
+                waiting.append(k)
+    return len(reached) > len(system.bodies)
 
 
 def _starts_in_plane(body: MovingBody) -> bool:

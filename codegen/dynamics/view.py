@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
-from textwrap import fill
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK
@@ -179,11 +178,11 @@ def kernel_text(number: int, kernel: Kernel) -> KernelText:
     written = " ".join([*(s.text for s in statements), *(text for _, text in results)])
     return KernelText(
         name=f"kernel_{number}",
-        parameters=_lines(f"{item}," for item in reads + writes).rstrip(","),
+        parameters=in_lines(f"{item}," for item in reads + writes).rstrip(","),
         operations=kernel.operations.total(),
         statements=tuple((s.name, s.text) for s in statements),
         results=tuple(results),
-        call=_lines(f"w + s[{k}]," for k in range(len(names))).rstrip(","),
+        call=in_lines(f"w + s[{k}]," for k in range(len(names))).rstrip(","),
         slots=len(names),
         unused=tuple(q.name for q in kernel.inputs if f"{q.name}[" not in written),
     )
@@ -325,13 +324,23 @@ def _method(method: Method) -> MethodText:
 
 
 def _numbers(items: Iterable[object]) -> str:
-    return _lines(f"{item}," for item in items) or "0,"
+    return in_lines(f"{item}," for item in items) or "0,"
 
 
 def _rows(rows: Iterable[Sequence[int]]) -> str:
     texts = [f"{{{', '.join(map(str, row))}}}," for row in rows]
-    return _lines(texts) or "{0},"
+    return in_lines(texts) or "{0},"
 
 
-def _lines(items: Iterable[str]) -> str:
-    return fill(" ".join(items), 96, break_long_words=False, break_on_hyphens=False)
+def in_lines(items: Iterable[str], width: int = 96) -> str:
+    """Return items in lines that are no longer than ``width``, and hold one of them at least."""
+    lines: list[str] = []
+    line: list[str] = []
+    length = -1
+    for item in items:
+        length += 1 + len(item)
+        if length > width and line:
+            lines.append(" ".join(line))
+            line, length = [], len(item)
+        line.append(item)
+    return "\n".join([*lines, " ".join(line)])
