@@ -61,12 +61,22 @@ def points_of(system: System) -> dict[str, Vector]:
 
     Joints without a point have their torque at the origin of that frame.
     """
-    return {
-        one.joint: (values[0], values[1], values[2])
-        for one in system.constraints
-        for name, values in one.constants
-        if name == "s_j_b"
-    }
+    found: dict[str, Vector] = {}
+    for one in system.constraints:
+        measures = (system.coordinates[term.coordinate] for term in one.terms)
+        constants = [
+            *one.constants,
+            *(x for own in measures if own.j == one.j for x in own.constants),
+        ]
+        for name, values in constants:
+            if name == "s_j_b":
+                found[one.joint] = _vector(values)
+    return found
+
+
+def _vector(values: Sequence[float]) -> Vector:
+    x, y, z = values
+    return x, y, z
 
 
 def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:

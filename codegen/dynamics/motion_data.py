@@ -9,9 +9,9 @@ from kousoku.codegen.dynamics.forces_plane import leaves_plane
 from kousoku.codegen.dynamics.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.program import Coordinates, Place
+from kousoku.codegen.dynamics.reactions import ends_of
 from kousoku.codegen.dynamics.view import is_driven
 from kousoku.model import precise
-from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -107,24 +107,30 @@ def _row(row: Row, instance: Instance) -> list[str]:
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
     """Return on which body each joint acts, where, and which of its components are computed."""
     rows = sorted((*program.rows, *program.left_out), key=lambda row: row.instance)
-    instances = {row.joint: system.constraints[row.instance] for row in rows}
+    joints: dict[str, list[Instance]] = {}
+    for row in rows:
+        joints.setdefault(row.joint, []).append(system.constraints[row.instance])
     points = points_of(system)
     bases = [[place.slot for place in (*one.v, *one.omega_b)] for one in program.bodies]
     found: list[dict[str, object]] = []
     first = 0
-    for joint, instance in instances.items():
-        body = instance.i if instance.j == GROUND_INDEX else instance.j
-        live = sorted(slot for slot in bases[body] if slot >= 0)
-        found.append(
-            {
-                "joint": joint,
-                "body": body,
-                "j": instance.j,
-                "point_b": list(points.get(joint, ORIGIN)),
-                "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
-            }
-        )
-        first += len(live)
+    for joint, instances in joints.items():
+        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+        ends = ends_of(bodies)
+        for body in ends:
+            own = system.bodies[body]
+            live = sorted(slot for slot in bases[body] if slot >= 0)
+            is_shared = len(bodies) > 2
+            found.append(
+                {
+                    "joint": f"{joint}.{own.name}" if is_shared else joint,
+                    "body": body,
+                    "j": body if is_shared else bodies[1],
+                    "point_b": list(own.origin_b if is_shared else points.get(joint, ORIGIN)),
+                    "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
+                }
+            )
+            first += len(live)
     return found
 
 

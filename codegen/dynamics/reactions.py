@@ -29,6 +29,8 @@ class Reaction:
         As in the scene.
     end, j : int
         The body that force and torque act on: body j, or i where j is the ground; and body j.
+    ends : tuple of int
+        The bodies whose force and torque are given, see :func:`ends_of`.
     kept, left_out : JointBlocks or None
         With their Jacobians; one of them is there.
     multipliers : list of (JointBlocks, Block)
@@ -38,6 +40,7 @@ class Reaction:
     name: str
     end: int
     j: int
+    ends: tuple[int, ...]
     kept: JointBlocks | None = None
     left_out: JointBlocks | None = None
     multipliers: list[tuple[JointBlocks, Block]] = field(default_factory=list)
@@ -48,12 +51,24 @@ class Reaction:
         return [rows for rows in (self.kept, self.left_out) if rows]
 
 
+def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
+    """Return the bodies on which force and torque of a joint are given.
+
+    Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.
+    """
+    i, j, *others = bodies
+    if others:
+        return tuple(body for body in bodies if body != GROUND_INDEX)
+    return (i if j == GROUND_INDEX else j,)
+
+
 def reactions_of(kept: Sequence[JointBlocks], left_out: Sequence[JointBlocks]) -> list[Reaction]:
     """Return all joints in the order of the system."""
     found: dict[tuple[str, int, int], Reaction] = {}
     for joint in (*kept, *left_out):
+        ends = ends_of(joint.bodies)
         end = joint.i if joint.j == GROUND_INDEX else joint.j
-        new = Reaction(joint.name, end, joint.j)
+        new = Reaction(joint.name, end, joint.j, ends)
         one = found.setdefault((joint.name, joint.i, joint.j), new)
         if any(joint is rows for rows in kept):
             one.kept = joint
@@ -71,7 +86,7 @@ def record_reactions(
     geometry: Callable[[JointBlocks], None],
     scale: Scale,
 ) -> None:
-    """Record force and torque of each joint on body j, or on i where j is the ground.
+    """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
 
     Parameters
     ----------
@@ -90,7 +105,7 @@ def record_reactions(
     """
     joints, left_out = rows
     found = reactions_of(joints, left_out)
-    widths = [len(body(one.end).columns) for one in found]
+    widths = [len(body(end).columns) for one in found for end in one.ends]
     target = recorder.region("reactions", sum(widths))
     region = next(one for one in recorder.regions if one.name == "lam")
     lam = column(range(region.base + 2, region.base + region.size + 2))
@@ -105,7 +120,9 @@ def record_reactions(
         if any(one.left_out for one in own):
             LeastNorm(recorder, schur, body, joints, scale).share_out(own)
     first = 0
-    for one, width in zip(found, widths, strict=True):
-        products = [(rows.jacobian[one.end].T, x) for rows, x in one.multipliers]
+    for (one, end), width in zip(((x, end) for x in found for end in x.ends), widths, strict=True):
+        products = [
+            (rows.jacobian[end].T, x) for rows, x in one.multipliers if end in rows.jacobian
+        ]
         schur.gather(zeros(width, 1), products, target.part(first, width))
         first += width
