@@ -113,6 +113,8 @@ def options_of(
     SolveError
         An option is not possible.
     """
+    if step is not None and not 0.0 < step < math.inf:
+        raise SolveError(f"{solver.name}: step {step!r}; wanted seconds, above 0")
     name = solver.method_for(tolerance) if method is None else method
     _require_method(solver, name, step)
     if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
@@ -120,8 +122,6 @@ def options_of(
             f"{solver.name}: tolerance {tolerance!r}, largest step {largest_step!r}, at most"
             f" {most_steps!r} steps; wanted a tolerance from 1e-15 to 1 and the others above 0"
         )
-    if step is not None and not 0.0 < step < math.inf:
-        raise SolveError(f"{solver.name}: step {step!r}; wanted seconds, above 0")
     values = _with_values(solver, parameters or {})
     return Options(tolerance, largest_step, step, checks, name, most_steps, values)
 

@@ -21,24 +21,6 @@ if TYPE_CHECKING:
 Solver = TypeVar("Solver")
 
 
-def read_planar_scene(path: Path) -> Scene:
-    """Read and check a scene file that a solver can be generated from.
-
-    Raises
-    ------
-    SceneError
-        The file is not a valid scene, or one with bodies in space.
-    """
-    scene = read_scene(path)
-    if scene.is_spatial:
-        raise SceneError(
-            "is a valid spatial scene, but solvers are generated for planar linkages only",
-            file=str(path),
-            key="bodies" if scene.bodies else "joints",
-        )
-    return scene
-
-
 def read_spatial_scene(path: Path) -> Scene:
     """Read and check a scene file of bodies.
 

@@ -1,38 +1,27 @@
 """``kousoku simulate``: generate the solver of a scene of bodies, let it move, say what it cost."""
 
-import sys
-import time
-from contextlib import contextmanager
-from dataclasses import replace
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
-from kousoku.cli.console import AsJson, Target, print_json, print_table
-from kousoku.model.errors import SolveError
-
-if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-
-    from kousoku.runtime.motion import Motion
-
-#: Rows of the table for people; a file holds all of them.
-SHOWN = 13
+from kousoku.cli.console import AsJson, Target
 
 
 class Method(StrEnum):
-    """How the motion is integrated."""
+    """How the motion is found."""
 
     DOPRI5 = "dopri5"
     DOP853 = "dop853"
+    KINEMATICS = "kinematics"
 
 
 class Output(StrEnum):
     """What can be computed beside positions and velocities."""
 
     ACCELERATIONS = "accelerations"
+    COORDINATES = "coordinates"
     REACTIONS = "reactions"
     ENERGIES = "energies"
 
@@ -46,12 +35,25 @@ def simulate(
     ] = 1001,
     tolerance: Annotated[float, typer.Option(help="Local error of a step, relative.")] = 1e-9,
     method: Annotated[
-        Method | None, typer.Option(help="Order 5 or 8; by the tolerance when left out.")
+        Method | None,
+        typer.Option(
+            help="Of order 5 or 8, by the tolerance when left out; kinematics where drivers"
+            " determine the motion."
+        ),
     ] = None,
-    body: Annotated[str | None, typer.Option(help="The body to print.")] = None,
+    step: Annotated[
+        float | None,
+        typer.Option(help="Make all steps so long, in seconds, without control of the error."),
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scene, for each."),
+    ] = None,
+    body: Annotated[str | None, typer.Option(help="The body to print and to draw.")] = None,
     out: Annotated[
         Path | None, typer.Option(help="Write all rows to a file, *.csv or *.npz.")
     ] = None,
+    plot: Annotated[Path | None, typer.Option(help="Draw plots into this folder.")] = None,
     output: Annotated[
         list[Output] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),
@@ -64,76 +66,17 @@ def simulate(
     When the motion cannot go on, or Ctrl-C is pressed, what was computed before is written; the
     exit code is 2, or 130.
     """
-    from kousoku.cli.motion import check_destinations
-    from kousoku.cli.scenes import dynamics_of, read_spatial_scene
-    from kousoku.runtime.run import Interrupted
+    from kousoku.cli.bodies import Wish, move, parameters_of
+    from kousoku.cli.scenes import read_spatial_scene
 
-    scene = read_spatial_scene(scene_file)
-    check_destinations(out, None)
-    if body is not None and body not in scene.bodies:
-        raise SolveError(f"--body {body}: the scene has {', '.join(scene.bodies)}")
-    begin = time.perf_counter()
-    try:
-        solver = dynamics_of(scene, target, output and [one.value for one in output])
-        seconds = {"generate and compile": time.perf_counter() - begin}
-        with _progress() as show:
-            motion = solver.simulate(
-                end,
-                samples=samples,
-                tolerance=tolerance,
-                method=method.value if method else None,
-                progress=show,
-            )
-    except SolveError as error:
-        kept = _save_partial(getattr(error, "trajectory", None), out)
-        raise SolveError(f"{scene_file}: {error}{kept}") from None
-    except Interrupted as stop:
-        typer.echo(f"{scene_file}: {stop}{_save_partial(stop.motion, out)}", err=True)
-        raise typer.Exit(130) from None
-    ledger = replace(motion.ledger, seconds=seconds | dict(motion.ledger.seconds))
-    motion = replace(motion, ledger=ledger)
-    if out is not None:
-        motion.save(out)
-    if as_json:
-        print_json(motion.summary())
-        return
-    _print_rows(motion, body or list(scene.bodies)[-1])
-    typer.echo(str(motion.ledger))
-    if out is not None:
-        typer.echo(f"wrote {out}")
-
-
-def _save_partial(motion: object, out: Path | None) -> str:
-    """Write what was computed before the motion stopped, if there is a file to write to."""
-    from kousoku.runtime.motion import Motion
-
-    if out is None or not isinstance(motion, Motion):
-        return ""
-    motion.save(out)
-    return f"; what was computed before is in {out}"
-
-
-@contextmanager
-def _progress() -> "Iterator[Callable[[float, float], None] | None]":
-    """Give what shows the time reached on a terminal, and wipe it at the end."""
-    if not sys.stderr.isatty():
-        yield None
-        return
-
-    def show(reached: float, end: float) -> None:
-        sys.stderr.write(f"\r{reached:.6g} s of {end:.6g} s")
-        sys.stderr.flush()
-
-    try:
-        yield show
-    finally:
-        sys.stderr.write("\r\033[K")
-
-
-def _print_rows(motion: "Motion", body: str) -> None:
-    """Print the motion of one body, thinned to a table that is read at one glance."""
-    columns = motion.columns()
-    names = ["time", *(name for name in columns if name.startswith(f"{body}."))][:8]
-    step = max(1, -(-(len(motion) - 1) // (SHOWN - 1)))
-    rows = [[f"{columns[name][k]:z.9f}" for name in names] for k in range(0, len(motion), step)]
-    print_table(names, rows, title=f"{motion.name}: {body}", numbers=True)
+    options = {
+        "end": end,
+        "samples": samples,
+        "tolerance": tolerance,
+        "method": method.value if method else None,
+        "step": step,
+        "parameters": parameters_of(given),
+    }
+    outputs = [one.value for one in output] if output else None
+    wish = Wish(scene_file, target, outputs, body, out, plot, as_json, options)
+    move(read_spatial_scene(scene_file), wish)

@@ -43,27 +43,44 @@ def solve(
         Path | None, typer.Option(help="Write all rows to a file, *.csv or *.npz.")
     ] = None,
     plot: Annotated[Path | None, typer.Option(help="Draw plots into this folder.")] = None,
-    node: Annotated[str | None, typer.Option(help="The node to print and to draw.")] = None,
+    node: Annotated[
+        str | None, typer.Option(help="The node to print and to draw, of a linkage.")
+    ] = None,
+    body: Annotated[
+        str | None, typer.Option(help="The body to print and to draw, of a scene of bodies.")
+    ] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="A parameter of a scene of bodies."),
+    ] = None,
     as_json: AsJson = False,
 ) -> None:
     """Solve a scene whose inputs are prescribed: positions, velocities and accelerations.
 
-    When the linkage cannot be moved on, the good positions before that are written, and the exit
-    code is 2.
+    A linkage in the plane, or bodies. When it cannot be moved on, the good positions before that
+    are written, and the exit code is 2.
     """
+    from kousoku.cli.bodies import Wish, solve_bodies
     from kousoku.cli.motion import check_destinations, draw, errors_of, node_to_show
-    from kousoku.cli.scenes import read_planar_scene, solver_of
+    from kousoku.cli.scenes import solver_of
+    from kousoku.model.read import read_scene
 
-    scene = read_planar_scene(scene_file)
-    check_destinations(out, plot)
-    shown = node_to_show(scene, node)
-    options = {
+    scene = read_scene(scene_file)
+    of_linkages = {
         "method": method.value if method else None,
-        "divisions": divisions,
         "turns": turns,
         "first_turn": first_turn,
         "from_turn": from_turn,
     }
+    if scene.is_spatial:
+        _refuse("linkages in the plane; this scene has bodies", **of_linkages, node=node)
+        wish = Wish(scene_file, target, None, body, out, plot, as_json)
+        solve_bodies(scene, wish, divisions, given)
+        return
+    _refuse("scenes of bodies; this one is a linkage", body=body, set=given)
+    check_destinations(out, plot)
+    shown = node_to_show(scene, node)
+    options = {**of_linkages, "divisions": divisions}
     solver = solver_of(scene, target)
     try:
         motion = solver.solve(**{key: value for key, value in options.items() if value is not None})
@@ -81,6 +98,13 @@ def solve(
     _print_summary(motion, errors)
     for path in (*([out] if out else []), *pictures):
         typer.echo(f"wrote {path}")
+
+
+def _refuse(others: str, **options: object) -> None:
+    """Refuse options that the scene has no use for."""
+    for name, value in options.items():
+        if value is not None:
+            raise SolveError(f"--{name.replace('_', '-')} is for {others}")
 
 
 def _save_partial(error: SolveError, out: Path) -> str:

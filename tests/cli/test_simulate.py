@@ -144,3 +144,85 @@ def test_linkage_is_sent_to_solve(run: Run) -> None:
     code, _, err = run("simulate", ROOT / "scenes" / "lever_crank.toml", "--end", 1)
     assert code == 2
     assert "kousoku solve" in err
+
+
+CRANK = """
+name = "crank"
+unit = "m"
+[parameters]
+rate = 4
+phase = 0.5
+[bodies.arm]
+position = [0, 0, 0]
+boxes = [{ mass = 2, size = [1, 0.1, 0.1], at = [0.5, 0, 0] }]
+[joints.hinge]
+type = "revolute"
+bodies = ["ground", "arm"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+[drivers]
+motor = { joint = "hinge", value = "rate*t + phase" }
+"""
+
+
+@pytest.fixture
+def crank(tmp_path: Path) -> Path:
+    path = tmp_path / "crank.toml"
+    path.write_text(CRANK, encoding="utf-8")
+    return path
+
+
+def test_parameters_of_a_run_are_set_and_reported(run: Run, crank: Path, tmp_path: Path) -> None:
+    out = tmp_path / "rows.csv"
+    for given, rate in ((), 4.0), (("--set", "rate=9"), 9.0):
+        options = ("--end", 1, "--samples", 2, "--out", out, "--json")
+        code, printed, err = run("simulate", crank, *options, *given)
+        assert (code, err) == (0, "")
+        assert json.loads(printed)["ledger"]["parameters"] == {"rate": rate, "phase": 0.5}
+        rows = np.genfromtxt(out, delimiter=",", names=True, deletechars="")
+        np.testing.assert_allclose(rows["arm.omega_z"], rate, rtol=1e-14)
+        np.testing.assert_allclose(np.abs(rows["arm.e0"]), np.abs(np.cos([0.25, (rate + 0.5) / 2])))
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (
+            ("--set", "raet=2"),
+            "no parameter 'raet': the scene has rate, phase; did you mean 'rate'?",
+        ),
+        (("--set", "rate=nan"), "parameter rate is nan, wanted a finite number"),
+        (("--set", "rate"), "wanted a name, = and a number"),
+        (("--step", "-1"), "step -1.0; wanted seconds, above 0"),
+        (("--step", "0.1"), "the method 'kinematics' goes from one time to the next"),
+    ],
+)
+def test_what_a_run_cannot_take_is_one_line(
+    run: Run, crank: Path, options: tuple[str, ...], says: str
+) -> None:
+    code, out, err = run("simulate", crank, "--end", 1, *options)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and says in err
+
+
+def test_kinematics_is_refused_where_the_motion_is_free(run: Run) -> None:
+    code, _, err = run("simulate", PENDULUM, "--end", 1, "--method", "kinematics")
+    assert code == 2
+    assert "wanted dopri5 or dop853, or more drivers" in err
+
+
+def test_plots_are_drawn_into_the_folder(run: Run, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    code, out, _ = run(
+        *("simulate", PENDULUM, "--end", 1, "--samples", 5, "--output", "energies"),
+        *("--plot", tmp_path / "plots"),
+    )
+    assert code == 0
+    files = sorted(path.name for path in (tmp_path / "plots").iterdir())
+    assert files == ["pendulum_energies.svg", "pendulum_rod.svg"]
+    assert all(f"wrote {tmp_path / 'plots' / name}" in out for name in files)
+
+
+def test_steps_of_a_fixed_length_are_told_in_the_ledger(run: Run) -> None:
+    _, out, _ = run("simulate", PENDULUM, "--end", 1, "--step", 0.01)
+    assert "steps of 0.01 s without control of the error: 100 steps, 0 rejected" in out

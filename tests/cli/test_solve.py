@@ -114,11 +114,75 @@ def test_bad_options_are_refused_before_anything_is_solved(
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("scene", ["missing.toml", "spatial_four_bar.toml"])
-def test_what_is_not_a_planar_scene_is_one_message(run: Run, scene: str) -> None:
+@pytest.mark.parametrize("scene", ["missing.toml", "pendulum.toml"])
+def test_what_has_no_inputs_is_one_message(run: Run, scene: str) -> None:
     code, out, err = run("solve", ROOT / "scenes" / scene)
     assert (code, out) == (2, "")
     assert err.count("\n") == 1 and scene in err
+
+
+CRANK = """
+name = "crank"
+unit = "m"
+divisions = 8
+outputs = ["accelerations", "reactions"]
+gravity = [0, 0, -9.81]
+[bodies.arm]
+position = [0, 0, 0]
+boxes = [{ mass = 2, size = [1, 0.1, 0.1], at = [0.5, 0, 0] }]
+[joints.hinge]
+type = "revolute"
+bodies = ["ground", "arm"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+[inputs]
+alpha = { joint = "hinge", from = 0, turns = 1, rate = 2 }
+"""
+
+
+@pytest.fixture
+def crank(tmp_path: Path) -> Path:
+    path = tmp_path / "crank.toml"
+    path.write_text(CRANK, encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("target", ["auto", "numpy"])
+def test_bodies_are_solved_at_the_divisions_of_their_input(
+    run: Run, crank: Path, tmp_path: Path, target: str
+) -> None:
+    out = tmp_path / "crank.csv"
+    code, printed, err = run("solve", crank, "--target", target, "--out", out, "--divisions", 4)
+    assert (code, err) == (0, "")
+    assert "kinematics, driven: 4 steps" in printed and f"wrote {out}" in printed
+    names = out.read_text(encoding="utf-8").splitlines()[0].split(",")
+    table = dict(zip(names, np.loadtxt(out, delimiter=",", skiprows=1).T, strict=True))
+    np.testing.assert_allclose(table["time"], np.linspace(0, np.pi, 5), rtol=1e-15)
+    np.testing.assert_allclose(table["arm.omega_z"], 2, rtol=1e-14)
+    np.testing.assert_allclose(table["hinge.fx"][::2], [-4, 4, -4], rtol=1e-13)
+    np.testing.assert_allclose(table["hinge.fz"], 2 * 9.81, rtol=1e-13)
+
+
+def test_options_of_the_other_scenes_are_refused(run: Run, crank: Path) -> None:
+    for scene, option, says in (
+        (crank, ("--turns", 2), "--turns is for linkages in the plane"),
+        (crank, ("--node", "O3"), "--node is for linkages in the plane"),
+        (LEVER, ("--body", "arm"), "--body is for scenes of bodies"),
+        (LEVER, ("--set", "k=3"), "--set is for scenes of bodies"),
+        (crank, ("--set", "k=3"), "the scene has none"),
+    ):
+        code, out, err = run("solve", scene, *option)
+        assert (code, out) == (2, "")
+        assert says in err
+
+
+def test_bodies_that_their_input_leaves_free_are_sent_to_simulate(run: Run, tmp_path: Path) -> None:
+    bob = "[bodies.bob]\nposition = [0, 0, 5]\nmass = 1\npoint = true\n"
+    scene = tmp_path / "falling.toml"
+    scene.write_text(CRANK.replace("[joints.hinge]", f"{bob}[joints.hinge]"), encoding="utf-8")
+    code, out, err = run("solve", scene)
+    assert (code, out) == (2, "")
+    assert f"{scene}" in err and "kinematics" in err and "moves freely" in err
 
 
 def test_a_dead_centre_keeps_the_last_good_position(run: Run, tmp_path: Path) -> None:
