@@ -109,7 +109,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     SceneError, AssemblyError
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
-    each = assemble(system_of(scene))
+    each = assemble(system_of(scene, outputs))
     wanted = (*LEDGER, *(scene.outputs if outputs is None else outputs))
     found = merged(each, wanted)
     system = found.system
