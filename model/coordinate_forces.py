@@ -1,8 +1,9 @@
-"""Forces of a scene that act along coordinates: rotational springs, friction, bushings, formulas."""
+"""Forces of a scene along coordinates: rotational springs, friction, bushings, formulas."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from kousoku.model import precise
 from kousoku.model.coordinates import Measure
@@ -26,88 +27,102 @@ SPRING = "coordinate_spring"
 LETTERS = "xyz"
 
 
-def coordinate_elements(
-    name: str,
-    force: Force,
-    scene: Scene,
-    frames: Mapping[str, BodyFrame],
-    coordinates: CoordinateList,
-    unit: High,
-) -> Iterator[ForceElement]:
-    """Yield what a force of a checked scene is made of.
+@dataclass(frozen=True, slots=True)
+class CoordinateForces:
+    """What turns forces along coordinates into elements.
 
     Parameters
     ----------
-    name : str
-        Its name.
-    force : Force
-        One that acts along coordinates.
     scene : Scene
-        Where it is.
+        A checked scene.
     frames : mapping of str to BodyFrame
         Of all bodies and the ground.
     coordinates : CoordinateList
-        What it needs is added.
+        What the forces need is added.
     unit : number [m]
         The unit of the scene.
     """
-    if force.type == "bushing":
-        yield from _bushing(name, force, frames, coordinates, unit)
-    elif force.type == "friction":
+
+    scene: Scene
+    frames: Mapping[str, BodyFrame]
+    coordinates: CoordinateList
+    unit: High
+
+    def elements(self, name: str, force: Force) -> Iterator[ForceElement]:
+        """Yield what a force is made of."""
+        match force.type:
+            case "bushing":
+                yield from self._bushing(name, force)
+            case "friction":
+                for place in self._free(force):
+                    yield self._spring(name, place, 0.0, force.damping)
+            case "along":
+                assert force.coordinate is not None
+                place = self.coordinates.place(force.coordinate)
+                scale = self.unit if self._is_length(place) else self.unit**2
+                yield self._element(name, "along", place, {"force": (force.force, scale)})
+            case _:
+                yield self._rotational(name, force)
+
+    def _free(self, force: Force) -> list[int]:
+        """Return what a joint with friction leaves free."""
         assert force.joint is not None
-        leaves = JOINTS[NAMES[scene.joints[force.joint].type]].leaves
-        for sort in leaves if force.of is None else (force.of,):
-            place = coordinates.of_joint(force.joint, sort)
-            given = (0.0, force.damping, 0.0)
-            yield _spring(name, place, coordinates, given, unit)
-    elif force.type == "along":
-        assert force.coordinate is not None
-        place = coordinates.place(force.coordinate)
-        scale = unit if coordinates.unit_of(place)[0] == "m" else unit * unit
-        yield _element(name, "along", place, coordinates, {"force": (force.force, scale)})
-    else:
-        place = _angle(force, coordinates)
-        free = coordinates.value(place) if force.free_angle is None else force.free_angle
-        if force.moment is None:
-            given = (force.stiffness or 0.0, force.damping or 0.0, free)
-            yield _spring(name, place, coordinates, given, unit)
+        leaves = JOINTS[NAMES[self.scene.joints[force.joint].type]].leaves
+        sorts = leaves if force.of is None else (force.of,)
+        return [self.coordinates.of_joint(force.joint, sort) for sort in sorts]
+
+    def _rotational(self, name: str, force: Force) -> ForceElement:
+        if force.coordinate is not None:
+            place = self.coordinates.place(force.coordinate)
         else:
-            law = {"moment": (1.0, unit * unit), "free": (free, precise.number(1))}
-            yield _element(name, SPRING, place, coordinates, law, force.moment)
+            assert force.joint is not None
+            place = self.coordinates.of_joint(force.joint, ANGLE)
+        free = self.coordinates.value(place) if force.free_angle is None else force.free_angle
+        if force.moment is None:
+            return self._spring(name, place, force.stiffness, force.damping, free)
+        given = {"moment": (1.0, self.unit**2), "free": (free, precise.number(1))}
+        return self._element(name, SPRING, place, given, force.moment)
 
+    def _bushing(self, name: str, force: Force) -> Iterator[ForceElement]:
+        """Yield springs along three directions of body i, and about them by sines of the turns."""
+        assert force.bodies is not None
+        i, j = (self.frames[body] for body in force.bodies)
+        points = _middle(force, (i, j))
+        directions = _directions(force)
+        a_i = [i.from_ground(one) for one in directions]
+        a_j = [j.from_ground(one) for one in directions]
+        along = [Measure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
+        # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
+        about = [
+            Measure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2]))) for k in range(3)
+        ]
+        names = (*LETTERS, *(f"about_{letter}" for letter in LETTERS))
+        given = zip(
+            names, (*along, *about), _six(force.stiffness), _six(force.damping), strict=True
+        )
+        for own, measure, stiffness, damping in given:
+            if stiffness or damping:
+                place = self.coordinates.add(f"{name}.{own}", measure)
+                yield self._spring(name, place, stiffness, damping)
 
-def _angle(force: Force, coordinates: CoordinateList) -> int:
-    if force.coordinate is not None:
-        return coordinates.place(force.coordinate)
-    assert force.joint is not None
-    return coordinates.of_joint(force.joint, ANGLE)
+    def _spring(
+        self, name: str, place: int, stiffness: Any, damping: Any, free: Value | High = 0.0
+    ) -> ForceElement:
+        """Return a linear spring; stiffness and damping are those of the scene, or None."""
+        one = precise.number(1)
+        scale = one if self._is_length(place) else self.unit**2
+        given = {"stiffness": (stiffness or 0.0, scale), "damping": (damping or 0.0, scale)}
+        return self._element(name, SPRING, place, given | {"free": (free, one)})
 
+    def _is_length(self, place: int) -> bool:
+        return self.coordinates.unit_of(place)[0] == "m"
 
-def _bushing(
-    name: str,
-    force: Force,
-    frames: Mapping[str, BodyFrame],
-    coordinates: CoordinateList,
-    unit: High,
-) -> Iterator[ForceElement]:
-    """Yield springs along three directions of body i, and about them by the sines of small turns."""
-    assert force.bodies is not None
-    i, j = (frames[body] for body in force.bodies)
-    points = _middle(force, (i, j))
-    directions = _directions(force)
-    a_i = [i.from_ground(one) for one in directions]
-    a_j = [j.from_ground(one) for one in directions]
-    along = [Measure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
-    # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
-    about = [
-        Measure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2]))) for k in range(3)
-    ]
-    names = (*LETTERS, *(f"about_{letter}" for letter in LETTERS))
-    given = zip(names, (*along, *about), _six(force.stiffness), _six(force.damping), strict=True)
-    for own, measure, stiffness, damping in given:
-        if stiffness or damping:
-            place = coordinates.add(f"{name}.{own}", measure)
-            yield _spring(name, place, coordinates, (stiffness, damping, 0.0), unit)
+    def _element(
+        self, name: str, kind: str, place: int, given: Mapping[str, tuple[Any, High]], law: str = ""
+    ) -> ForceElement:
+        one = self.coordinates.records[place]
+        constants, formulas = scalars(given)
+        return ForceElement(name, kind, one.i, one.j, constants, law, formulas, place)
 
 
 def _six(values: object) -> Sequence[Value]:
@@ -133,38 +148,7 @@ def _directions(force: Force) -> tuple[Triple, Triple, Triple]:
     return x, y, precise.cross(x, y)
 
 
-def _spring(
-    name: str,
-    place: int,
-    coordinates: CoordinateList,
-    given: tuple[Value | None, Value | None, Value | High],
-    unit: High,
-) -> ForceElement:
-    """Return a linear spring; stiffness and damping are those of the scene."""
-    stiffness, damping, free = given
-    scale = precise.number(1) if coordinates.unit_of(place)[0] == "m" else unit * unit
-    law = {
-        "stiffness": (stiffness, scale),
-        "damping": (damping, scale),
-        "free": (free, precise.number(1)),
-    }
-    return _element(name, SPRING, place, coordinates, law)
-
-
-def _element(
-    name: str,
-    kind: str,
-    place: int,
-    coordinates: CoordinateList,
-    given: Mapping[str, tuple[object, High]],
-    law: str = "",
-) -> ForceElement:
-    one = coordinates.records[place]
-    constants, formulas = scalars(given)
-    return ForceElement(name, kind, one.i, one.j, constants, law, formulas, place)
-
-
-def scalars(given: Mapping[str, tuple[object, High]]) -> tuple[Constants, Formulas]:
+def scalars(given: Mapping[str, tuple[Any, High]]) -> tuple[Constants, Formulas]:
     """Return numbers in SI units; of a formula its unit, and the text.
 
     Parameters

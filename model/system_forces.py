@@ -6,7 +6,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.coordinate_forces import coordinate_elements, scalars
+from kousoku.model.coordinate_forces import CoordinateForces, scalars
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, state_names
 from kousoku.model.frames import to_vector
@@ -45,13 +45,14 @@ def force_elements(
         The unit of the scene.
     """
     found: list[ForceElement] = []
+    along = CoordinateForces(scene, frames, coordinates, unit)
     for name, force in scene.forces.items():
         if force.type == "spring_damper":
             found.append(_spring(name, force, frames, unit))
         elif force.type in ("force", "torque"):
             found.append(_load(name, force, frames, unit))
         else:
-            found += coordinate_elements(name, force, scene, frames, coordinates, unit)
+            found += along.elements(name, force)
     texts = chain.from_iterable(one.formulas for one in found)
     for name in _named(scene, [text for _, text in texts]):
         coordinates.place(name)

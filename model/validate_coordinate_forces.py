@@ -70,7 +70,7 @@ def check_friction(scene: Scene, force: Force, key: str) -> None:
     """
     if force.joint is None:
         raise SceneError("is missing; wanted the joint that it is in", key=f"{key}.joint")
-    of = force.of
+    of: str | None = force.of
     if of is None and force.joint in scene.joints:
         leaves = JOINTS[NAMES[scene.joints[force.joint].type]].leaves
         of = leaves[0] if leaves else None

@@ -23,6 +23,7 @@ from kousoku.codegen.dynamics.bodies import (
 from kousoku.codegen.dynamics.combinations import Combinations
 from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
 from kousoku.codegen.dynamics.force_tasks import ForceTasks
+from kousoku.codegen.dynamics.formulas import Names
 from kousoku.codegen.dynamics.joint_tasks import JointTasks
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_joints
 from kousoku.codegen.dynamics.least_norm import Scale, points_of
@@ -135,10 +136,9 @@ class _Composer:
         self.coordinates = CoordinateBlocks(
             system, self.recorder, self.body, self.auxiliary, self.q
         )
-        self.forces = ForceTasks(
-            *(system, self.recorder, self.body, self.coordinates),
-            *(self.time, self.parameters, self._by_body(self.v)),
-        )
+        rates, fixed = self._by_body(self.v), (self.time, self.parameters)
+        names = Names(system, self.recorder, self.coordinates, fixed, rates)
+        self.forces = ForceTasks(self.recorder, self.body, self.coordinates, names, rates)
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(
             self.recorder, self.coordinates, self.time, self.parameters, given

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.forces import ELONGATION, SPRING, Load, Spring, Stored
 from kousoku.codegen.dynamics.forces_along import Held, Push, Resist
-from kousoku.codegen.dynamics.formulas import Names, scaled, used_names
+from kousoku.codegen.dynamics.formulas import scaled, used_names
 from kousoku.codegen.dynamics.recorder import Block, column
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -15,8 +15,9 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
     from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
+    from kousoku.codegen.dynamics.formulas import Names
     from kousoku.codegen.dynamics.recorder import Recorder
-    from kousoku.model.mechanism import ForceElement, System
+    from kousoku.model.mechanism import ForceElement
 
     Effect = tuple[dict[int, Block], Block | None]
 
@@ -26,35 +27,31 @@ class ForceTasks:
 
     Parameters
     ----------
-    system : System
-        The scene.
     recorder : Recorder
         The program.
     body : callable
         Returns the blocks of a body, or of the ground, by its index.
     coordinates : CoordinateBlocks
-        What formulas and forces along coordinates need.
-    time, parameters : Block
-        Where they are.
+        What forces along coordinates need.
+    names : Names
+        What formulas may depend on.
     by_body : sequence of Block
         The velocities of each body.
     """
 
     def __init__(
         self,
-        system: System,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
         coordinates: CoordinateBlocks,
-        time: Block,
-        parameters: Block,
+        names: Names,
         by_body: Sequence[Block],
     ) -> None:
         self.recorder = recorder
         self.body = body
         self.coordinates = coordinates
         self.by_body = by_body
-        self.names = Names(system, recorder, coordinates, time, parameters, by_body)
+        self.names = names
 
     def effect(self, force: ForceElement) -> Effect:
         """Record what a force adds to the accelerations of each body, and its power.

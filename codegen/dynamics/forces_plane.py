@@ -43,7 +43,7 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
         return True
     else:
         heights = [given["s_j_b"][normal]]
-    return not _is_flat(heights, given.values())
+    return not _is_flat(heights, list(given.values()))
 
 
 def _is_flat(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool:

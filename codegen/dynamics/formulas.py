@@ -92,8 +92,8 @@ class Names(Mapping[str, "Meaning"]):
         The program.
     coordinates : CoordinateBlocks
         Its coordinates.
-    time, parameters : Block
-        Where they are.
+    given : (Block, Block)
+        Where time and parameters are.
     by_body : sequence of Block
         The velocities of each body.
     """
@@ -103,10 +103,10 @@ class Names(Mapping[str, "Meaning"]):
         system: System,
         recorder: Recorder,
         coordinates: CoordinateBlocks,
-        time: Block,
-        parameters: Block,
+        given: tuple[Block, Block],
         by_body: Sequence[Block],
     ) -> None:
+        time, parameters = given
         self._fixed = {TIME: time}
         for k, (name, _) in enumerate(system.parameters):
             self._fixed[name] = parameters.part(k, 1)
