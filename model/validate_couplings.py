@@ -27,12 +27,14 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
     SceneError
         With the dotted key of what is wrong.
     """
-    for name in ("bodies", "points", "at", "axes", "axis", "second_axis", "zero"):
-        if getattr(joint, name) is not None:
+    own = COUPLINGS[NAMES[joint.type]].keys
+    for name in joint.__struct_fields__:
+        if name not in ("type", *own) and getattr(joint, name) is not None:
             raise SceneError(
-                f"a {joint.type} couples what joints leave free; leave it out", key=f"{key}.{name}"
+                f"a {joint.type} couples what joints leave free, and has none; leave it out",
+                key=f"{key}.{name}",
             )
-    for name in COUPLINGS[NAMES[joint.type]].keys:
+    for name in own:
         if getattr(joint, name) is None:
             raise SceneError(
                 f"is missing; a {joint.type} wants {WANTED[name]}", key=f"{key}.{name}"

@@ -12,7 +12,7 @@ from kousoku.model.orientation import check_orientation
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinates import check_coordinates
 from kousoku.model.validate_couplings import check_coupling
-from kousoku.model.validate_forces import check_force, uses_of
+from kousoku.model.validate_forces import check_force, check_gravity, uses_of
 from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
@@ -72,6 +72,7 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
     for name, force in scene.forces.items():
         key = join("forces", name)
         problems.check(key, [key, *uses_of(force)], check_force, scene, force, key)
+    problems.check("gravity", ["gravity"], check_gravity, scene)
 
 
 def _check_body(body: Body, key: str) -> None:
@@ -160,7 +161,7 @@ def _check_point(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
 
 def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
     given = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
-    if not kind.axes and joint.zero is None:
+    if not kind.axes and not (kind.has_zero and joint.zero is not None):
         for name in given:
             raise SceneError(f"a {joint.type} joint has no axis; leave it out", key=f"{key}.{name}")
         return

@@ -94,3 +94,36 @@ def test_a_scene_that_was_built_does_not_change_with_its_builder() -> None:
     scene = builder.build()
     builder.node("P", at=(1, 1))
     assert "P" not in scene.nodes
+
+
+def test_drivers_coordinates_and_parameters_have_a_call() -> None:
+    nut = read_scene(SCENES / "falling_nut.toml")
+    built = (
+        SceneBuilder("falling_nut", unit="m", title=nut.title)
+        .gravity(0, 0, -9.80665)
+        .outputs("velocities", "coordinates", "reactions", "energies")
+        .body(
+            "nut",
+            position=(0, 0, 0),
+            mass=2,
+            inertia={"xx": 0.0015, "yy": 0.0015, "zz": np.float64(0.001)},
+        )
+        .joint(
+            "thread",
+            type="screw",
+            bodies=("ground", "nut"),
+            at=(0, 0, 0),
+            axis=(0, 0, 1),
+            pitch=0.1,
+        )
+        .coordinate("height", body="nut", along=np.array([0, 0, 1]))
+        .coordinate("turned", joint="thread", of="angle")
+    )
+    assert built.build() == nut
+    driven = built.parameter("speed", np.float64(2)).driver(
+        "motor", coordinate="turned", value="speed*t"
+    )
+    scene = driven.build()
+    assert (scene.parameters, scene.drivers["motor"].value) == ({"speed": 2}, "speed*t")
+    with pytest.raises(SceneError, match=r"parameters\.speed: the name 'speed' is given twice"):
+        built.parameter("speed", 3)

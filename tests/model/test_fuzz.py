@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import copy
 import tomllib
 from pathlib import Path
@@ -14,6 +15,7 @@ from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MOST_SHOWN, SceneError
 from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
 from kousoku.model.scene import Scene
+from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
     import pytest
@@ -98,6 +100,62 @@ def test_a_scene_with_one_key_gone(data: st.DataObject) -> None:
 @given(st.dictionaries(st.sampled_from([*TREES[0], "links", "rigid", "bodies"]), TREE))
 def test_any_tree(tree: dict[str, object]) -> None:
     gives_scene_or_error(scene_from_dict, {"name": "x", "unit": "m"} | tree)
+
+
+@settings(max_examples=300, deadline=None)
+@given(st.data())
+def test_a_driven_scene_with_any_coordinates_couplings_and_drivers(data: st.DataObject) -> None:
+    """What passes the checks becomes a system, or is refused by a message."""
+    tree: Any = tomllib.loads((ROOT / "scenes" / "gear_train.toml").read_text(encoding="utf-8"))
+    names = st.sampled_from([*tree["joints"], *tree["coordinates"], *tree["bodies"], "ground"])
+    pair = st.lists(names, min_size=2, max_size=2)
+    number = st.sampled_from([0, 1, -2.5, 1e-49])
+    vector = st.lists(number, min_size=3, max_size=3)
+    formula = number | st.sampled_from(["t", "speed*t", "abs(t)", "1/t", "wheel_angle", "exp(t)^t"])
+    keys = {
+        **dict.fromkeys(["joint", "body", "coordinate"], names),
+        **dict.fromkeys(["bodies", "joints", "coordinates"], pair),
+        **dict.fromkeys(["ratio", "radius", "pitch", "near"], number),
+        **dict.fromkeys(["along", "point", "at", "axis"], vector),
+        **dict.fromkeys(["points", "axes", "zero"], st.lists(vector, min_size=2, max_size=2)),
+        "factors": st.lists(number, min_size=2, max_size=2),
+        "of": st.sampled_from(["angle", "displacement"]),
+        "hold": st.booleans(),
+        "value": formula,
+        "path": st.lists(formula, min_size=3, max_size=3),
+        "type": st.sampled_from(["gear", "rack", "linear", "screw", "cv", "hinge", "cylindrical"]),
+    }
+    for table in ("joints", "coordinates", "drivers"):
+        name = data.draw(st.sampled_from([*tree[table], "another"]))
+        known = ALLOWED[table]
+        chosen = data.draw(st.lists(st.sampled_from(known), max_size=4, unique=True))
+        changed = {key: data.draw(keys[key]) for key in chosen}
+        tree[table][name] = {**tree[table].get(name, {}), **changed}
+    gives_scene_or_error(scene_from_dict, tree)
+    with contextlib.suppress(SceneError):
+        system_of(scene_from_dict(tree))
+
+
+ALLOWED = {
+    "joints": [
+        "type",
+        "bodies",
+        "joints",
+        "ratio",
+        "radius",
+        "pitch",
+        "coordinates",
+        "factors",
+        "at",
+        "axis",
+        "points",
+        "axes",
+        "zero",
+    ],
+    "coordinates": ["joint", "of", "bodies", "points", "body", "point", "along", "near", "hold"],
+    "drivers": ["coordinate", "joint", "of", "value", "body", "point", "path"],
+}
+"""Keys of the tables of a driven scene."""
 
 
 @settings(max_examples=200, deadline=None)

@@ -1,0 +1,230 @@
+"""Screws, gears, racks, constant velocity joints: which coordinates, with which factors."""
+
+from __future__ import annotations
+
+from math import cos, pi, sin
+from typing import Any
+
+import pytest
+
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import COMBINATION, Instance, System
+from kousoku.model.read import scene_from_dict
+from kousoku.model.system import system_of
+
+Tree = dict[str, Any]
+ZERO, X, Z = [0, 0, 0], [1, 0, 0], [0, 0, 1]
+
+
+def two_bodies(**joints: Tree) -> Tree:
+    """Return two bodies that are turned and displaced, in centimetres."""
+    bodies = {
+        "a": {"position": [0, 0, 2], "orientation": {"axis": Z, "angle": 0.5}, "mass": 1},
+        "b": {"position": [3, 0, 0], "orientation": {"axis": X, "angle": 1.25}, "mass": 1},
+    }
+    return {"name": "two", "unit": "cm", "bodies": bodies, "joints": joints}
+
+
+def on_ground(kind: str, body: str, **keys: Any) -> Tree:
+    """Return a joint with the ground whose coordinates count from the frame of the body."""
+    axis, zero = (X, Z) if body == "b" else (Z, X)
+    given = {"points": [ZERO, ZERO], "axes": [axis, axis], "zero": [zero, zero]}
+    return {"type": kind, "bodies": ["ground", body], **given, **keys}
+
+
+def coupling(tree: Tree) -> tuple[System, Instance]:
+    """Return the system of a tree and its last combination."""
+    system = system_of(scene_from_dict(tree))
+    return system, next(c for c in reversed(system.constraints) if c.kind == COMBINATION)
+
+
+def terms(system: System, row: Instance) -> dict[str, float]:
+    """Return the factor of each coordinate by its name."""
+    return {system.coordinates[term.coordinate].name: term.factor for term in row.terms}
+
+
+@pytest.mark.parametrize("pitch", [0.8, -0.8])
+def test_a_screw_advances_by_its_pitch_in_one_turn(pitch: float) -> None:
+    system, row = coupling(two_bodies(thread=on_ground("helical", "a", pitch=pitch)))
+    factors = terms(system, row)
+    assert factors["thread.displacement"] == 1
+    assert factors["thread.angle"] * 2 * pi == pytest.approx(-0.01 * pitch, rel=1e-15)
+    assert row.offset == pytest.approx(-(0.02 - 0.01 * pitch * 0.5 / (2 * pi)), rel=1e-14)
+    assert (row.unit, row.bodies, len(system.constraints)) == ("m", (-1, 0), 3)
+
+
+def test_a_gear_keeps_the_second_angle_at_a_ratio_of_the_first() -> None:
+    joints = {"one": on_ground("revolute", "a"), "two": on_ground("revolute", "b")}
+    joints["one"]["points"] = [[0, 0, 2], ZERO]
+    gear = {"type": "gear", "joints": ["one", "two"], "ratio": -3}
+    system, row = coupling(two_bodies(mesh=gear, **joints))
+    assert terms(system, row) == {"two.angle": 1, "one.angle": 3}
+    assert row.offset == pytest.approx(-(1.25 + 3 * 0.5), rel=1e-15)
+    assert (row.joint, row.unit, row.bodies, row.law) == ("mesh", "rad", (-1, 1, 0), "")
+
+
+def test_a_gear_uses_the_coordinate_that_the_scene_names() -> None:
+    joints = {"one": on_ground("revolute", "a"), "two": on_ground("revolute", "b")}
+    gear = {"type": "gear", "joints": ["one", "two"], "ratio": 2}
+    tree = two_bodies(mesh=gear, **joints)
+    tree["coordinates"] = {"turn": {"joint": "two", "near": 7}}
+    system, row = coupling(tree)
+    assert terms(system, row) == {"turn": 1, "one.angle": -2}
+    assert row.offset == pytest.approx(-(1.25 + 2 * pi - 2 * 0.5), rel=1e-15)
+
+
+def test_a_gear_of_four_bodies_connects_them_all() -> None:
+    pair = {"type": "revolute", "at": ZERO, "axis": Z}
+    tree = two_bodies(
+        one={**pair, "bodies": ["a", "b"]},
+        two={**pair, "bodies": ["c", "d"]},
+        mesh={"type": "gear", "joints": ["one", "two"], "ratio": 1},
+    )
+    for name in "cd":
+        tree["bodies"][name] = {"position": ZERO, "mass": 1}
+    _, row = coupling(tree)
+    assert (row.i, row.j, row.others) == (2, 3, (0, 1))
+
+
+def test_gears_on_a_carrier_connect_three_bodies() -> None:
+    pair = {"type": "revolute", "at": ZERO, "axis": Z}
+    tree = two_bodies(
+        sun={**pair, "bodies": ["a", "b"]},
+        planet={**pair, "bodies": ["a", "c"]},
+        mesh={"type": "gear", "joints": ["sun", "planet"], "ratio": -2},
+    )
+    tree["bodies"]["c"] = {"position": ZERO, "mass": 1}
+    _, row = coupling(tree)
+    assert row.bodies == (0, 2, 1)
+
+
+def test_a_rack_goes_by_the_radius_times_the_angle_of_the_pinion() -> None:
+    joints = {"pinion": on_ground("revolute", "b"), "rack": on_ground("prismatic", "a")}
+    tree = two_bodies(mesh={"type": "rack", "joints": ["pinion", "rack"], "radius": 6}, **joints)
+    system, row = coupling(tree)
+    assert terms(system, row) == {"rack.displacement": 1, "pinion.angle": -0.06}
+    assert row.offset == pytest.approx(-(0.02 - 0.06 * 1.25), rel=1e-14)
+    assert (row.unit, row.bodies) == ("m", (-1, 0, 1))
+
+
+def test_a_linear_coupling_adds_lengths_in_the_unit_of_the_scene_and_angles_in_rad() -> None:
+    """2 · 2 cm + 3 · 1.25 rad = 7.75 cm stays what it is; each part in metres."""
+    joints = {"pinion": on_ground("revolute", "b"), "rack": on_ground("prismatic", "a")}
+    sums = {"type": "coupler", "coordinates": ["turn", "way"], "factors": [3, 2]}
+    tree = two_bodies(sums=sums, **joints)
+    tree["coordinates"] = {"turn": {"joint": "pinion"}, "way": {"joint": "rack"}}
+    system, row = coupling(tree)
+    assert terms(system, row) == {"turn": 0.03, "way": 2}
+    assert row.offset == pytest.approx(-0.0775, rel=1e-14)
+    assert row.unit == "m"
+    sums.update(coordinates=["turn"], factors=[3])
+    system, row = coupling(tree)
+    assert (terms(system, row), row.unit) == ({"turn": 3}, "rad")
+
+
+@pytest.mark.parametrize("bend", [0.0, 0.4, 2.0, 3.0])
+def test_a_constant_velocity_joint_holds_at_any_bend_as_it_is_written(bend: float) -> None:
+    """The frames of both shafts are one frame, bent: x_i·y_j = y_i·x_j = 0 − sin·cos parts."""
+    axis = [cos(bend), 0.6 * sin(bend), 0.8 * sin(bend)]
+    joint = {"type": "cv", "bodies": ["a", "b"], "at": ZERO, "axis": X, "second_axis": axis}
+    system, row = coupling(two_bodies(cv=joint))
+    assert (row.offset, row.unit) == (0, "rad")
+    assert terms(system, row) == {"cv.xy": 1, "cv.yx": -1}
+    matrices = [_matrix(body.p) for body in system.bodies]
+    values = []
+    for coordinate in system.coordinates:
+        assert coordinate.kind == "n1"
+        vectors = [vector for _, vector in coordinate.constants]
+        a, b = (
+            [sum(m * v for m, v in zip(line, vector, strict=True)) for line in matrix]
+            for matrix, vector in zip(matrices, vectors, strict=True)
+        )
+        values.append(sum(x * y for x, y in zip(a, b, strict=True)))
+    assert values[0] - values[1] == pytest.approx(0, abs=2e-15)
+
+
+def _matrix(p: tuple[float, ...]) -> list[list[float]]:
+    w, x, y, z = p
+    return [
+        [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z],
+    ]
+
+
+def test_shafts_that_are_folded_back_are_refused() -> None:
+    joint = {"type": "cv", "bodies": ["a", "b"], "at": ZERO, "axis": X, "second_axis": [-1, 0, 0]}
+    with pytest.raises(SceneError, match="point against each other") as caught:
+        system_of(scene_from_dict(two_bodies(cv=joint)))
+    assert caught.value.key == "joints.cv.axes"
+
+
+def test_zero_says_which_turn_a_fixed_joint_keeps() -> None:
+    """Across the axis x: y of the ground stays parallel to z of the body."""
+    joint = {"type": "fixed", "bodies": ["ground", "b"], "points": [[3, 0, 0], ZERO]}
+    joint |= {"axes": [X, X], "zero": [[0, 1, 0], [5, 0, 1]]}
+    system = system_of(scene_from_dict(two_bodies(weld=joint)))
+    row = dict(system.constraints[-1].constants)
+    assert row["a_i_b"] == (0, 1, 0)
+    assert row["a_j_b"] == (0, -1, 0)
+
+
+@pytest.mark.parametrize(
+    ("change", "key", "says"),
+    [
+        ({"zero": None, "axes": [X, X]}, ".axes", "a fixed joint has no axis"),
+        ({"axes": None, "zero": [Z, Z]}, ".axes", "is missing; a fixed joint wants"),
+        ({"type": "ball", "axes": None, "zero": [Z, Z]}, ".zero", "has no angle"),
+        ({"type": "hooke", "axes": [X, Z], "zero": [Z, X]}, ".zero", "has no angle"),
+        ({"axes": None, "axis": X, "zero": [Z, Z]}, ".axes", "wants the axis in each"),
+        ({"type": "screw", "axes": [X, X]}, ".pitch", "is missing"),
+        ({"axes": None, "ratio": 3}, ".ratio", "has none; leave it out"),
+    ],
+)
+def test_keys_that_do_not_belong_to_a_joint_are_refused(change: Tree, key: str, says: str) -> None:
+    joint = {"type": "fixed", "bodies": ["ground", "b"], "points": [ZERO, ZERO], **change}
+    given = {name: value for name, value in joint.items() if value is not None}
+    with pytest.raises(SceneError, match=says) as caught:
+        scene_from_dict(two_bodies(joint=given))
+    assert caught.value.key == f"joints.joint{key}"
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "says"),
+    [
+        ({"type": "gear", "joints": ["one", "two"], "ratio": 2, "at": ZERO}, ".at", "couples what"),
+        ({"type": "gear", "ratio": 2}, ".joints", "is missing; a gear wants the names"),
+        ({"type": "gear", "joints": ["one", "too"], "ratio": 2}, ".joints[1]", "mean 'two'"),
+        ({"type": "rack", "joints": ["one", "two"], "radius": 0}, ".joints[1]", "no displacement"),
+        ({"type": "linear", "coordinates": [], "factors": []}, ".coordinates", "is empty"),
+        ({"type": "linear", "coordinates": ["u"], "factors": [1]}, ".coordinates[0]", "unknown"),
+        ({"type": "linear", "coordinates": ["t1"], "factors": [0]}, ".factors[0]", "is zero"),
+        ({"type": "linear", "coordinates": ["t1"] * 2, "factors": [1, 2]}, "[1]", "twice"),
+        ({"type": "linear", "coordinates": ["t1"], "factors": [1], "ratio": 2}, ".ratio", "none"),
+    ],
+)
+def test_a_coupling_that_cannot_be_is_refused(given: Tree, key: str, says: str) -> None:
+    joints = {"one": on_ground("revolute", "a"), "two": on_ground("revolute", "b")}
+    tree = two_bodies(mesh=given, **joints)
+    tree["coordinates"] = {"t1": {"joint": "one"}}
+    with pytest.raises(SceneError, match=says) as caught:
+        scene_from_dict(tree)
+    assert caught.value.key.startswith("joints.mesh")
+    assert caught.value.key.endswith(key)
+
+
+def test_a_coupling_of_too_many_bodies_is_refused() -> None:
+    joints = {f"j{k}": {"type": "revolute", "at": ZERO, "axis": Z} for k in range(3)}
+    tree = two_bodies(**joints)
+    for k, joint in enumerate(joints.values()):
+        for name in (f"m{k}", f"n{k}"):
+            tree["bodies"][name] = {"position": ZERO, "mass": 1}
+        joint["bodies"] = [f"m{k}", f"n{k}"]
+    tree["coordinates"] = {f"c{k}": {"joint": f"j{k}"} for k in range(3)}
+    tree["joints"]["sum"] = {
+        "type": "linear",
+        "coordinates": ["c0", "c1", "c2"],
+        "factors": [1] * 3,
+    }
+    with pytest.raises(SceneError, match="connects 6 moving bodies; at most 4"):
+        scene_from_dict(tree)
