@@ -118,8 +118,11 @@ class SceneBuilder:
         """Add a force, torque or spring with the keys of :class:`kousoku.model.loads.Force`."""
         return self._add("forces", name, **keys)
 
-    def gravity(self, x: float, y: float, z: float) -> Self:
-        """Set the acceleration of free fall, in frame O, in the unit of the scene per s²."""
+    def gravity(self, x: float | str, y: float | str, z: float | str) -> Self:
+        """Set the acceleration of free fall, in frame O, in the unit of the scene per s².
+
+        Components may be formulas of parameters.
+        """
         self._tree["gravity"] = (x, y, z)
         return self
 

@@ -269,6 +269,8 @@ class System:
         Joint by joint, in the order of the scene.
     gravity : (3,) [m/s²]
         Acceleration of free fall, frame O.
+    gravity_law : (3,) str
+        Components that are formulas of parameters, in the unit of the scene; the others are empty.
     held : tuple of Instance
         What assembly keeps of the positions, as constraints with the ground that hold at the start;
         ``joint`` is the key in the scene.
@@ -300,5 +302,10 @@ class System:
     coordinates: tuple[Coordinate, ...] = ()
     shown: tuple[int, ...] = ()
     parameters: tuple[tuple[str, float], ...] = ()
+    gravity_law: tuple[str, str, str] = ("", "", "")
     carried: tuple[Carried, ...] = ()
     resting: float = 0.0
+
+    def has_gravity(self, axis: int) -> bool:
+        """Return whether gravity has a component along an axis, or may have one."""
+        return self.gravity[axis] != 0.0 or bool(self.gravity_law[axis])

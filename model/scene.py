@@ -10,7 +10,7 @@ import msgspec
 
 from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
-from kousoku.model.spatial import Body, Coordinate, Driver, Joint, Vector
+from kousoku.model.spatial import Body, Components, Coordinate, Driver, Joint
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal[
@@ -69,7 +69,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     forces : mapping of str to Force
         Forces, torques and springs beside gravity; of a spatial mechanism only.
     gravity : (3,) [unit of the scene per s²]
-        Acceleration of free fall, in frame O; of a spatial mechanism only.
+        Acceleration of free fall, in frame O; of a spatial mechanism only. Components may be
+        formulas of parameters.
     inputs : mapping of str to Input
         Prescribed motions; they all take their division k at the same time.
     divisions : int
@@ -95,7 +96,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     coordinates: Mapping[str, Coordinate] = {}
     drivers: Mapping[str, Driver] = {}
     forces: Mapping[str, Force] = {}
-    gravity: Vector = (0.0, 0.0, 0.0)
+    gravity: Components = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")

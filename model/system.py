@@ -30,7 +30,7 @@ from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
-from kousoku.model.system_forces import force_elements
+from kousoku.model.system_forces import force_elements, gravity_law, gravity_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -107,7 +107,8 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         unit=float(unit),
         bodies=tuple(bodies),
         constraints=constraints,
-        gravity=to_vector(precise.scale(unit, precise.triple(scene.gravity))),
+        gravity=gravity_of(scene, unit),
+        gravity_law=gravity_law(scene),
         held=(*held, *held_coordinates(scene, coordinates)),
         held_rates=tuple(held_rates),
         forces=forces,

@@ -59,6 +59,18 @@ def force_elements(
     return tuple(found)
 
 
+def gravity_of(scene: Scene, unit: High) -> Vector:
+    """Return the acceleration of free fall in SI units, zero where it is a formula."""
+    x, y, z = (0.0 if isinstance(value, str) else value for value in scene.gravity)
+    return to_vector(precise.scale(unit, precise.triple((x, y, z))))
+
+
+def gravity_law(scene: Scene) -> tuple[str, str, str]:
+    """Return the components of gravity that are formulas; the others are empty."""
+    x, y, z = (value if isinstance(value, str) else "" for value in scene.gravity)
+    return x, y, z
+
+
 def _named(scene: Scene, formulas: list[str]) -> list[str]:
     """Return the coordinates that formulas name, or whose rates they name."""
     known = state_names(scene)

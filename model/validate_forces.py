@@ -69,6 +69,18 @@ def check_force(scene: Scene, force: Force, key: str) -> None:
     _check_formulas(scene, force, key)
 
 
+def check_gravity(scene: Scene) -> None:
+    """Refuse components of gravity that are no formulas of parameters.
+
+    Raises
+    ------
+    SceneError
+        All of them.
+    """
+    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity")):
+        raise SceneError.of(found)
+
+
 def _check_load(scene: Scene, force: Force, key: str) -> None:
     if force.body is None:
         raise SceneError("is missing; wanted the body that it acts on", key=f"{key}.body")

@@ -261,9 +261,9 @@ class _Composer:
         return [region.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
 
     def _acceleration(self) -> None:
-        gravity = self.recorder.constant(self.system.gravity)
         lam = self.recorder.region("lam", self.rows) if "reactions" in self.wanted else None
         self.recorder.begin("acceleration")
+        gravity = self.forces.gravity(self.system)
         for blocks in self.bodies:
             self.recorder.call(
                 Motion(blocks.coordinates),
@@ -348,13 +348,14 @@ class _Composer:
     def _energy(self) -> None:
         target = self.recorder.region("energies", 2)
         self.recorder.begin("energy")
+        gravity = self.forces.gravity(self.system)
         parts: list[Block] = []
         for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
             mass = Fraction(body.mass)
             halves = self.recorder.constant(
                 [mass / 2] * 3 + [Fraction(x) / 2 for x in body.inertia]
             )
-            weight = self.recorder.constant([-mass * Fraction(g) for g in self.system.gravity])
+            weight = self.forces.weight(self.system, gravity, mass)
             parts += self.recorder.call(
                 Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight
             )

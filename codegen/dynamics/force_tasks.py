@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.forces import ELONGATION, SPRING, Load, Spring, Stored
 from kousoku.codegen.dynamics.forces_along import Held, Push, Resist
-from kousoku.codegen.dynamics.formulas import scaled, used_names
+from kousoku.codegen.dynamics.formulas import Product, scaled, used_names
+from kousoku.codegen.dynamics.operations import Sum
 from kousoku.codegen.dynamics.recorder import Block, column
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -17,7 +19,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
     from kousoku.codegen.dynamics.formulas import Names
     from kousoku.codegen.dynamics.recorder import Recorder
-    from kousoku.model.mechanism import ForceElement
+    from kousoku.model.mechanism import ForceElement, System
 
     Effect = tuple[dict[int, Block], Block | None]
 
@@ -81,6 +83,21 @@ class ForceTasks:
             ]
         i, j = self.body(force.i), self.body(force.j)
         return self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)[0]
+
+    def gravity(self, system: System) -> Block:
+        """Return the acceleration of free fall (3,)."""
+        parts = [self.recorder.constant(system.gravity)]
+        for k, text in enumerate(system.gravity_law):
+            if text:
+                direction = self.recorder.constant([system.unit * (n == k) for n in range(3)])
+                parts.append(scaled(self.recorder, direction, text, self.names))
+        return self.recorder.call(Sum(), *parts)[0] if len(parts) > 1 else parts[0]
+
+    def weight(self, system: System, gravity: Block, mass: Fraction) -> Block:
+        """Return minus the weight of a body (3,)."""
+        if not any(system.gravity_law):
+            return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
+        return self.recorder.call(Product(), gravity, self.recorder.constant((-mass,)))[0]
 
     def _constants(self, force: ForceElement) -> list[Block]:
         """Return the constants; those that a formula belongs to are multiplied by it."""

@@ -79,6 +79,18 @@ def used_names(formula: str, names: tuple[str, ...]) -> tuple[str, ...]:
     return names_of(parse_expression(formula, names))
 
 
+@dataclass(frozen=True, slots=True)
+class Product:
+    """A column times a number. Blocks: both."""
+
+    title: str = "product"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the product."""
+        column, number = blocks
+        return (column @ number,)
+
+
 class Names(Mapping[str, "Meaning"]):
     """What formulas may depend on: time, parameters, coordinates, and rates of coordinates.
 

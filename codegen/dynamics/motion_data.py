@@ -86,7 +86,7 @@ def is_flat(program: Program, system: System) -> bool:
     if any(leaves_plane(system, force, normal) for force in system.forces):
         return False
     spread = max(heights) - min(heights)
-    return system.gravity[normal] == 0.0 and spread <= 1e-12 * max(1.0, *map(abs, heights))
+    return not system.has_gravity(normal) and spread <= 1e-12 * max(1.0, *map(abs, heights))
 
 
 def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> float:

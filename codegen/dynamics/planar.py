@@ -64,7 +64,7 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         return False
     wants_hold = (
         must_be_held
-        or system.gravity[2] != 0
+        or system.has_gravity(NORMAL)
         or any(leaves_plane(system, force, NORMAL) for force in system.forces)
     )
     if wants_hold and not _may_hold(system):

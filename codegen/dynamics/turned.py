@@ -47,6 +47,7 @@ def turned(system: System, shift: int) -> System:
         bodies=tuple(_turned_body(body, shift) for body in system.bodies),
         constraints=tuple(_turned_instance(one, shift) for one in system.constraints),
         gravity=_triple(system.gravity, shift),
+        gravity_law=_triple(system.gravity_law, shift),
         coordinates=tuple(
             replace(one, constants=_turned_constants(one.constants, shift))
             for one in system.coordinates
