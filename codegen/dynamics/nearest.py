@@ -1,8 +1,7 @@
 """The nearest positions at which all rows hold, in 50 digits.
 
-Joints are put together first. Where drivers prescribe at t = 0 what is far from the positions of
-the scene, they lead the mechanism there step by step, so that it stays on the branch on which the
-scene shows it.
+Where that fails and drivers prescribe at t = 0 what is far from the positions of the scene, joints
+are put together first, and the drivers lead the mechanism from there step by step.
 """
 
 from __future__ import annotations
@@ -71,8 +70,12 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
     """
     start = Pose.of(system.bodies, system.coordinates)
     search = _Search(rows, metric)
-    pose = _driven(start, system, search) or search.restored(start)
-    if open_joints := violations(rows, pose, CLOSED * metric.size):
+    pose = search.restored(start)
+    open_joints = violations(rows, pose, CLOSED * metric.size)
+    if open_joints and (driven := _driven(start, system, search)):
+        pose = driven
+        open_joints = violations(rows, pose, CLOSED * metric.size)
+    if open_joints:
         raise AssemblyError(
             f"{system.name}: does not fit together near these positions; as near as it comes, "
             f"these stay open: {listed(open_joints, ('m', 'rad'))}; {_advice(system, open_joints)}"
@@ -148,7 +151,7 @@ class _Search:
 
 
 def _driven(start: Pose, system: System, search: _Search) -> Pose | None:
-    """Return positions to which drivers lead that are far; None if none is or they do not arrive.
+    """Return positions to which drivers lead from afar; None if none is far, or does not arrive.
 
     The joints are put together without drivers first. From there the value that each driver is
     away from what it prescribes goes to zero in equal stages.

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import tomllib
 from dataclasses import replace
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.branch import Branch
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.loops import loops_of
+from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.codegen.dynamics.structure import structure_of
 from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
 from kousoku.model.errors import SceneError
@@ -180,6 +184,16 @@ def test_a_gear_between_mechanisms_apart_makes_one_part_of_them(
     assert (part.bodies, part.is_grounded) == ((0, 1, 2, 3), False)
     assert of(system, may_be_planar=False).degrees == 24 - 11
     assert structure_of(system, compose(system, may_be_planar=False)).parts == 1
+
+
+def test_angles_count_turns_along_the_branch(mechanisms: SimpleNamespace) -> None:
+    system = geared(mechanisms, is_grounded=True)
+    rows = Residuals.of(system, system.constraints)
+    branch = Branch(rows, range(11), range(12), 1.0)
+    counted = [one.near for one in islice(branch.positions(system.bodies), 40)]
+
+    assert max(abs(one + 2 * two) for one, two in counted) < 1e-10
+    assert abs(counted[-1][0]) > 2 * math.pi
 
 
 def test_a_gear_that_repeats_another_is_found_along_the_branch(
