@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
@@ -32,7 +33,11 @@ PARTS_OF_ROWS = {
 TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",
+    "__init__.py": "dynamics/__init__.py.jinja",
+    "alone.py": "dynamics/alone.py.jinja",
 }
+#: A module of the runtime that needs NumPy only goes along, for folders that are copied out.
+ALONG = Path(__file__).parents[2] / "runtime" / "body_tables.py"
 PYTHON_FILE, PYTHON_TEMPLATE = "solver.py", "dynamics/solver.py.jinja"
 #: What the text is made of, for the digest.
 PARTS = (
@@ -68,13 +73,15 @@ def emit_dynamics(
     view = dynamics_view(program, system, length, parts)
     templates = environment()
     total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
-    for part in PARTS:
-        total.update(template(part).encode())
+    along = ALONG.read_text(encoding="utf-8")
+    for text in (along, *map(template, PARTS)):
+        total.update(text.encode())
     signature = total.hexdigest()
     given = {"view": view, "version": __version__, "digest": signature, "key": key_of(signature)}
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
     python = numpy_view(program, length)
     files[PYTHON_FILE] = templates.get_template(PYTHON_TEMPLATE).render(**given, python=python)
+    files[ALONG.name] = along
     files[MOTION_FILE] = to_text(motion_data(program, system, parts))
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import json
 import shutil
 import subprocess
@@ -13,8 +14,11 @@ import numpy as np
 import pytest
 
 import kousoku.generated
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.generated import lever_crank, piston_crank
 from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -126,3 +130,44 @@ def test_copied_folder_gives_nothing_that_is_not_wanted(
         tmp_path,
     )
     assert got.stdout.split() == ["3", "{}", "l1", "l2"], got.stderr
+
+
+@pytest.fixture(scope="module")
+def top(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    scene = read_scene(ROOT / "scenes" / "heavy_top.toml")
+    folder = tmp_path_factory.mktemp("alone") / "my_top"
+    write_tree(folder, generate_dynamics(scene, ["accelerations", "energies"]))
+    return folder
+
+
+def test_copied_folder_of_bodies_moves_with_numpy_alone(top: Path) -> None:
+    got = run(
+        "import my_top\n"
+        "motion = my_top.simulate(0.01, samples=3, tolerance=1e-10)\n"
+        "print(json.dumps([motion.method, motion.time.tolist(), motion.position['top'].tolist(),"
+        " motion.angular_velocity['top'].tolist(), motion.acceleration['top'].tolist(),"
+        " motion.orientation['top'].tolist(), motion.parts['energies'].tolist()]))",
+        top.parent,
+    )
+    assert got.returncode == 0, got.stderr
+    method, time, *tables, energies = json.loads(got.stdout)
+    wanted = load_dynamics(top, target="numpy").simulate(0.01, samples=3, tolerance=1e-10)
+    assert (method, time) == ("dop853", [0.0, 0.005, 0.01])
+    names = ("position", "angular_velocity", "acceleration", "orientation")
+    for name, table in zip(names, tables, strict=True):
+        np.testing.assert_array_equal(table, getattr(wanted, name)["top"])
+    np.testing.assert_array_equal(np.array(energies)[:, 0], wanted.energy["kinetic"])
+
+
+def test_copied_folder_of_bodies_says_what_is_not_possible(top: Path) -> None:
+    got = run("import my_top\nmy_top.simulate(1.0, most_steps=2)", top.parent)
+    assert "ArithmeticError: most_steps are made, at t = " in got.stderr
+    got = run("import my_top\nmy_top.simulate(1.0, method='euler')", top.parent)
+    assert "ValueError: parameters [], method 'euler'; wanted of [] and ('dopri5'" in got.stderr
+
+
+def test_folder_of_bodies_imports_by_its_name(top: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(top.parent)
+    motion = importlib.import_module("my_top").simulate(0.01, samples=2)
+    assert motion.name == "heavy_top"
+    assert motion.ledger.steps > 0
