@@ -271,4 +271,6 @@ def mechanisms() -> SimpleNamespace:
         star=star,
         random_state=random_state,
         dense=dense,
+        ends=ends,
+        frozen_kernel=frozen_kernel,
     )
