@@ -1,0 +1,184 @@
+"""Motions that drivers determine: position by position, on one branch, with the reactions."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.read import scene_from_toml
+from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.motion import Motion
+from kousoku.runtime.run import BUFFER_FULL, PAUSED
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.model.scene import Scene
+
+Load = Any
+Array = Any
+OUTPUTS = ("accelerations", "reactions", "energies")
+CRANK, COUPLER, ROCKER, GROUND = 1.0, 3.0, 2.5, 3.0
+RATE = 6.0
+
+
+def pin(crank: Array, rocker: float) -> Array:
+    """Return where coupler and rocker meet, above the line from the crank's pin to the ground's."""
+    start = CRANK * np.stack([np.cos(crank), np.sin(crank)], axis=-1)
+    way = np.array([GROUND, 0.0]) - start
+    length = np.hypot(way[..., 0], way[..., 1])
+    along = (COUPLER**2 - rocker**2 + length**2) / (2 * length)
+    across = np.sqrt(COUPLER**2 - along**2)
+    normal = np.stack([-way[..., 1], way[..., 0]], axis=-1)
+    return start + (along / length)[..., None] * way + (across / length)[..., None] * normal
+
+
+def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> Scene:
+    """Return a four-bar whose crank begins at one radian; the angle of its joint is zero there."""
+    start = np.array([math.cos(1.0), math.sin(1.0)])
+    meet = pin(np.array(1.0), rocker)
+    turns = [math.atan2(*(meet - end)[::-1]) for end in (start, np.array([GROUND, 0.0]))]
+    bodies = ""
+    for name, at, angle, length in (
+        ("crank", (0.0, 0.0), 1.0, CRANK),
+        ("coupler", start, turns[0], COUPLER),
+        ("rocker", (GROUND, 0.0), turns[1], rocker),
+    ):
+        box = f"{{ mass = {length}, size = [{length}, 0.1, 0.1], at = [{length / 2}, 0, 0] }}"
+        bodies += f"[bodies.{name}]\nposition = [{float(at[0])!r}, {float(at[1])!r}, 0]\n"
+        bodies += f"orientation = {{ axis = [0, 0, 1], angle = {angle!r} }}\nboxes = [{box}]\n"
+    joints = ""
+    for name, pair, points in (
+        ("a", '"ground", "crank"', "[0, 0, 0], [0, 0, 0]"),
+        ("b", '"crank", "coupler"', f"[{CRANK}, 0, 0], [0, 0, 0]"),
+        ("c", '"coupler", "rocker"', f"[{COUPLER}, 0, 0], [{rocker}, 0, 0]"),
+        ("d", '"ground", "rocker"', f"[{GROUND}, 0, 0], [0, 0, 0]"),
+    ):
+        joints += f'{name} = {{ type = "revolute", bodies = [{pair}], points = [{points}], '
+        joints += "axes = [[0, 0, 1], [0, 0, 1]] }\n"
+    return scene_from_toml(
+        f'name = "bars"\nunit = "m"\ngravity = [0, -9.81, 0]\n[parameters]\nrate = {RATE}\n{bodies}'
+        f'[joints]\n{joints}[drivers]\nmotor = {{ joint = "{joint}", value = "{law}" }}\n'
+    )
+
+
+@pytest.fixture
+def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
+    target: Any = backend
+    return lambda scene: load_dynamics(bodies_folder(scene, OUTPUTS), target=target)
+
+
+def end_of(motion: Motion, body: str, length: float) -> Array:
+    """Return where the end of a bar is."""
+    e0, e3 = motion.orientation[body][:, 0], motion.orientation[body][:, 3]
+    turned = np.stack([e0**2 - e3**2, 2 * e0 * e3], axis=1)
+    return motion.position[body][:, :2] + length * turned
+
+
+@pytest.mark.parametrize("samples", [5, 61])
+def test_positions_are_those_of_the_closed_form_however_far_apart(load: Load, samples: int) -> None:
+    motion = load(four_bar()).simulate(math.tau / RATE * 2, samples=samples)
+    wanted = pin(1.0 + RATE * motion.time, ROCKER)
+    np.testing.assert_allclose(end_of(motion, "rocker", ROCKER), wanted, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(end_of(motion, "coupler", COUPLER), wanted, rtol=0, atol=1e-13)
+    ledger = motion.ledger
+    assert ledger.method == "kinematics"
+    assert (ledger.steps > samples - 1) == (ledger.rejected > 0) == (samples == 5)
+    assert 2 * ledger.steps < ledger.corrections <= ledger.factorisations
+    assert 0.0 < ledger.drift < 0.5
+    assert "kinematics, driven" in str(ledger)
+
+
+def test_velocities_and_accelerations_are_derivatives_of_the_positions(load: Load) -> None:
+    motion = load(four_bar()).simulate(times=np.linspace(0.2, 0.3, 1001))
+    h = motion.time[1] - motion.time[0]
+    for low, high in (("position", "velocity"), ("velocity", "acceleration")):
+        values = getattr(motion, low)["coupler"]
+        slopes = (values[:-4] - 8 * values[1:-3] + 8 * values[3:-1] - values[4:]) / (12 * h)
+        np.testing.assert_allclose(
+            slopes, getattr(motion, high)["coupler"][2:-2], rtol=0, atol=1e-7
+        )
+
+
+def test_power_of_the_driver_is_what_its_reactions_and_the_energies_say(load: Load) -> None:
+    motion = load(four_bar()).simulate(1.0, samples=501)
+    assert motion.ledger.energy_error == pytest.approx(
+        0.0, abs=1e-6 * np.ptp(motion.energy["total"])
+    )
+    change = motion.energy["total"] - motion.energy["total"][0]
+    np.testing.assert_allclose(motion.work["motor"], change, rtol=0, atol=1e-4)
+    power = RATE * motion.torque["motor"][:, 2]
+    work = np.cumsum((power[1:] + power[:-1]) / 2) * motion.time[1]
+    np.testing.assert_allclose(np.abs(work), np.abs(change[1:]), rtol=0, atol=0.02)
+
+
+def test_runge_kutta_gives_the_same_motion(load: Load) -> None:
+    solver = load(four_bar())
+    times = np.linspace(0.0, 1.0, 11)
+    wanted = solver.simulate(times=times).columns()
+    for options in ({"method": "dop853"}, {"method": "dopri5", "step": 0.01}):
+        motion = solver.simulate(times=times, tolerance=1e-10, **options)
+        for name, values in motion.columns().items():
+            if name.startswith(("energy", "work")):
+                continue
+            scale = max(1.0, np.abs(wanted[name]).max())
+            np.testing.assert_allclose(
+                values, wanted[name], rtol=0, atol=1e-10 * scale, err_msg=name
+            )
+    assert motion.ledger.energy_error < 1e-6
+
+
+def test_a_dead_centre_stops_the_motion_and_keeps_what_was_before(load: Load) -> None:
+    with pytest.raises(MotionError, match=r"no step can be taken.*joints\.motor") as stop:
+        load(four_bar(joint="d", law="t")).simulate(3.0, samples=301)
+    motion = stop.value.trajectory
+    assert isinstance(motion, Motion)
+    pin = end_of(motion, "coupler", COUPLER)[-1]  # the crank points the other way
+    assert np.hypot(*pin) == pytest.approx(COUPLER - CRANK, abs=0.02)
+    assert 50 < len(motion) < 301
+
+
+@pytest.mark.parametrize("samples", [61, 101])
+def test_change_points_of_a_parallelogram_are_passed_on_its_branch(
+    load: Load, samples: int
+) -> None:
+    motion = load(four_bar(rocker=CRANK)).simulate(math.tau / RATE * 2, samples=samples)
+    crank = end_of(motion, "crank", CRANK)
+    rocker = end_of(motion, "rocker", CRANK) - [GROUND, 0.0]
+    np.testing.assert_allclose(rocker, crank, rtol=0, atol=1e-12)
+    assert motion.ledger.growth < 1e-2
+
+
+def test_run_in_pieces_gives_the_bits_of_a_run_in_one(load: Load) -> None:
+    solver = load(four_bar())
+    times = np.linspace(0.0, 3.0, 7)
+    whole = solver.begin(times)
+    wanted = whole.finish().columns()
+    run = solver.begin(times)
+    calls = [run.advance(1, 1)]
+    while calls[-1] in (BUFFER_FULL, PAUSED):
+        run = solver.resume(run.save())
+        run._memory.work[:] = np.nan
+        calls.append(run.advance(1, 1))
+    assert len(calls) > 10
+    np.testing.assert_array_equal(run.state, whole.state)
+    for name, values in run.motion().columns().items():
+        np.testing.assert_array_equal(values, wanted[name])
+
+
+def test_no_step_is_longer_than_it_may_be(load: Load) -> None:
+    ledger = load(four_bar()).simulate(times=[0.0, 1.0], largest_step=0.01).ledger
+    assert ledger.steps == 100
+    assert ledger.rejected == 0
+
+
+def test_methods_name_where_they_do_not_belong(load: Load) -> None:
+    with pytest.raises(SolveError, match=r"step 0\.1: the method 'kinematics' goes from one time"):
+        load(four_bar()).simulate(1.0, step=0.1)
+    with pytest.raises(SolveError, match="wanted one of dopri5, dop853, kinematics"):
+        load(four_bar()).simulate(1.0, method="euler")
