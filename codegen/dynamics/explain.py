@@ -12,12 +12,13 @@ from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.bodies import gyroscopic_ratios, thickened
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.counts import counts, operations
-from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
-from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.freedom import freedom_of
+from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
 from kousoku.codegen.dynamics.groups import fixed_joints
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.structure import structure_of
+from kousoku.codegen.dynamics.weights import weighted
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import system_of
@@ -109,19 +110,21 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     SceneError, AssemblyError
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
-    each = assemble(system_of(scene, outputs))
-    wanted = (*LEDGER, *(scene.outputs if outputs is None else outputs))
+    names = scene.outputs if outputs is None else outputs
+    each = assemble(system_of(scene, names))
+    wanted = (*LEDGER, *names)
     found = merged(each, wanted)
-    system = found.system
+    apart, system = weighted(each).system, weighted(found.system).system
     full = compose(system, wanted)
-    freedom = freedom_of(system, full)
-    program = compose(system, wanted, rows=kept_rows(freedom, full)) if freedom.dropped else full
+    kept, freedom = independent(system, wanted)
+    program = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
     final = inline(program)
     structure = structure_of(system, program)
     steps = [
         *_counted(system, program),
-        *_compared(each, found, full, wanted),
-        _step("redundant rows removed", _of_rows(freedom), full, program),
+        *_compared(apart, replace(found, system=system), full, wanted),
+        _step("redundant rows removed", _of_rows(freedom), full, kept),
+        *_out_of_plane(kept, program),
         Step("parts solved apart", f"{structure.parts} without a common moving body"),
         *_of_coordinates(system, freedom),
         _step("straight-line code", _of_code(final, program), program, final),
@@ -134,7 +137,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         steps=tuple(steps),
         segments=tuple(segments.items()),
         structure=structure,
-        freedom=freedom_of(each, compose(each, wanted)) if found.joints else freedom,
+        freedom=freedom_of(apart, compose(apart, wanted)) if found.joints else freedom,
         removed=tuple(
             f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
             for row in freedom.dropped
@@ -145,21 +148,29 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
 
 def _compared(each: System, found: Merged, full: Program, wanted: Sequence[str]) -> Iterator[Step]:
     """Yield the steps that compare two programs, from one that leaves nothing out."""
+    all_of = tuple(dict.fromkeys((*ALL, *wanted)))
     thick = thickened(found.system)
-    unfolded = compose(_generic(_spinning(thick)), ALL, may_be_planar=False)
+    unfolded = compose(_generic(_spinning(thick)), all_of, may_be_planar=False)
     if found.joints:
-        apart = compose(_generic(_spinning(thickened(each))), ALL, may_be_planar=False)
+        apart = compose(_generic(_spinning(thickened(each))), all_of, may_be_planar=False)
         yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
     else:
         yield Step("bodies joined rigidly", _of_fixed(each, wanted))
-    spinning = compose(_spinning(thick), ALL, may_be_planar=False)
-    in_space = compose(thick, ALL, may_be_planar=False)
+    spinning = compose(_spinning(thick), all_of, may_be_planar=False)
+    in_space = compose(thick, all_of, may_be_planar=False)
     folded = structure_of(thick, in_space)
     yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
     yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
-    everything = compose(found.system, ALL)
+    everything = compose(found.system, all_of)
     yield _step("planar", _of_plane(everything), in_space, everything)
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
+
+
+def _out_of_plane(kept: Program, program: Program) -> list[Step]:
+    """Return what reactions cost that the motion in a plane does not determine."""
+    if program.is_planar == kept.is_planar:
+        return []
+    return [_step("reactions out of the plane", "wanted: solved in space", kept, program)]
 
 
 def _step(name: str, detail: str, before: Program, after: Program) -> Step:

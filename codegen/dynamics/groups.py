@@ -21,14 +21,17 @@ RIGID = ["n1", "p1", "point"]
 MOST_JOINTS = 4
 #: Kinds of constraints and of forces that are known to mean the same in another frame.
 CONSTRAINTS = frozenset({"point", "distance", "n1", "n2", "p1", "p2", COMBINATION})
-FORCES = frozenset({"force", "torque", "force_b", "torque_b", "spring_damper"})
+FORCES = frozenset(
+    {"force", "torque", "force_b", "torque_b", "spring_damper", "along", "coordinate_spring"}
+)
 
 
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
     """Return the bodies that are one, in groups of two and more; what stands still with the ground.
 
-    A group is left as it is where a coordinate lies in it, or where a force or constraint is not
-    known to mean the same in the frame of another body; and all are where nothing else would move.
+    A group is left as it is where a coordinate lies in it, or a force whose work is told or whose
+    energy depends on parameters, or where a force or constraint is not known to mean the same in
+    the frame of another body; and all are where nothing else would move.
     Two that move are not made one where that one would have more than :data:`MOST_JOINTS` joints:
     it would cost more than it saves.
     """
@@ -114,5 +117,7 @@ def _kept(system: System, leaders: _Leaders) -> Iterator[int]:
             yield from one.bodies
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)
-        if force.kind not in FORCES or (is_inner and force.has_potential and force.formulas):
+        if force.kind not in FORCES or (is_inner and (force.works or force.formulas)):
             yield from (force.i, force.j)
+    if any(system.gravity_law):
+        yield GROUND_INDEX

@@ -152,15 +152,22 @@ def test_what_is_fixed_to_the_ground_has_no_columns_and_keeps_its_energy(
     assert (joint.i, dict(joint.constants)["s_i_b"]) == (GROUND_INDEX, (1.0, 0.0, 0.0))
 
 
-def test_a_spring_in_one_body_is_energy_only(mechanisms: SimpleNamespace) -> None:
+@pytest.mark.parametrize("damping", [0.0, 1.0])
+def test_a_spring_in_one_body_is_energy_only_where_no_work_is_told(
+    mechanisms: SimpleNamespace, damping: float
+) -> None:
     constants = (
         *(("s_i_b", (0.0, 0.0, 0.0)), ("s_j_b", (0.0, 0.0, 0.0))),
-        *(("stiffness", (8.0,)), ("damping", (1.0,)), ("free_length", (0.5,))),
+        *(("stiffness", (8.0,)), ("damping", (damping,)), ("free_length", (0.5,))),
     )
     spring = ForceElement("spring", "spring_damper", 0, 1, constants)
-    found = merged(replace(row_of(mechanisms), forces=(spring,))).system
+    system = replace(row_of(mechanisms), forces=(spring,))
+    found = merged(system).system
 
-    assert (found.forces, found.resting) == ((), 1.0)
+    if damping:
+        assert found == system
+    else:
+        assert (found.forces, found.resting) == ((), 1.0)
 
 
 def test_a_fixed_joint_whose_reactions_are_wanted_stays(mechanisms: SimpleNamespace) -> None:
@@ -168,6 +175,17 @@ def test_a_fixed_joint_whose_reactions_are_wanted_stays(mechanisms: SimpleNamesp
 
     assert merged(system, ["reactions"]).system == system
     assert len(merged(system, ["energies"]).system.bodies) == 2
+
+
+def test_gravity_that_a_parameter_changes_keeps_what_rests(mechanisms: SimpleNamespace) -> None:
+    """The energy of what stands still is no number then."""
+    base = fixed(mechanisms, "base", GROUND_INDEX, 0, (0.0, 0.0, 0.0), (-0.5, 0.0, 0.0))
+    rest = [one for one in mechanisms.chain(2).constraints if one.joint != "j0"]
+    system = replace(mechanisms.chain(2), constraints=(*base, *rest))
+
+    assert len(merged(system).system.bodies) == 1
+    changed = replace(system, gravity_law=("", "", "g"))
+    assert merged(changed).system == changed
 
 
 def test_a_coordinate_between_two_bodies_keeps_them_two(mechanisms: SimpleNamespace) -> None:
