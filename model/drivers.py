@@ -13,9 +13,6 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value
 
-TIME = "t"
-"""The time in formulas."""
-
 
 def drivers_of(scene: Scene) -> dict[str, Driver]:
     """Return the drivers of a spatial scene by name, and its inputs as drivers."""

@@ -6,9 +6,9 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, join, unknown
-from kousoku.model.drivers import TIME
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
+from kousoku.model.formulas import RATE, TIME
 from kousoku.model.joints import ANGLE, JOINTS, leaves_of, sort_of
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Coordinate, Vector
-
-RATE = "_dot"
-"""What stands behind the name of a coordinate in formulas where its rate is meant."""
 
 KEYS = {
     "joint": ("joint", "of"),

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, unknown
 from kousoku.model.derivative import derivative
-from kousoku.model.drivers import TIME, text_of
+from kousoku.model.drivers import text_of
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import RATE, TIME
 from kousoku.model.joints import sort_of
 from kousoku.model.terms import Apply, Function, ordered
 from kousoku.model.validate_coordinates import (
@@ -144,7 +145,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> None:
 
 def _with_state(scene: Scene, problem: str) -> str:
     """Return a message, and that formulas of drivers do not depend on coordinates."""
-    names = (f"{name}{end}" for name in scene.coordinates for end in ("", "_dot"))
+    names = (f"{name}{end}" for name in scene.coordinates for end in ("", RATE))
     if any(f"name {name!r}" in problem for name in names):
         return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"
     return problem
