@@ -190,10 +190,6 @@ class CoordinateBlocks:
         self._q = q
         self._known: dict[tuple[str, str, int], tuple[Block, ...]] = {}
 
-    def place(self, name: str) -> int:
-        """Return the place of a coordinate by its name."""
-        return [one.name for one in self.all].index(name)
-
     def value(self, place: int) -> Block:
         """Return the value, turns counted (1,)."""
         return self._once("value", place, self._value)[0]
@@ -257,8 +253,12 @@ class CoordinateBlocks:
 
     def _ends_at(self, body: BodyBlocks, region: Block) -> tuple[Block, Block, Block]:
         """Return r and p of a body where another region holds its position; A is not known."""
-        other = dict(zip(self._q.entries, region.entries, strict=True))
-        r, p = (column([other.get(x, x) for x in block.entries]) for block in (body.r, body.p))
+        first, last = self._q.entries[0], self._q.entries[-1]
+        away = region.entries[0] - first
+        r, p = (
+            column([x + away if first <= x <= last else x for x in block.entries])
+            for block in (body.r, body.p)
+        )
         return r, p, NOTHING
 
     def _once(

@@ -91,6 +91,22 @@ def test_what_no_number_comes_out_of_gives_infinities_and_nan_as_in_c(
     np.testing.assert_equal(w[1], wanted)
 
 
+def test_functions_of_arrays_have_the_bits_of_those_of_floats(
+    mechanisms: SimpleNamespace, rng: np.random.Generator
+) -> None:
+    system = mechanisms.heavy_top()
+    module = module_of(text_of(compose(system), system))
+    x, y = rng.uniform(0.0, 7.0, size=(2, 2000))
+    for name in ("sqrt", "sin", "cos", "exp", "log"):
+        wanted = [getattr(math, name)(value) for value in x]
+        np.testing.assert_array_equal(getattr(module.OF_ARRAYS, name)(x), wanted, err_msg=name)
+    wanted = [math.atan2(*pair) for pair in zip(x, y, strict=True)]
+    np.testing.assert_array_equal(module.OF_ARRAYS.atan2(x, y), wanted)
+    np.testing.assert_array_equal(module.OF_ARRAYS.atan2(0.0, -x), np.full(len(x), math.pi))
+    with np.errstate(all="ignore"):
+        np.testing.assert_array_equal(module.OF_ARRAYS.log(np.array([0.0, 1.0])), [-np.inf, 0.0])
+
+
 def test_a_kernel_unpacks_only_what_it_reads(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.heavy_top()
     program = inline(compose(system), limit=100_000)
@@ -114,7 +130,9 @@ def test_both_languages_have_the_same_functions_and_the_same_state(
     # NumPy and modules have these already
     assert in_c - in_python == {"are_finite", "digest", "state_size", "work_size", "row_size"}
     reading = {"numbers", "places", "tasks_of", "in_turn", "picker"}
-    assert in_python - in_c == reading | {"evaluated", "fmax", "parts_of", "mean_square", "advance"}
+    assert in_python - in_c == reading | {
+        *("evaluated", "fmax", "of_each", "parts_of", "mean_square", "advance")
+    }
     module = module_of(python)
     enum = "    " + c[c.index("S_KEY") : c.index("S_COUNT")]
     names = re.findall(r"^ *(S_\w+),", enum, re.MULTILINE)
