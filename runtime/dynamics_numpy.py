@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.errors import TargetError
 from kousoku.runtime.library import import_source
 from kousoku.runtime.notice import say_once
 
@@ -61,6 +60,10 @@ class NumpySolver:
             raise
         return int(status)
 
+    def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
+        """Compute all that the scene has at a state as it is; it is left in the work."""
+        return int(self.module.evaluate(time, q, v, parameters, work))
+
     def residuals(self, memory: Memory, found: Array) -> None:
         """Write what is left of the constraints where they were evaluated last."""
         self.module.residuals(memory.work, found)
@@ -83,14 +86,7 @@ def load_numpy(
         Name and content, compared with the manifest.
     reason : Exception, optional
         Why there is no compiled solver.
-
-    Raises
-    ------
-    TargetError
-        The folder was generated without it.
     """
-    if NUMPY_SOURCE not in files:
-        raise TargetError(f"{folder} was generated without NumPy: {NUMPY_SOURCE} is not listed")
     module: Any = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
     is_slow = int(module.NQ) > SLOW
     if reason is not None:

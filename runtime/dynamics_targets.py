@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
-from kousoku.model.errors import CacheError, NoCompilerError, TargetError
+from kousoku.runtime.choice import choose
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.model.manifest import Manifest
+    from kousoku.runtime.choice import Target
 
     Array = npt.NDArray[np.float64]
 
@@ -59,6 +60,9 @@ class SolverTarget(Protocol):
 
     def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
         """Move on to the last of the times, and write a row for each, as many as there are."""
+
+    def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
+        """Compute all that the scene has at a state as it is; it is left in the work."""
 
     def residuals(self, memory: Memory, found: Array) -> None:
         """Write what is left of the constraints where they were evaluated last."""
@@ -108,6 +112,11 @@ class CompiledSolver:
         )
         return int(status)
 
+    def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
+        """Compute all that the scene has at a state as it is; it is left in the work."""
+        arrays = map(_address, (q, v, parameters, work))
+        return int(self._function("evaluate")(ctypes.c_double(time), *arrays))
+
     def residuals(self, memory: Memory, found: Array) -> None:
         """Write what is left of the constraints where they were evaluated last."""
         self._function("residuals", None)(_address(memory.work), _address(found))
@@ -126,7 +135,7 @@ def open_solver(
     folder: Path,
     manifest: Manifest,
     files: Mapping[str, bytes],
-    target: Literal["auto", "c", "numpy"],
+    target: Target,
 ) -> SolverTarget:
     """Return what computes.
 
@@ -153,21 +162,16 @@ def open_solver(
     """
     from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE, load_numpy
 
-    if target not in ("auto", "c", "numpy"):
-        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
-    if target == "numpy" or (target == "auto" and C_SOURCE not in files):
-        return load_numpy(folder, files)
-    if C_SOURCE not in files:
-        raise TargetError(f"{folder} was generated without C: {C_SOURCE} is not listed")
-    try:
-        return _compiled(manifest, files)
-    except (NoCompilerError, CacheError) as error:
-        if target == "c" or NUMPY_SOURCE not in files:
-            raise
-        return load_numpy(folder, files, error)
+    return choose(
+        target,
+        folder,
+        files,
+        (C_SOURCE, lambda: _compiled(manifest, files)),
+        (NUMPY_SOURCE, lambda reason: load_numpy(folder, files, reason)),
+    )
 
 
-def _compiled(manifest: Manifest, files: Mapping[str, bytes]) -> CompiledSolver:
+def _compiled(manifest: Manifest, files: Mapping[str, bytes]) -> SolverTarget:
     from kousoku.runtime.library import compiled
     from kousoku.runtime.toolchain import find_toolchain
 

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from kousoku.model.errors import CacheError, LoadError, NoCompilerError, TargetError
+from kousoku.model.errors import LoadError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
+from kousoku.runtime.choice import choose
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_library
@@ -122,20 +123,16 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     CacheError
         With ``target="c"``: the library cannot be kept.
     """
-    if target not in ("auto", "c", "numpy"):
-        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
     folder = Path(folder).absolute()
     manifest = read_manifest(folder)
     files = read_files(folder, manifest)
-    if target == "numpy" or (target == "auto" and C_SOURCE not in files):
-        return _load_numpy(folder, manifest, files)
-    try:
-        return _load_c(folder, manifest, files)
-    except (NoCompilerError, CacheError) as error:
-        if target == "c" or NUMPY_SOURCE not in files:
-            raise
-        say_once(f"kousoku uses the NumPy kernels: {error}")
-        return _load_numpy(folder, manifest, files)
+    return choose(
+        target,
+        folder,
+        files,
+        (C_SOURCE, lambda: _load_c(folder, manifest, files)),
+        (NUMPY_SOURCE, lambda reason: _load_numpy(folder, manifest, files, reason)),
+    )
 
 
 def load_same(folder: Path, target: Literal["c", "numpy"]) -> Library:
@@ -189,9 +186,11 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
     return files
 
 
-def _load_numpy(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Library:
-    if NUMPY_SOURCE not in files:
-        raise TargetError(f"{folder} was generated without NumPy: {NUMPY_SOURCE} is not listed")
+def _load_numpy(
+    folder: Path, manifest: Manifest, files: dict[str, bytes], reason: Exception | None
+) -> Library:
+    if reason is not None:
+        say_once(f"kousoku uses the NumPy kernels: {reason}")
     module = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
     kernels = {}
     for k in manifest.kernels:
@@ -244,8 +243,6 @@ def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Librar
     from kousoku.runtime.toolchain import find_toolchain
 
     toolchain = find_toolchain()
-    if C_SOURCE not in files:
-        raise TargetError(f"{folder} was generated without C: {C_SOURCE} is not listed")
     handle, built = compiled(manifest, files, toolchain)
     width = lane_width(handle, manifest.package)
     plan = plan_type(toolchain)

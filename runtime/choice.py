@@ -1,0 +1,65 @@
+"""Which target computes: C where it can be had, else NumPy after saying why."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal, TypeVar
+
+from kousoku.model.errors import CacheError, NoCompilerError, TargetError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection
+    from pathlib import Path
+
+Target = Literal["auto", "c", "numpy"]
+Loaded = TypeVar("Loaded")
+
+
+def choose(
+    target: Target,
+    folder: Path,
+    files: Collection[str],
+    in_c: tuple[str, Callable[[], Loaded]],
+    in_numpy: tuple[str, Callable[[Exception | None], Loaded]],
+) -> Loaded:
+    """Load a folder with the target that is asked for, or that can be had.
+
+    Parameters
+    ----------
+    target : {"auto", "c", "numpy"}
+        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy.
+    folder : Path
+        Where the files lie.
+    files : collection of str
+        Their names.
+    in_c : (str, callable)
+        The source in C, and what loads it.
+    in_numpy : (str, callable)
+        The source in Python, and what loads it: it gets the reason if C was tried first, and says
+        so in one line on the logger ``kousoku``.
+
+    Raises
+    ------
+    ValueError
+        There is no such target.
+    TargetError
+        The folder was generated without this target.
+    CompilerError
+        The compiler refuses the source; with ``target="c"`` also if there is none.
+    CacheError
+        With ``target="c"``: the library cannot be kept.
+    """
+    if target not in ("auto", "c", "numpy"):
+        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
+    c_source, numpy_source = in_c[0], in_numpy[0]
+    if target == "numpy" or (target == "auto" and c_source not in files):
+        if numpy_source not in files:
+            raise TargetError(f"{folder} was generated without NumPy: {numpy_source} is not listed")
+        return in_numpy[1](None)
+    if c_source not in files:
+        raise TargetError(f"{folder} was generated without C: {c_source} is not listed")
+    try:
+        return in_c[1]()
+    except (NoCompilerError, CacheError) as error:
+        if target == "c" or numpy_source not in files:
+            raise
+        return in_numpy[1](error)
