@@ -125,13 +125,21 @@ def evaluate(
     dict
         For each output its elements, flat row-major.
     """
-    values: list[Number] = []
-    for node in kernel.nodes:
-        values.append(_apply(node, values, inputs, arithmetic))
+    values = node_values(kernel, inputs, arithmetic)
     return {
         quantity.name: tuple(values[node] for node in result)
         for quantity, result in zip(kernel.outputs, kernel.results, strict=True)
     }
+
+
+def node_values(
+    kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
+) -> list[Number]:
+    """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
+    values: list[Number] = []
+    for node in kernel.nodes:
+        values.append(_apply(node, values, inputs, arithmetic))
+    return values
 
 
 def _apply(

@@ -12,11 +12,11 @@ import numpy as np
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.motion import BodyPlaces, CoordinatePlaces, ReactionPlaces
-from kousoku.runtime.options import KINEMATICS, options_of
+from kousoku.runtime.options import KINEMATICS, options_of, with_values
 from kousoku.runtime.run import Run, SavedRun
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from typing import Literal
 
     import numpy.typing as npt
@@ -68,6 +68,8 @@ class DynamicsSolver:
         What a run may change, and its value in the scene.
     is_driven : bool
         Whether drivers determine the whole motion.
+    places : mapping of str to (int, int)
+        Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
     """
 
     name: str
@@ -87,6 +89,7 @@ class DynamicsSolver:
     works: tuple[tuple[str, int], ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
+    places: Mapping[str, tuple[int, int]]
 
     def method_for(self, tolerance: float) -> str:
         """Return the method that costs least for a tolerance."""
@@ -147,6 +150,52 @@ class DynamicsSolver:
         """
         chosen = options_of(self, **options)
         return Run(self, self._times(None, times, 0), chosen)
+
+    def evaluate(
+        self,
+        time: float = 0.0,
+        q: Array | None = None,
+        v: Array | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> dict[str, Array]:
+        """Return all that the solver computes at a state as it is: nothing is projected.
+
+        Parameters
+        ----------
+        time : float [s]
+            When.
+        q, v : array
+            Coordinates and velocities as in ``solver.q`` and ``solver.v``, in SI units; these
+            unless given. A body has its centre of mass and the Euler parameters of its principal
+            axes, then its velocity and angular velocity.
+        parameters : mapping of str to float, optional
+            Those that are not as in the scene.
+
+        Returns
+        -------
+        dict of str to array
+            ``v_dot``, the accelerations; ``C``, ``C_dot`` and ``C_ddot``, what is left of the
+            constraints; ``dq`` and ``dv``, what brings the state onto them; ``energies``; ``lam``
+            and ``reactions`` where these are wanted.
+
+        Raises
+        ------
+        SolveError
+            A number is not finite, or there are too many or too few of them.
+        """
+        values = np.array([value for _, value in with_values(self, parameters or {})])
+        state = []
+        for name, given, start in (("q", q, self.q), ("v", v, self.v)):
+            array = np.ascontiguousarray(start if given is None else given, dtype=np.float64)
+            if array.shape != start.shape:
+                raise SolveError(
+                    f"{self.name}: {name} has the shape {array.shape}, wanted {start.shape}"
+                )
+            state.append(array)
+        work = np.zeros(self.target.work_size)
+        if self.target.evaluate(float(time), state[0], state[1], values, work) != 0:
+            raise SolveError(f"{self.name}: time, coordinates and velocities must be finite")
+        return {name: work[base : base + size] for name, (base, size) in self.places.items()}
 
     def resume(self, saved: SavedRun) -> Run:
         """Return a run that goes on where another one was saved, with the same bits.
@@ -223,4 +272,5 @@ def load_dynamics(
         works=tuple((name, place) for name, place in data["works"]),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],
+        places={name: (base, size) for name, (base, size) in data["places"].items()},
     )

@@ -122,7 +122,7 @@ def options_of(
             f"{solver.name}: tolerance {tolerance!r}, largest step {largest_step!r}, at most"
             f" {most_steps!r} steps; wanted a tolerance from 1e-15 to 1 and the others above 0"
         )
-    values = _with_values(solver, parameters or {})
+    values = with_values(solver, parameters or {})
     return Options(tolerance, largest_step, step, checks, name, most_steps, values)
 
 
@@ -142,7 +142,7 @@ def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> No
         )
 
 
-def _with_values(
+def with_values(
     solver: DynamicsSolver, given: Mapping[str, float]
 ) -> tuple[tuple[str, float], ...]:
     """Return all parameters, those that are given with their new values."""

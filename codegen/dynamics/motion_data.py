@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Kinds whose residuals are lengths; those of the others are angles.
 LENGTHS = ("point", "distance", "length", "n2", "p2")
+#: Regions that hold what is given, not what is found.
+GIVEN = ("t", "parameters", "constants", "q", "v")
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
@@ -58,6 +60,11 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "length": characteristic_length(system),
         "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
         "left_out": [_row(row, system.constraints[row.instance]) for row in program.left_out],
+        "places": {
+            region.name: [region.base, region.size]
+            for region in program.regions
+            if region.size and region.name not in GIVEN
+        },
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
         "not_unique": list(program.not_unique) if "reactions" in parts else [],
