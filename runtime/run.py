@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -220,18 +221,22 @@ class Run:
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
+        begin = time.perf_counter()
         solver = self.solver
         ledger = ledger_of(
             self.state,
             solver.rows,
             self.options,
-            dict(self.seconds),
+            {},
             solver.works,
             left_out=solver.left_out,
             length=solver.length,
         )
         is_complete = self.written == len(self.times)
-        return motion_of(solver, self._rows[: self.written], ledger, is_complete=is_complete)
+        rows = self._rows[: self.written]
+        motion = motion_of(solver, rows, ledger, is_complete=is_complete)
+        seconds = self.seconds | {"tables": time.perf_counter() - begin}
+        return replace(motion, ledger=replace(ledger, seconds=MappingProxyType(seconds)))
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

@@ -75,10 +75,8 @@ def move(scene: Scene, wish: Wish) -> None:
     check_destinations(wish.out, wish.plot)
     if wish.body is not None and wish.body not in scene.bodies:
         raise SolveError(f"--body {wish.body}: the scene has {', '.join(scene.bodies)}")
-    begin = time.perf_counter()
     try:
-        solver = dynamics_of(scene, wish.target, wish.outputs)
-        seconds = {"generate and compile": time.perf_counter() - begin}
+        solver, seconds = dynamics_of(scene, wish.target, wish.outputs)
         with _progress() as show:
             motion = solver.simulate(**wish.options, progress=show)
     except SceneError as error:
@@ -90,8 +88,13 @@ def move(scene: Scene, wish: Wish) -> None:
     except Interrupted as stop:
         typer.echo(f"{wish.file}: {stop}{_save_partial(stop.motion, wish.out)}", err=True)
         raise typer.Exit(130) from None
-    ledger = replace(motion.ledger, seconds=seconds | dict(motion.ledger.seconds))
-    _show(replace(motion, ledger=ledger), scene, wish)
+    begin = time.perf_counter()
+    files = _write(motion, scene, wish)
+    seconds |= dict(motion.ledger.seconds)
+    if files:
+        seconds["files"] = time.perf_counter() - begin
+    ledger = replace(motion.ledger, seconds=seconds)
+    _show(replace(motion, ledger=ledger), scene, wish, files)
 
 
 def solve_bodies(
@@ -124,30 +127,31 @@ def solve_bodies(
     move(scene, replace(wish, options=options))
 
 
-def _show(motion: Motion, scene: Scene, wish: Wish) -> None:
-    """Write, draw and print."""
+def _write(motion: Motion, scene: Scene, wish: Wish) -> list[Path]:
+    """Write rows and plots where they are asked for, and return the files: the plots last."""
     files = []
     if wish.out is not None:
         motion.save(wish.out)
         files.append(wish.out)
-    pictures = _draw(motion, scene, wish)
+    if wish.plot is None:
+        return files
+    from kousoku.motion_plots import draw_bodies
+
+    return files + draw_bodies(motion, scene.unit, wish.plot, wish.body)
+
+
+def _show(motion: Motion, scene: Scene, wish: Wish, files: Sequence[Path]) -> None:
+    """Print rows, ledger and files."""
     if wish.as_json:
-        print_json({**motion.summary(), "plots": [str(path) for path in pictures]})
+        plots = [str(path) for path in files if path != wish.out]
+        print_json({**motion.summary(), "plots": plots})
         return
     _print_rows(motion, wish.body or list(scene.bodies)[-1])
     if motion.note():
         typer.echo(motion.note())
     typer.echo(str(motion.ledger))
-    for path in (*files, *pictures):
+    for path in files:
         typer.echo(f"wrote {path}")
-
-
-def _draw(motion: Motion, scene: Scene, wish: Wish) -> list[Path]:
-    if wish.plot is None:
-        return []
-    from kousoku.motion_plots import draw_bodies
-
-    return draw_bodies(motion, scene.unit, wish.plot, wish.body)
 
 
 def _save_partial(motion: object, out: Path | None) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+import time
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -68,13 +69,16 @@ def solver_of(scene: Scene, target: Target) -> LinkageSolver:
 
 def dynamics_of(
     scene: Scene, target: Target, outputs: Sequence[str] | None = None
-) -> DynamicsSolver:
-    """Return the loaded solver of a scene of bodies, as :func:`solver_of` does for linkages."""
+) -> tuple[DynamicsSolver, dict[str, float]]:
+    """Return the loaded solver of a scene of bodies, and what each phase took, in seconds."""
     from kousoku.codegen.dynamics.generate import generate_dynamics
     from kousoku.runtime.dynamics import load_dynamics
 
+    begin = time.perf_counter()
     tree = generate_dynamics(scene, outputs)
-    return _loaded(scene, tree, partial(load_dynamics, target=target.value))
+    middle = time.perf_counter()
+    solver = _loaded(scene, tree, partial(load_dynamics, target=target.value))
+    return solver, {"generate": middle - begin, "compile and load": time.perf_counter() - middle}
 
 
 def _loaded(scene: Scene, tree: Mapping[str, str], load: Callable[[Path], Solver]) -> Solver:
