@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     Mover = Callable[..., DynamicsSolver]
 
+FOLDER = Path(__file__).parent
 SCENES = Path(__file__).parents[2] / "scenes"
 
 
@@ -55,6 +57,13 @@ def solver(backend: str, folder_of: Callable[[Scene], Path]) -> Callable[[str], 
         return load_scene(folder_of(scene), target=target)
 
     return load
+
+
+@pytest.fixture(scope="session")
+def adams_samples() -> dict[str, Any]:
+    """Return what ADAMS prints of its cases, by case and time."""
+    samples: dict[str, Any] = json.loads((FOLDER / "adams_samples.json").read_text("utf-8"))
+    return samples
 
 
 @pytest.fixture(scope="session")

@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.read import scene_from_dict
+from kousoku.runtime.motion import rotated
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -68,6 +69,23 @@ def scene(unit: str = "m", factor: float = 1.0, **spring: Any) -> Any:
     return scene_from_dict(tree)
 
 
+def nonlinear(case: str, unit: str, factor: float) -> dict[str, Any]:
+    """Return a case whose spring is not linear, its lengths in another unit."""
+    law = LAW if unit == "m" else "50*x + 10*abs(x)*x/1000 + 5*v"
+    inertia = {"xx": 0.04 * factor**2, "yy": 0.1 * factor**2, "zz": 0.1 * factor**2}
+    body: Any = {"mass": 1, "inertia": inertia}
+    ends: list[list[float]]
+    if case == "tsda_case03":
+        body["position"], ends = [-1, 4, 3], [[1, 2, 3], [2, 0, 0]]
+    else:
+        body |= {"position": [0, 4 * factor, 0]}
+        body["orientation"] = {"axis": [0, 0, 1], "angle": -np.pi / 2}
+        ends = [[0, 0, 0], [2 * factor, 0, 0]]
+    spring = {"type": "spring_damper", "bodies": ["ground", "bob"], "points": ends, "tension": law}
+    tree = {"name": "bob", "unit": unit, "gravity": [0, 0, -9.80665 * factor]}
+    return tree | {"bodies": {"bob": body}, "forces": {"spring": spring}}
+
+
 @pytest.mark.parametrize(
     ("unit", "factor", "free"), [("m", 1.0, 2.0), ("mm", 1000.0, 2000.0), ("m", 1.0, None)]
 )
@@ -90,24 +108,34 @@ def test_a_body_on_a_spring_moves_as_the_independent_model(
 def test_a_spring_with_a_law_of_its_own_moves_as_the_independent_model(
     mover: Callable[..., DynamicsSolver], case: str, unit: str, factor: float
 ) -> None:
-    law = LAW if unit == "m" else "50*x + 10*abs(x)*x/1000 + 5*v"
-    inertia = {"xx": 0.04 * factor**2, "yy": 0.1 * factor**2, "zz": 0.1 * factor**2}
-    body: Any = {"mass": 1, "inertia": inertia}
-    ends: list[list[float]]
-    if case == "tsda_case03":
-        body["position"], ends = [-1, 4, 3], [[1, 2, 3], [2, 0, 0]]
-    else:
-        body |= {"position": [0, 4 * factor, 0]}
-        body["orientation"] = {"axis": [0, 0, 1], "angle": -np.pi / 2}
-        ends = [[0, 0, 0], [2 * factor, 0, 0]]
-    spring = {"type": "spring_damper", "bodies": ["ground", "bob"], "points": ends, "tension": law}
-    tree = {"name": "bob", "unit": unit, "gravity": [0, 0, -9.80665 * factor]}
-    found = scene_from_dict(tree | {"bodies": {"bob": body}, "forces": {"spring": spring}})
+    found = scene_from_dict(nonlinear(case, unit, factor))
     motion = mover(found).simulate(times=[0.0, 1.0, 2.0, 5.0], tolerance=1e-12)
     positions = motion.position["bob"][1:] / factor
     np.testing.assert_allclose(positions, NONLINEAR[case], rtol=0, atol=1e-9)
     assert motion.ledger.energy_error is not None
     assert motion.ledger.energy_error < 1e-9
+
+
+@pytest.mark.parametrize("case", ["tsda_case02", *NONLINEAR])
+def test_a_body_on_a_spring_moves_as_adams_prints_it(
+    mover: Callable[..., DynamicsSolver], adams_samples: dict[str, Any], case: str
+) -> None:
+    spring = {"free_length": 2.0} if case == "tsda_case02" else nonlinear(case, "m", 1.0)
+    motion = mover(scene(**spring) if case == "tsda_case02" else scene_from_dict(spring)).simulate(
+        times=[0.0, *map(float, adams_samples[case])], tolerance=1e-12
+    )
+    for row, sample in enumerate(adams_samples[case].values(), 1):
+        p, turning = (
+            table["bob"][[row]] for table in (motion.orientation, motion.angular_velocity)
+        )
+        found = {
+            "Pos": (motion.position["bob"][row], 5e-5),
+            "Vel": (motion.velocity["bob"][row], 5e-4),
+            "Avel": (rotated(p, turning)[0], 5e-4),
+        }
+        for key, (own, limit) in found.items():
+            np.testing.assert_allclose(own, sample[key], rtol=0, atol=limit, err_msg=key)
+        assert abs(p[0] @ np.array(sample["Quat"])) == pytest.approx(1.0, abs=1e-6)
 
 
 def test_a_tension_may_depend_on_time(mover: Callable[..., DynamicsSolver]) -> None:
