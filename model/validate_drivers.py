@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isfinite
+from math import isfinite, pi
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, unknown
@@ -88,7 +88,8 @@ def _check_driver(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
         for index, value in enumerate(driver.path):
             _check_law(scene, value, f"{key}.path[{index}]")
     elif driver.value is not None:
-        _check_law(scene, driver.value, f"{key}.value")
+        start = _check_law(scene, driver.value, f"{key}.value")
+        _check_turn(scene, driver, start, f"{key}.value")
 
 
 def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
@@ -124,8 +125,27 @@ def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
         yield given.body, given.point or (0.0, 0.0, 0.0), given.along
 
 
-def _check_law(scene: Scene, value: Value, key: str) -> None:
-    """Check a formula of time: it is known at the start, and so are its two derivatives."""
+def _check_turn(scene: Scene, driver: Driver, start: float, key: str) -> None:
+    """Check that an angle which says which turn it is in is driven in that one."""
+    if driver.coordinate is None:
+        return
+    near = scene.coordinates[driver.coordinate].near
+    if near is not None and abs(near - start) > pi:
+        raise SceneError(
+            f"is {start:g} at t = 0, and {driver.coordinate} is near {near:g}; wanted both within "
+            "half a turn, or leave 'near' out",
+            key=key,
+        )
+
+
+def _check_law(scene: Scene, value: Value, key: str) -> float:
+    """Check a formula of time: it is known at the start, and so are its two derivatives.
+
+    Returns
+    -------
+    float
+        Its value at the start.
+    """
     try:
         law = parse_expression(text_of(value), (TIME, *scene.parameters))
     except ExpressionError as error:
@@ -137,10 +157,13 @@ def _check_law(scene: Scene, value: Value, key: str) -> None:
                 "have two derivatives; wanted a smooth formula",
                 key=key,
             )
+    starts = []
     for what in ("value", "rate", "acceleration"):
-        if not isfinite(value_of(law, {**scene.parameters, TIME: 0.0})):
+        starts.append(value_of(law, {**scene.parameters, TIME: 0.0}))
+        if not isfinite(starts[-1]):
             raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
         law = derivative(law, TIME)
+    return starts[0]
 
 
 def _with_state(scene: Scene, problem: str) -> str:

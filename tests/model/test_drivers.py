@@ -55,6 +55,9 @@ def test_a_driven_angle_starts_at_the_turn_of_its_law_unless_the_scene_says_near
     assert system_of(scene_from_dict(crank)).coordinates[0].near == 100
     crank["coordinates"]["turn"]["near"] = 99
     assert system_of(scene_from_dict(crank)).coordinates[0].near == 99
+    crank["coordinates"]["turn"]["near"] = 96
+    with pytest.raises(SceneError, match="is 100 at t = 0, and turn is near 96"):
+        scene_from_dict(crank)
 
 
 def test_a_path_is_three_places_in_the_unit_of_the_scene(crank: Tree) -> None:
