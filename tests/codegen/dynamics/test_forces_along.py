@@ -192,10 +192,10 @@ def test_energy_of_a_spring_against_a_coordinate_is_half_k_times_its_square(
 def level(kind: str, constants: Any, free: float = 0.4) -> System:
     """Return a body in the xy-plane with a spring against a coordinate to the ground."""
     turn, still = (1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    body = MovingBody(
-        *("b", 1.3, (0.2, 0.3, 0.25), False),
-        *((1.0, 0.0, 0.0), turn, still, still, still, turn),
-    )
+    mass = {"mass": 1.3, "inertia": (0.2, 0.3, 0.25), "is_point": False}
+    place = {"r": (1.0, 0.0, 0.0), "p": turn, "v": still, "omega_b": still}
+    given: dict[str, Any] = mass | place | {"origin_b": still, "axes_b": turn}
+    body = MovingBody(name="b", **given)
     law = (*LINEAR[:2], ("free", (free,)))
     one = Coordinate("u", kind, GROUND_INDEX, 0, constants)
     force = ForceElement("f", "coordinate_spring", GROUND_INDEX, 0, law, coordinate=0)
