@@ -6,6 +6,7 @@ A step compares two programs of the same scene: one that does without, and one t
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly import assemble
@@ -35,7 +36,7 @@ if TYPE_CHECKING:
 
 #: Everything that can be computed.
 ALL = (*LEDGER, "reactions")
-#: What stands for zeros and ones where they shall not fold: neither, and no two of them are equal.
+#: Multiples of it, less whole numbers, stand for zeros and ones: neither, and no two are equal.
 GENERIC = 0.6180339887498949
 BYTES = 8
 
@@ -82,6 +83,8 @@ class Explanation:
         Degrees of freedom and dependent rows.
     removed : tuple of str
         The rows that depend on others, such as ``a: row 1 of p1_z``.
+    drivers : tuple of str
+        What prescribes motions.
     is_planar : bool
         Whether it is solved in a coordinate plane.
     """
@@ -92,6 +95,7 @@ class Explanation:
     structure: Structure
     freedom: Freedom
     removed: tuple[str, ...]
+    drivers: tuple[str, ...]
     is_planar: bool
 
 
@@ -115,8 +119,8 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     wanted = (*LEDGER, *names)
     found = merged(each, wanted)
     apart, system = weighted(each).system, weighted(found.system).system
-    full = compose(system, wanted)
     kept, freedom = independent(system, wanted)
+    full = compose(system, wanted) if freedom.dropped else kept
     program = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
     final = inline(program)
     structure = structure_of(system, program)
@@ -130,8 +134,8 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         _step("straight-line code", _of_code(final, program), program, final),
     ]
     segments: dict[str, int] = {}
-    for count in counts(final):
-        segments[count.segment] = segments.get(count.segment, 0) + count.operations
+    for one in counts(final):
+        segments[one.segment] = segments.get(one.segment, 0) + one.operations
     return Explanation(
         name=scene.name,
         steps=tuple(steps),
@@ -142,6 +146,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
             f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
             for row in freedom.dropped
         ),
+        drivers=_drivers(system),
         is_planar=program.is_planar,
     )
 
@@ -228,8 +233,9 @@ def _generic(system: System) -> System:
 
 
 def _without_zeros(constants: Constants) -> Constants:
+    numbers = (GENERIC * k % 1.0 for k in count(1))
     return tuple(
-        (name, tuple(GENERIC if x in {-1.0, 0.0, 1.0} else x for x in values))
+        (name, tuple(next(numbers) if x in {-1.0, 0.0, 1.0} else x for x in values))
         for name, values in constants
     )
 
@@ -252,14 +258,18 @@ def _of_moments(system: System) -> str:
     return f"{gone} of {3 * len(ratios)} are zero in space: equal moments of inertia"
 
 
+def _drivers(system: System) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(one.joint for one in system.constraints if one.is_driver))
+
+
 def _of_coordinates(system: System, freedom: Freedom) -> list[Step]:
     """Return what is not done: it would change how a scene is solved, not only what it costs."""
-    drivers = dict.fromkeys(one.joint for one in system.constraints if one.is_driver)
+    drivers = _drivers(system)
     prescribed = "no driver"
     if drivers:
-        prescribed = f"not done: {', '.join(drivers)} are rows, and their bodies are solved for"
+        prescribed = f"not done: rows hold {', '.join(drivers)}, and their bodies are integrated"
         if not freedom.degrees:
-            prescribed = f"all: {', '.join(drivers)} leave nothing to integrate"
+            prescribed = f"all: {', '.join(drivers)}, nothing is left to integrate"
     return [
         Step("prescribed bodies evaluated", prescribed),
         Step("dependent coordinates eliminated", "not done: all bodies keep their coordinates"),

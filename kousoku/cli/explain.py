@@ -11,7 +11,6 @@ from kousoku.cli.console import AsJson, print_json, print_table
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.explain import Explanation
-    from kousoku.codegen.dynamics.freedom import Freedom
     from kousoku.model.scene import Scene
 
 #: Joints that a line names.
@@ -52,6 +51,7 @@ def _data(found: "Explanation") -> dict[str, Any]:
         "freedom": asdict(freedom)
         | {"degrees": freedom.degrees, "not_unique": list(freedom.not_unique)},
         "removed": list(found.removed),
+        "drivers": list(found.drivers),
     }
 
 
@@ -78,7 +78,7 @@ def _print(found: "Explanation") -> None:
         f" {s.fill_in} more; solved in {_counted(s.parts, 'part')}"
         f"{', in a coordinate plane' if found.is_planar else ''}"
     )
-    for line in _lines(found.freedom, found.removed):
+    for line in _lines(found):
         typer.echo(line)
 
 
@@ -90,12 +90,17 @@ def _counted(count: int, what: str) -> str:
     return f"{count} {what}" if count == 1 else f"{count} {what}s"
 
 
-def _lines(freedom: "Freedom", removed: Sequence[str]) -> list[str]:
+def _lines(found: "Explanation") -> list[str]:
     """Return what is known of freedoms and dependences."""
+    freedom, removed = found.freedom, found.removed
     degrees = _counted(freedom.degrees, "degree")
     lines = [f"{degrees} of freedom: {freedom.columns} velocities less rank {freedom.rank}"]
     if not freedom.degrees:
-        lines.append("nothing can move")
+        lines.append(
+            f"the motion is that of {_names(found.drivers)}"
+            if found.drivers
+            else "nothing can move"
+        )
     for one in freedom.dependent:
         where = (
             f"along the branch, {freedom.positions} positions looked at"
@@ -110,6 +115,7 @@ def _lines(freedom: "Freedom", removed: Sequence[str]) -> list[str]:
             f"left out: {_names(removed)}; the others keep their rank at all of these positions,"
             f" {freedom.worst:.2g} of 1 at the worst"
         )
+    if freedom.not_unique:
         lines.append(f"reactions are not unique at {_names(freedom.not_unique)}")
     if freedom.unknown:
         lines.append(

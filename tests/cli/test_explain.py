@@ -77,3 +77,42 @@ def test_every_scene_can_be_explained(run: Run, scene: str) -> None:
     code, out, _ = run("explain", SCENES / f"{scene}.toml")
     assert code == 0
     assert "none depends on others" in out
+
+
+WELDED = """
+name = "welded"
+unit = "m"
+gravity = [0, 0, -9.81]
+bodies.a = { position = [0, 0, 0], boxes = [{ mass = 1, size = [1, 2, 3], at = [1, 0, 0] }] }
+bodies.b = { position = [1, 1, 0], boxes = [{ mass = 2, size = [2, 1, 1] }] }
+bodies.c = { position = [5, 0, 0], boxes = [{ mass = 1, size = [2, 1, 1] }] }
+joints.hinge = { type = "hinge", bodies = ["ground", "a"], at = [0, 0, 0], axis = [0, 1, 1] }
+joints.weld = { type = "weld", bodies = ["a", "b"], at = [1, 0, 0] }
+joints.base = { type = "weld", bodies = ["ground", "c"], at = [5, 0, 0] }
+"""
+
+
+def test_bodies_that_are_one_and_bodies_that_are_ground_are_told(run: Run, tmp_path: Path) -> None:
+    scene = tmp_path / "welded.toml"
+    scene.write_text(WELDED, encoding="utf-8")
+    code, out, _ = run("explain", scene, "--json")
+    data = json.loads(out)
+    steps = {step["name"]: step for step in data["steps"]}
+
+    assert code == 0
+    assert (steps["bodies joined rigidly"]["rows"], steps["bodies joined rigidly"]["columns"]) == (
+        12,
+        12,
+    )
+    assert "weld, base left out: 3 bodies move as 1" in steps["bodies joined rigidly"]["detail"]
+    assert data["structure"]["velocities"] == 6
+    assert data["freedom"]["degrees"] == 1
+
+
+def test_what_drivers_leave_to_integrate_is_told(run: Run) -> None:
+    code, out, _ = run("explain", SCENES / "gear_train.toml")
+
+    assert code == 0
+    assert "all: motor, nothing is left to integrate" in out
+    assert "the motion is that of motor" in out
+    assert "not done" in out
