@@ -132,7 +132,7 @@ def _as_written(
 def _combination(
     name: str, terms: Sequence[tuple[int, High]], offset: High, coordinates: CoordinateList
 ) -> Instance:
-    records = [coordinates.records[place] for place, _ in terms]
+    records = [coordinates.record(place) for place, _ in terms]
     bodies = dict.fromkeys(body for record in records for body in (record.i, record.j))
     first = records[0]
     units = [coordinates.unit_of(place)[0] for place, _ in terms]

@@ -120,7 +120,7 @@ class CoordinateForces:
     def _element(
         self, name: str, kind: str, place: int, given: Mapping[str, tuple[Any, High]], law: str = ""
     ) -> ForceElement:
-        one = self.coordinates.records[place]
+        one = self.coordinates.record(place)
         constants, formulas = scalars(given)
         return ForceElement(name, kind, one.i, one.j, constants, law, formulas, place)
 

@@ -120,11 +120,20 @@ class CoordinateList:
         self._records: list[Coordinate] = []
         self._values: list[High] = []
         self._starts: dict[tuple[str, str], High] = {}
+        self._named: dict[tuple[str, str], str] = {}
+        for name, given in scene.coordinates.items():
+            if given.joint is not None:
+                sort = sort_of(scene.joints[given.joint].type, given.of)
+                self._named.setdefault((given.joint, sort), name)
 
     @property
     def records(self) -> tuple[Coordinate, ...]:
         """All that were asked for, in the order of asking."""
         return tuple(self._records)
+
+    def record(self, place: int) -> Coordinate:
+        """Return the coordinate at a place."""
+        return self._records[place]
 
     def value(self, place: int) -> High:
         """Return a coordinate at the positions as they are written, in SI units, turns counted."""
@@ -156,9 +165,8 @@ class CoordinateList:
         """
         record = self._scene.joints[joint]
         sort = sort_of(record.type, of)
-        for name, given in self._scene.coordinates.items():
-            if given.joint == joint and sort_of(record.type, given.of) == sort:
-                return self.place(name)
+        if (joint, sort) in self._named:
+            return self.place(self._named[joint, sort])
         measure = joint_measure(record, sort, self._frames)
         return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
 

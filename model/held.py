@@ -80,7 +80,7 @@ def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
         place = coordinates.place(name)
         unit, scale = coordinates.unit_of(place)
         near = coordinates.value(place) if given.near is None else scale * given.near
-        held = coordinates.records[place]
+        held = coordinates.record(place)
         yield Instance(
             f"coordinates.{name}.hold",
             COMBINATION,

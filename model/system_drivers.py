@@ -68,7 +68,7 @@ def driver_instances(
 
 
 def _driver(name: str, place: int, value: Value, coordinates: CoordinateList) -> Instance:
-    driven = coordinates.records[place]
+    driven = coordinates.record(place)
     unit, scale = coordinates.unit_of(place)
     return Instance(
         name,
