@@ -14,6 +14,8 @@ from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.motion_data import is_flat
 from kousoku.codegen.dynamics.run import Workspace
+from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
+from kousoku.codegen.dynamics.weights import require_driven, weighted
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
@@ -55,8 +57,10 @@ def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dic
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
-    system = merged(assemble(system_of(scene)), wanted).system
+    found = weighted(merged(assemble(system_of(scene)), wanted).system)
+    system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
+    require_driven(found, freedom, wanted)
     if "reactions" in wanted:
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
     return emit_dynamics(inline(program), system, wanted)
@@ -75,6 +79,7 @@ def independent(
         What was found: degrees of freedom, and the rows that were left out.
     """
     program = compose(system, wanted, may_be_planar=may_be_planar)
+    require_unmoved_rows_hold(system, program)
     freedom = freedom_of(system, program)
     if freedom.dropped:
         rows = kept_rows(freedom, program)
