@@ -47,12 +47,16 @@ def verify(
         ``report.ok``; it does not raise for what is wrong with the package. ``report.check()``
         does.
     """
+    from kousoku.runtime.dynamics import MOTION_FILE
+    from kousoku.runtime.dynamics_verify import verify_solver
     from kousoku.runtime.linkage_verify import solver_problems
 
     folder = package.folder if isinstance(package, Library) else Path(package).absolute()
     try:
         manifest = read_manifest(folder)
-        read_files(folder, manifest)
+        files = read_files(folder, manifest)
+        if MOTION_FILE in files:
+            return verify_solver(folder, manifest, files, target)
         references = read_references(folder, manifest)
     except (LoadError, VerifyError) as error:
         return Report(folder.name, str(folder), (), (str(error),))

@@ -17,7 +17,7 @@ from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.kernel import Package
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Collection, Mapping
 
     from kousoku.codegen.dynamics.program import Program
     from kousoku.model.mechanism import System
@@ -50,7 +50,10 @@ PARTS = (
 
 
 def emit_dynamics(
-    program: Program, system: System, outputs: Collection[str] = ()
+    program: Program,
+    system: System,
+    outputs: Collection[str] = (),
+    more: Mapping[str, str] | None = None,
 ) -> dict[str, str]:
     """Return the folder of a scene's solver.
 
@@ -62,6 +65,8 @@ def emit_dynamics(
         What the program was composed of.
     outputs : collection of str
         What is wanted beside positions and velocities, of :data:`PARTS_OF_ROWS`.
+    more : mapping of str to str, optional
+        Further files, such as reference values.
 
     Returns
     -------
@@ -83,6 +88,7 @@ def emit_dynamics(
     files[PYTHON_FILE] = templates.get_template(PYTHON_TEMPLATE).render(**given, python=python)
     files[ALONG.name] = along
     files[MOTION_FILE] = to_text(motion_data(program, system, parts))
+    files |= more or {}
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()
     )

@@ -13,6 +13,7 @@ from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.motion_data import is_flat
+from kousoku.codegen.dynamics.reference import REFERENCE_FILE, solver_references
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.weights import require_driven, weighted
@@ -33,7 +34,9 @@ LEDGER = ("checks", "energies")
 DEPENDENT = 1e-12
 
 
-def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dict[str, str]:
+def generate_dynamics(
+    scene: Scene, outputs: Sequence[str] | None = None, *, references: bool = False
+) -> dict[str, str]:
     """Return the folder of the solver of a scene of bodies.
 
     Parameters
@@ -43,6 +46,9 @@ def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dic
     outputs : sequence of str, optional
         What is wanted of ``accelerations``, ``reactions`` and ``energies``, beside positions and
         velocities; what the scene says unless given.
+    references : bool
+        Whether the folder has reference values, which ``kousoku verify`` compares with; that takes
+        a second for some ten bodies.
 
     Returns
     -------
@@ -57,13 +63,14 @@ def generate_dynamics(scene: Scene, outputs: Sequence[str] | None = None) -> dic
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
-    found = weighted(merged(assemble(system_of(scene)), wanted).system)
+    found = weighted(merged(assemble(system_of(scene, wanted)), wanted).system)
     system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
     require_driven(found, freedom, wanted)
     if "reactions" in wanted:
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
-    return emit_dynamics(inline(program), system, wanted)
+    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
+    return emit_dynamics(inline(program), system, wanted, more)
 
 
 def independent(

@@ -132,7 +132,9 @@ def _scene_order(path: Path, out: Path | None) -> Order:
 
     scene = read_scene(path)
     folder = scene_folder(scene.name) if out is None else out / scene.name
-    return Order(folder, partial(generate_dynamics if scene.is_spatial else generate_scene, scene))
+    if scene.is_spatial:
+        return Order(folder, partial(generate_dynamics, scene, references=True))
+    return Order(folder, partial(generate_scene, scene))
 
 
 def _kinds_folder() -> Path:

@@ -12,11 +12,13 @@ from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
     Target,
+    checkout,
     find_packages,
     print_json,
     print_table,
     progress,
 )
+from kousoku.model.errors import LoadError
 
 if TYPE_CHECKING:
     from kousoku.runtime.report import Report
@@ -27,7 +29,8 @@ SHOWN = 4
 
 def verify(
     names: Annotated[
-        list[str] | None, typer.Argument(help="Packages, kinds or folders; all when left out.")
+        list[str] | None,
+        typer.Argument(help="Packages, kinds, folders or scene files; all when left out."),
     ] = None,
     target: Annotated[
         Target, typer.Option(help="What to check: all that this machine can run, or one target.")
@@ -37,7 +40,7 @@ def verify(
     """Check that emitted code computes what was derived, within 4 units of rounding."""
     from kousoku.runtime.report import LIMIT
 
-    folders = [folder for name in names or [""] for folder in find_packages(name)]
+    folders = [folder for name in names or [""] for folder in _folders(name)]
     reports = verify_all(folders, target.value)
     if as_json:
         ok = all(report.ok for report in reports)
@@ -49,6 +52,43 @@ def verify(
         print_summary(reports)
     if not all(report.ok for report in reports):
         raise typer.Exit(DISAGREEMENT)
+
+
+def _folders(name: str) -> list[Path]:
+    """Return the folders that a name stands for; that of a scene file is generated.
+
+    Raises
+    ------
+    LoadError
+        There is no such package, scene or folder.
+    """
+    if name.endswith(".toml"):
+        return [_generated(Path(name))]
+    try:
+        return find_packages(name)
+    except LoadError:
+        root = checkout()
+        scene = None if root is None else root / "scenes" / f"{name}.toml"
+        if scene is None or not scene.is_file():
+            raise
+        return [_generated(scene)]
+
+
+def _generated(scene_file: Path) -> Path:
+    """Return the folder of a scene's solver with reference values, in the user's cache."""
+    from kousoku.codegen.dynamics.generate import generate_dynamics
+    from kousoku.codegen.generate import MANIFEST_FILE, write_tree
+    from kousoku.codegen.linkage import generate_scene
+    from kousoku.model.cache import cache_folder
+    from kousoku.model.manifest import Manifest
+    from kousoku.model.read import read_scene
+
+    scene = read_scene(scene_file)
+    tree = generate_dynamics(scene, references=True) if scene.is_spatial else generate_scene(scene)
+    digest = Manifest.from_json(tree[MANIFEST_FILE]).digest
+    folder = cache_folder() / "verified" / digest[:32] / scene.name
+    write_tree(folder, tree)
+    return folder
 
 
 def verify_all(

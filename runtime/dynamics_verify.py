@@ -1,0 +1,194 @@
+"""Check the solver of a scene of bodies: against 50 digits at a few states, and target by target.
+
+At each state of ``reference.json`` all that the solver computes is computed again, by C and by
+NumPy, and its error is told in units of what rounding can do there. Then both make the same few
+steps: a scene without sines or logarithms must give the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
+from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
+from kousoku.runtime.reference import REFERENCE_FILE, Expected
+from kousoku.runtime.report import Report, Row
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+
+    import numpy.typing as npt
+
+    from kousoku.model.manifest import Manifest
+    from kousoku.runtime.run import Run
+
+    Array = npt.NDArray[np.float64]
+
+FORMAT = 1
+NAMES: dict[str, str] = {"c": "C", "numpy": "NumPy"}
+#: Regions with one number for each constraint.
+BY_ROW = ("C", "C_dot", "C_ddot", "lam", "pivots")
+#: Steps that both targets make, rows that they write, and how exactly.
+STEPS, ROWS, TOLERANCE = 2, 5, 1e-7
+#: Largest relative difference where functions differ from library to library.
+NEAR = 1e-9
+
+
+def verify_solver(
+    folder: Path,
+    manifest: Manifest,
+    files: Mapping[str, bytes],
+    target: Literal["auto", "c", "numpy"],
+) -> Report:
+    """Return whether a folder that was made from a scene of bodies computes what was composed.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the files lie.
+    manifest : Manifest
+        What the folder promises.
+    files : mapping of str to bytes
+        Name and content, compared with the manifest.
+    target : {"auto", "c", "numpy"}
+        What to check.
+    """
+    problems: list[str] = []
+    notes: list[str] = []
+    try:
+        data = _read(folder, files)
+    except VerifyError as error:
+        return Report(manifest.package, str(folder), (), (str(error),))
+    solvers = list(_solvers(folder, target, problems, notes))
+    if not solvers and not problems:
+        problems.append("nothing was checked, because nothing could be run")
+    points = data["points"] if data else []
+    notes += _without(folder, data)
+    rows = [row for solver in solvers for row in _rows(solver, points)]
+    problems += [str(row) for row in rows if not row.ok]
+    if len(solvers) > 1:
+        is_exact = bool(data and data["is_exact"])
+        problems += _differences(solvers[0], solvers[1], is_exact=is_exact)
+    return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
+
+
+def _read(folder: Path, files: Mapping[str, bytes]) -> dict[str, Any] | None:
+    """Return the reference values, None where the folder was generated without."""
+    if REFERENCE_FILE not in files:
+        return None
+    path = folder / REFERENCE_FILE
+    try:
+        data: dict[str, Any] = json.loads(files[REFERENCE_FILE])
+        if data["format"] != FORMAT:
+            raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
+        _ = [(point["label"], point["outputs"]) for point in data["points"]], data["is_exact"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise VerifyError(f"{path} cannot be read: {error!r}") from None
+    return data
+
+
+def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
+    """Yield why there is nothing to compare with."""
+    if data is None:
+        yield (
+            f"{folder.name} has no {REFERENCE_FILE}: it was generated without reference values;"
+            " kousoku generate SCENE.toml writes them"
+        )
+    elif not data["points"]:
+        yield (
+            f"{folder.name} has no reference values: its {data['operations']} operations are more"
+            f" than {data['most_operations']}, or nothing is finite at the states that were tried"
+        )
+
+
+def _solvers(
+    folder: Path, target: str, problems: list[str], notes: list[str]
+) -> Iterator[DynamicsSolver]:
+    """Yield the solver by each target; what cannot be had is a problem or a note."""
+    targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy")
+    for wanted in targets:
+        if target not in {"auto", wanted}:
+            continue
+        try:
+            yield load_dynamics(folder, target=wanted)
+        except (NoCompilerError, TargetError) as error:
+            text = f"{NAMES[wanted]} is not checked: {error}"
+            (notes if target == "auto" else problems).append(text)
+        except LoadError as error:
+            problems.append(str(error))
+
+
+def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
+    """Yield the worst error of each region over all states."""
+    worst: dict[str, Row] = {}
+    for number, point in enumerate(points):
+        for row in _rows_at(solver, number, point):
+            known = worst.get(row.output)
+            if known is None or row.worst > known.worst:
+                worst[row.output] = row
+    yield from worst.values()
+
+
+def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> Iterator[Row]:
+    q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
+    found = solver.evaluate(point["time"], q, v)
+    for name, columns in point["outputs"].items():
+        expected = Expected(
+            *(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit"))
+        )
+        values = found[name][None, :]
+        (errors,) = expected.errors(values)
+        element = int(np.argmax(errors))
+        yield Row(
+            kernel="solver",
+            output=name,
+            way=NAMES[solver.target.name],
+            worst=float(errors[element]),
+            element=(element,),
+            point=number,
+            label=point["label"] + _owner(solver, name, element),
+            inputs=(("time", repr(point["time"])),),
+            got=float(values[0, element]),
+            wanted=float(expected.high[0, element]),
+        )
+
+
+def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
+    """Say which joint a number belongs to."""
+    if region in BY_ROW and element < len(solver.rows):
+        return f", joints.{solver.rows[element][0]}"
+    return ""
+
+
+def _differences(one: DynamicsSolver, other: DynamicsSolver, *, is_exact: bool) -> Iterator[str]:
+    """Yield where two targets move differently: the first steps of each method, and the rows."""
+    for method in ("dopri5", "dop853"):
+        try:
+            runs = [_run(solver, method) for solver in (one, other)]
+        except SolveError as error:
+            yield f"solver, {method}: {error}"
+            continue
+        a, b = (run.save().rows.ravel() for run in runs)
+        if is_exact:
+            a, b = (np.concatenate([run.state, x]) for run, x in zip(runs, (a, b), strict=True))
+        limit = 0.0 if is_exact else NEAR * float(np.nanmax(np.abs(a)))
+        places = np.flatnonzero(~((np.abs(a - b) <= limit) | (np.isnan(a) & np.isnan(b))))
+        if len(places):
+            yield (
+                f"solver, {method}: {NAMES[one.target.name]} and {NAMES[other.target.name]} differ"
+                f" after {STEPS} steps in {len(places)} of {len(a)} numbers of the run, first at"
+                f" {places[0]}: {float(a[places[0]])!r} and {float(b[places[0]])!r}"
+            )
+
+
+def _run(solver: DynamicsSolver, method: str) -> Run:
+    """Make a few steps, then the same again with rows in between."""
+    first = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method)
+    first.advance(max_steps=STEPS)
+    run = solver.begin(np.linspace(0.0, first.time, ROWS), tolerance=TOLERANCE, method=method)
+    run.finish()
+    return run
