@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model import precise
 from kousoku.model.coordinates import Measure
-from kousoku.model.joints import ANGLE, JOINTS, NAMES
+from kousoku.model.joints import ANGLE, leaves_of
 from kousoku.model.mechanism import ForceElement
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class CoordinateForces:
     def _free(self, force: Force) -> list[int]:
         """Return what a joint with friction leaves free."""
         assert force.joint is not None
-        leaves = JOINTS[NAMES[self.scene.joints[force.joint].type]].leaves
+        leaves = leaves_of(self.scene.joints[force.joint].type)
         sorts = leaves if force.of is None else (force.of,)
         return [self.coordinates.of_joint(force.joint, sort) for sort in sorts]
 

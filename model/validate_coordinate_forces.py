@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import ANGLE, JOINTS, NAMES, sort_of
+from kousoku.model.joints import ANGLE, leaves_of, sort_of
 from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def check_friction(scene: Scene, force: Force, key: str) -> None:
         raise SceneError("is missing; wanted the joint that it is in", key=f"{key}.joint")
     of: str | None = force.of
     if of is None and force.joint in scene.joints:
-        leaves = JOINTS[NAMES[scene.joints[force.joint].type]].leaves
+        leaves = leaves_of(scene.joints[force.joint].type)
         of = leaves[0] if leaves else None
     check_leaves(scene, force.joint, of, key)
     if force.damping is None or isinstance(force.damping, tuple):

@@ -121,20 +121,24 @@ def test_a_driven_scene_with_any_coordinates_couplings_and_drivers(data: st.Data
         "factors": st.lists(number, min_size=2, max_size=2),
         "of": st.sampled_from(["angle", "displacement"]),
         "hold": st.booleans(),
-        "value": formula,
+        **dict.fromkeys(["value", "stiffness", "damping", "moment", "force"], formula),
         "path": st.lists(formula, min_size=3, max_size=3),
         "type": st.sampled_from(["gear", "rack", "linear", "screw", "cv", "hinge", "cylindrical"]),
     }
-    for table in ("joints", "coordinates", "drivers"):
+    tree["forces"] = {"spring": {"type": "friction", "joint": "wheel_axle", "damping": 2}}
+    for table, known in ALLOWED.items():
         name = data.draw(st.sampled_from([*tree[table], "another"]))
-        known = ALLOWED[table]
         chosen = data.draw(st.lists(st.sampled_from(known), max_size=4, unique=True))
         changed = {key: data.draw(keys[key]) for key in chosen}
         tree[table][name] = {**tree[table].get(name, {}), **changed}
+    if data.draw(st.booleans()):
+        tree["forces"]["spring"]["type"] = data.draw(st.sampled_from(FORCES))
     gives_scene_or_error(scene_from_dict, tree)
     with contextlib.suppress(SceneError):
         system_of(scene_from_dict(tree))
 
+
+FORCES = ["along", "rotational_spring_damper", "bushing", "torque", "spring_damper"]
 
 ALLOWED = {
     "joints": [
@@ -154,6 +158,7 @@ ALLOWED = {
     ],
     "coordinates": ["joint", "of", "bodies", "points", "body", "point", "along", "near", "hold"],
     "drivers": ["coordinate", "joint", "of", "value", "body", "point", "path"],
+    "forces": ["joint", "coordinate", "of", "stiffness", "damping", "moment", "force", "bodies"],
 }
 """Keys of the tables of a driven scene."""
 
