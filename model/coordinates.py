@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
-from kousoku.model.joints import ANGLE, sort_of
+from kousoku.model.joints import ANGLE, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
 from kousoku.model.precise import CONTEXT, NOISE, ZERO
 
@@ -84,10 +84,41 @@ def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> M
     """
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     i, j = joint_vectors(ends, joint)
+    if NAMES[joint.type] == "universal":
+        return _arm_measure(sort, ends, i, j, is_written=joint.zero is None)
     if sort == ANGLE:
         vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
         return Measure("angle", ends, vectors)
     return Measure("n2", ends, (("a_i_b", i["axis"]),), joint_points(joint, ends))
+
+
+def _arm_measure(
+    sort: str,
+    ends: tuple[BodyFrame, BodyFrame],
+    i: Mapping[str, Triple],
+    j: Mapping[str, Triple],
+    *,
+    is_written: bool,
+) -> Measure:
+    """Return a turn of the cross of a universal joint about one of its arms.
+
+    The angle is that of the arm of j, seen from body i, about the arm of i. The second is that of
+    body j about its own arm: against it the arm of i turns the other way.
+    """
+    first, second = ends
+    if sort == ANGLE:
+        own, arm, across = i["axis"], j["axis"], i["across"]
+    else:
+        ends = second, first
+        own, arm, across = j["axis"], i["axis"], j["across"]
+    if is_written:
+        seen = ends[0].from_ground(ends[1].to_ground(arm))
+        aside = precise.without(seen, own)
+        across = precise.across(own) if precise.length(aside) < NOISE else precise.unit(aside)
+    third = precise.cross(own, across)
+    if sort != ANGLE:
+        third = precise.scale(CONTEXT.mpf(-1), third)
+    return Measure("angle", ends, (("a_i_b", across), ("b_i_b", third), ("a_j_b", arm)))
 
 
 def place_measure(frame: BodyFrame, point: Triple, along: Triple) -> Measure:
@@ -160,8 +191,8 @@ class CoordinateList:
         ----------
         joint : str
             The joint.
-        of : {"angle", "displacement"}, optional
-            Which of the two, where it leaves both free.
+        of : {"angle", "second_angle", "displacement"}, optional
+            Which of them, where it leaves two free.
         """
         record = self._scene.joints[joint]
         sort = sort_of(record.type, of)
@@ -170,9 +201,9 @@ class CoordinateList:
         measure = joint_measure(record, sort, self._frames)
         return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
 
-    def starts_at(self, joint: str, angle: float) -> None:
-        """Say what the angle of a joint is near at the start, so that its turns are known."""
-        self._starts[joint, ANGLE] = precise.number(angle)
+    def starts_at(self, joint: str, sort: str, angle: float) -> None:
+        """Say what an angle of a joint is near at the start, so that its turns are known."""
+        self._starts[joint, sort] = precise.number(angle)
 
     def add(self, name: str, measure: Measure, near: High | None = None) -> int:
         """Return the place of a coordinate, which is added unless one of its name is there.

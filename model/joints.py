@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-ANGLE, DISPLACEMENT = "angle", "displacement"
+ANGLE, SECOND_ANGLE, DISPLACEMENT = "angle", "second_angle", "displacement"
 """What a joint can leave free that is one number."""
 
 ROWS_OF = {
@@ -58,7 +58,8 @@ class JointKind:
     aliases : tuple of str
         Other names that are accepted.
     leaves : tuple of str
-        What it leaves free that is one number: its ``angle``, its ``displacement``, or both.
+        What it leaves free that is one number: its ``angle``, the ``second_angle`` of a universal
+        joint, its ``displacement``.
     keys : tuple of str
         Numbers that a scene gives and that no other joint has.
     """
@@ -149,6 +150,7 @@ JOINTS: dict[str, JointKind] = {
         (_POINT, Part("n1")),
         2,
         aliases=("hooke", "cardan"),
+        leaves=(ANGLE, SECOND_ANGLE),
     ),
     "planar": JointKind(
         "displacements in a plane and a turn about its normal",
@@ -251,6 +253,6 @@ def sort_of(kind: str, of: str | None) -> str:
     kind : str
         Name or alias of a joint that leaves one free.
     of : str, optional
-        ``angle`` or ``displacement``.
+        ``angle``, ``second_angle`` or ``displacement``.
     """
     return of or leaves_of(kind)[0]

@@ -1,11 +1,9 @@
 """What acts on the bodies of a spatial mechanism beside gravity, as a scene describes it."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
-from typing import Literal
-
 import msgspec
 
-from kousoku.model.spatial import Components, Value, Vector
+from kousoku.model.spatial import Components, Free, Value, Vector
 
 Six = tuple[Value, Value, Value, Value, Value, Value]
 """Along three directions, then about them."""
@@ -84,7 +82,7 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     axes: tuple[Vector, Vector] | None = None
     joint: str | None = None
     coordinate: str | None = None
-    of: Literal["angle", "displacement"] | None = None
+    of: Free | None = None
     stiffness: Value | Six | None = None
     damping: Value | Six | None = None
     tension: str | None = None

@@ -9,6 +9,7 @@ from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Vector = tuple[float, float, float]
+Free = Literal["angle", "second_angle", "displacement"]
 Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
 
 Value = float | str
@@ -163,8 +164,8 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     ----------
     joint : str, optional
         The joint whose angle or displacement it is.
-    of : {"angle", "displacement"}, optional
-        Which of the two, where the joint leaves both free.
+    of : {"angle", "second_angle", "displacement"}, optional
+        Which of them, where the joint leaves two free.
     bodies : (str, str), optional
         The two bodies between whose points it is the distance.
     points : ((3,), (3,)) [unit of the scene], optional
@@ -183,7 +184,7 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     """
 
     joint: str | None = None
-    of: Literal["angle", "displacement"] | None = None
+    of: Free | None = None
     bodies: tuple[str, str] | None = None
     points: tuple[Vector, Vector] | None = None
     body: str | None = None
@@ -205,8 +206,8 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         The coordinate that is driven.
     joint : str, optional
         The joint whose angle or displacement is driven, instead.
-    of : {"angle", "displacement"}, optional
-        Which of the two, where the joint leaves both free.
+    of : {"angle", "second_angle", "displacement"}, optional
+        Which of them, where the joint leaves two free.
     value : float or str, optional
         Its value as a formula, in rad or the unit of the scene.
     body : str, optional
@@ -219,7 +220,7 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
 
     coordinate: str | None = None
     joint: str | None = None
-    of: Literal["angle", "displacement"] | None = None
+    of: Free | None = None
     value: Value | None = None
     body: str | None = None
     point: Vector | None = None

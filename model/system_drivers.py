@@ -9,7 +9,7 @@ from kousoku.model.coordinates import place_measure
 from kousoku.model.drivers import drivers_of, text_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
-from kousoku.model.joints import ANGLE, sort_of
+from kousoku.model.joints import DISPLACEMENT, sort_of
 from kousoku.model.mechanism import COMBINATION, Instance, Term
 from kousoku.model.values import value_of
 
@@ -36,8 +36,9 @@ def start_values(scene: Scene, coordinates: CoordinateList) -> None:
             joint, of = named.joint, named.of
         if joint is None or driver.value is None:
             continue
-        if sort_of(scene.joints[joint].type, of) == ANGLE:
-            coordinates.starts_at(joint, _at_start(scene, driver.value))
+        sort = sort_of(scene.joints[joint].type, of)
+        if sort != DISPLACEMENT:
+            coordinates.starts_at(joint, sort, _at_start(scene, driver.value))
 
 
 def _at_start(scene: Scene, value: Value) -> float:

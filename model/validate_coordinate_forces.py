@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import ANGLE, leaves_of, sort_of
+from kousoku.model.joints import ANGLE, DISPLACEMENT, leaves_of, sort_of
 from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
@@ -151,4 +151,6 @@ def _coordinate(scene: Scene, force: Force, key: str) -> str:
 
 def _is_angle(scene: Scene, name: str) -> bool:
     given = scene.coordinates[name]
-    return given.joint is not None and sort_of(scene.joints[given.joint].type, given.of) == ANGLE
+    if given.joint is None:
+        return False
+    return sort_of(scene.joints[given.joint].type, given.of) != DISPLACEMENT

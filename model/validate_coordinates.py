@@ -9,7 +9,7 @@ from kousoku.model.decode import LARGEST, join, unknown
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
 from kousoku.model.formulas import RATE, TIME
-from kousoku.model.joints import ANGLE, JOINTS, leaves_of, sort_of
+from kousoku.model.joints import DISPLACEMENT, JOINTS, leaves_of, sort_of
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 
@@ -121,8 +121,8 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
         )
     if of is None and len(leaves) > 1:
         raise SceneError(
-            f"is missing; {name} is a {kind} joint, which leaves free an angle and a "
-            "displacement: wanted one of them",
+            f"is missing; {name} is a {kind} joint, which leaves two free: wanted {leaves[0]!r} or "
+            f"{leaves[1]!r}",
             key=f"{key}.of",
         )
     return sort_of(kind, of)
@@ -134,7 +134,7 @@ def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
     refuse_foreign(given, KEYS[sort], known, key)
     is_angle = False
     if given.joint is not None:
-        is_angle = check_leaves(scene, given.joint, given.of, key) == ANGLE
+        is_angle = check_leaves(scene, given.joint, given.of, key) != DISPLACEMENT
     elif given.bodies is not None:
         _check_distance(scene, given, key)
     else:

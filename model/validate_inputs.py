@@ -114,7 +114,7 @@ def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
         problem = (
             "leaves free no angle or displacement that is one number; wanted another joint"
             if not leaves
-            else "leaves free an angle and a displacement; wanted a driver with 'of'"
+            else f"leaves free {leaves[0]} and {leaves[1]}; wanted a driver with 'of'"
         )
         raise SceneError(f"{joint} is a {kind} joint, which {problem}", key=f"{key}.joint")
     if leaves[0] == "displacement":

@@ -175,7 +175,11 @@ def test_zero_says_which_turn_a_fixed_joint_keeps() -> None:
         ({"zero": None, "axes": [X, X]}, ".axes", "a fixed joint has no axis"),
         ({"axes": None, "zero": [Z, Z]}, ".axes", "is missing; a fixed joint wants"),
         ({"type": "ball", "axes": None, "zero": [Z, Z]}, ".zero", "has no angle"),
-        ({"type": "hooke", "axes": [X, Z], "zero": [Z, X]}, ".zero", "has no angle"),
+        (
+            {"type": "perpendicular", "points": None, "axes": [X, Z], "zero": [Z, X]},
+            ".zero",
+            "has no angle",
+        ),
         ({"axes": None, "axis": X, "zero": [Z, Z]}, ".axes", "wants the axis in each"),
         ({"type": "screw", "axes": [X, X]}, ".pitch", "is missing"),
         ({"axes": None, "ratio": 3}, ".ratio", "has none; leave it out"),

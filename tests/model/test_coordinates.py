@@ -9,6 +9,7 @@ import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.joints import SECOND_ANGLE
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
@@ -59,6 +60,23 @@ def test_without_zero_an_angle_is_zero_as_the_orientations_are_written() -> None
     system = system_of(scene_from_dict(tree))
     assert system.coordinates[0].near == 0
     assert value(system, system.coordinates[0]) == pytest.approx(0, abs=1e-16)
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_the_angles_of_a_universal_joint_are_those_of_its_cross(given: bool) -> None:
+    """The body is turned about the arm of the ground, x, and then about its own arm, y."""
+    joint = {"type": "cardan", "bodies": ["ground", "arm"], "points": [ZERO, ZERO]}
+    joint |= {"axes": [[1, 0, 0], [0, 1, 0]]} | ({"zero": [[0, 1, 0], [1, 0, 0]]} if given else {})
+    angles = {"one": {"joint": "axle", "of": "angle"}, "two": {"joint": "axle", "of": SECOND_ANGLE}}
+    tree = arm(0, coordinates=angles, joints={"axle": joint})
+    turns = {"angles": [0.5, -0.75, 0], "sequence": "xyz", "about": "body"}
+    tree["bodies"]["arm"] |= {"position": ZERO, "orientation": turns}
+    system = system_of(scene_from_dict(tree))
+    wanted = [0.5, -0.75] if given else [0, 0]
+    got = [value(system, coordinate) for coordinate in system.coordinates]
+    assert got == pytest.approx(wanted, abs=1e-15)
+    assert [one.near for one in system.coordinates] == pytest.approx(wanted, abs=1e-15)
+    assert [one.j for one in system.coordinates] == [0, GROUND_INDEX]
 
 
 def test_a_displacement_is_that_of_the_point_of_j_along_the_axis_in_metres() -> None:
