@@ -11,6 +11,7 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.library import read_files, read_manifest
+from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.motion import BodyPlaces, CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.options import KINEMATICS, options_of, with_values
 from kousoku.runtime.run import Run, SavedRun
@@ -64,6 +65,8 @@ class DynamicsSolver:
         Where the coordinates stand that are shown.
     works : tuple of (str, int)
         Forces and drivers that do work that is no potential energy, and where it stands in q.
+    kept : tuple of KeptPlaces
+        Parts of the scene that keep some momentum.
     parameters : tuple of (str, float)
         What a run may change, and its value in the scene.
     is_driven : bool
@@ -87,6 +90,7 @@ class DynamicsSolver:
     is_flat: bool
     coordinates: tuple[CoordinatePlaces, ...]
     works: tuple[tuple[str, int], ...]
+    kept: tuple[KeptPlaces, ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
     places: Mapping[str, tuple[int, int]]
@@ -270,6 +274,7 @@ def load_dynamics(
         is_flat=data["is_flat"],
         coordinates=tuple(map(CoordinatePlaces.from_data, data["coordinates"])),
         works=tuple((name, place) for name, place in data["works"]),
+        kept=tuple(map(KeptPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},

@@ -230,6 +230,7 @@ class Run:
             {},
             solver.works,
             left_out=solver.left_out,
+            kept=solver.kept,
             length=solver.length,
         )
         is_complete = self.written == len(self.times)

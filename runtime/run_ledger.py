@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from kousoku.runtime.momenta import KeptPlaces, Momentum
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
@@ -90,6 +92,9 @@ class RunLedger:
     works : mapping of str to float [J]
         Work at the end of what has no potential energy: drivers, dampers, springs with a formula,
         torques, forces that change or turn with a body.
+    momenta : tuple of Momentum
+        Largest change of momentum that nothing should change, part by part: bodies that nothing
+        connects with the ground; empty where rows were not checked.
     violations : mapping of str to Violation
         What is left of the constraints by joint, of those too that depend on others and are not
         solved for; empty where rows were not checked.
@@ -117,6 +122,7 @@ class RunLedger:
     energy: float
     energy_error: float | None
     works: Mapping[str, float]
+    momenta: tuple[Momentum, ...]
     violations: Mapping[str, Violation]
     released: tuple[str, ...]
     seconds: Mapping[str, float]
@@ -151,6 +157,7 @@ class RunLedger:
             for joint, one in self.violations.items()
         }
         named["works"] = dict(self.works)
+        named["momenta"] = [one.as_data() for one in self.momenta]
         named["parameters"] = dict(self.parameters)
         named["seconds"] = dict(self.seconds)
         return named
@@ -172,6 +179,7 @@ class RunLedger:
             texts = [f"{name} {self.works[name]:.6g} J" for name in most[:MOST_WORKS]]
             more = ", …" * (len(most) > MOST_WORKS)
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
+        lines += [str(one) for one in self.momenta[:SHOWN]]
         for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
             if self.violations:
                 metres, radians = self.worst(level)
@@ -204,6 +212,7 @@ def ledger_of(
     works: Sequence[tuple[str, int]] = (),
     *,
     left_out: Sequence[tuple[str, str]] = (),
+    kept: Sequence[KeptPlaces] = (),
     length: float = 1.0,
 ) -> RunLedger:
     """Return the ledger of a state.
@@ -222,6 +231,8 @@ def ledger_of(
         What does work, and where that stands in q.
     left_out : sequence of (str, str)
         Joint and unit of each constraint that depends on others and is not solved for.
+    kept : sequence of KeptPlaces
+        Parts that keep some momentum.
     length : float [m]
         A length of the scene.
     """
@@ -231,7 +242,9 @@ def ledger_of(
         for name in ("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided")
     }
     checked = [*rows, *left_out]
-    worst = state[len(state) - 3 * len(checked) :].reshape(3, len(checked))
+    first = len(state) - 3 * len(checked)
+    worst = state[first:].reshape(3, len(checked))
+    changes = state[first - sum(len(one.linear) + len(one.angular) for one in kept) : first]
     return RunLedger(
         method=options.method,
         tolerance=options.tolerance,
@@ -245,6 +258,7 @@ def ledger_of(
         works=MappingProxyType(
             {name: float(state[len(COUNTERS) + place]) for name, place in works}
         ),
+        momenta=momenta_of(kept, changes.tolist()) if options.checks else (),
         violations=MappingProxyType(_violations(worst, checked) if options.checks else {}),
         released=_released(worst[0, len(rows) :], left_out, length) if options.checks else (),
         seconds=MappingProxyType(dict(seconds)),
@@ -263,9 +277,7 @@ def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Viol
     }
 
 
-def _released(
-    worst: Array, left_out: Sequence[tuple[str, str]], length: float
-) -> tuple[str, ...]:
+def _released(worst: Array, left_out: Sequence[tuple[str, str]], length: float) -> tuple[str, ...]:
     """Return the joints that came open where a row was left out."""
     limits = [RELEASED * (length if unit == "m" else 1.0) for _, unit in left_out]
     open_rows = [

@@ -29,6 +29,7 @@ from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_
 from kousoku.codegen.dynamics.least_norm import Scale, points_of
 from kousoku.codegen.dynamics.left_out import others, rows_of
 from kousoku.codegen.dynamics.length import characteristic_length
+from kousoku.codegen.dynamics.momentum import kept_of, record_momenta
 from kousoku.codegen.dynamics.operations import (
     Energy,
     FreeAcceleration,
@@ -169,6 +170,9 @@ class _Composer:
             self._coordinates()
         if "energies" in self.wanted:
             self._energy()
+        kept = kept_of(self.system, is_planar=self.is_planar) if "checks" in self.wanted else ()
+        if kept:
+            record_momenta(self.recorder, self.system, kept, self.body)
         if "checks" in self.wanted:
             self._check()
         segments, regions, size = self.recorder.finish()
@@ -185,6 +189,7 @@ class _Composer:
             left_out=rows_of(self.left_out),
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
+            kept=kept,
         )
 
     def _geometry(self) -> None:

@@ -70,6 +70,14 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "not_unique": list(program.not_unique) if "reactions" in parts else [],
         "is_flat": is_flat(program, system),
         "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
+        "kept": [
+            {
+                "bodies": [system.bodies[index].name for index in one.bodies],
+                "linear": [list(vector) for vector in one.linear],
+                "angular": [list(vector) for vector in one.angular],
+            }
+            for one in program.kept
+        ],
         "works": [
             [one.name, one.place.slot - bases["q"]] for one in program.auxiliary if one.kind == WORK
         ],

@@ -127,6 +127,29 @@ class Auxiliary:
 
 
 @dataclass(frozen=True, slots=True)
+class Kept:
+    """Momenta that a part of a system keeps; see :mod:`kousoku.codegen.dynamics.momentum`.
+
+    Parameters
+    ----------
+    bodies : tuple of int
+        The bodies of the part.
+    linear, angular : tuple of (3,)
+        Directions in frame O along which its linear momentum is constant, and its angular momentum
+        about its centre of mass.
+    """
+
+    bodies: tuple[int, ...]
+    linear: tuple[tuple[float, float, float], ...]
+    angular: tuple[tuple[float, float, float], ...]
+
+    @property
+    def count(self) -> int:
+        """Count of numbers that stay what they are."""
+        return len(self.linear) + len(self.angular)
+
+
+@dataclass(frozen=True, slots=True)
 class Row:
     """One row of the constraints that are kept.
 
@@ -176,6 +199,8 @@ class Program:
         Joints whose reactions are not unique.
     auxiliary : tuple of Auxiliary
         What stands in q after the coordinates of the bodies.
+    kept : tuple of Kept
+        The momenta of the region ``momenta``.
     """
 
     name: str
@@ -188,6 +213,7 @@ class Program:
     rows: tuple[Row, ...]
     is_planar: bool
     auxiliary: tuple[Auxiliary, ...] = ()
+    kept: tuple[Kept, ...] = ()
     left_out: tuple[Row, ...] = ()
     not_unique: tuple[str, ...] = ()
 
@@ -228,6 +254,7 @@ REGIONS = {
     "coordinates": "value and rate of each coordinate that is shown, and its acceleration where"
     " accelerations are wanted: m or rad",
     "energies": "kinetic and potential energy, J",
+    "momenta": "linear and angular momenta that should not change, part by part: kg m/s, kg m^2/s",
     "C_dot": "C_q v - nu, in the order of C and C_left_out",
     "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
     "constants": "the scene's numbers",
@@ -243,12 +270,13 @@ SEGMENTS = {
     "reaction": "lam -> reactions",
     "coordinate": "q, v, v_dot -> coordinates",
     "energy": "q, v -> energies",
+    "momentum": "q, v -> momenta",
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.
 AFTER_GEOMETRY = frozenset(
-    {"position", "velocity", "acceleration", "reaction", "coordinate", "check"}
+    {"position", "velocity", "acceleration", "reaction", "coordinate", "momentum", "check"}
 )
 
 

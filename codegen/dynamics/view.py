@@ -155,6 +155,11 @@ class DynamicsView:
         return any(part in self.parts for part in ("v_dot", "coordinates", "reactions"))
 
     @property
+    def momenta(self) -> bool:
+        """Whether some momentum should not change."""
+        return dict(self.sizes)["MOMENTA"] > 0
+
+    @property
     def meanings(self) -> Mapping[str, str]:
         """What the regions hold."""
         return REGIONS
@@ -221,6 +226,7 @@ def dynamics_view(
     sizes.append(("NCHECK", len(program.rows) + len(program.left_out)))
     sizes += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
     sizes.append(("WORKS", sum(one.kind == WORK for one in program.auxiliary)))
+    sizes.append(("MOMENTA", sum(one.count for one in program.kept)))
     sizes += parameter_sizes(program)
     sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
