@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 REFERENCE_FILE = "reference.json"
 FORMAT = 1
 #: Programs with more operations get no reference values: they would take minutes.
-MOST_OPERATIONS = 50_000
+MOST_OPERATIONS = 100_000
 #: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
 SECOND_ORDER = 2.0**-40
 #: What is a number and not an operation.
