@@ -25,6 +25,9 @@ KEYS = {
 }
 """Keys of each sort of coordinate, by the one that says which it is."""
 
+SECOND = "_ddot"
+"""What follows the name of a coordinate in the column of its accelerations."""
+
 
 def check_coordinates(scene: Scene, problems: Problems) -> None:
     """Check names that formulas use, and coordinates.
@@ -56,6 +59,11 @@ def _check_name(scene: Scene, table: str, name: str) -> None:
     if name in taken:
         raise SceneError(
             f"the name {name!r} is {taken[name]} in formulas; choose another name", key=key
+        )
+    of = name.removesuffix(SECOND)
+    if table == "coordinates" and (name == "time" or (of != name and of in scene.coordinates)):
+        raise SceneError(
+            f"the name {name!r} is a column of the motion already; choose another name", key=key
         )
     of = name.removesuffix(RATE)
     if of != name and of in scene.coordinates:
