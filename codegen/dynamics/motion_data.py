@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.program import Program, Row
-    from kousoku.model.mechanism import Carried, Instance, MovingBody, System
+    from kousoku.model.mechanism import Carried, Coordinate, Instance, MovingBody, System
 
 #: Kinds whose residuals are lengths; those of the others are angles.
 LENGTHS = ("point", "distance", "length", "n2", "p2")
@@ -93,7 +93,10 @@ def is_flat(program: Program, system: System) -> bool:
         return False
     normal = next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
     heights = [body.r[normal] for body in system.bodies]
-    for one in system.constraints:
+    combined = {term.coordinate for one in system.constraints for term in one.terms}
+    connected: list[Instance | Coordinate] = list(system.constraints)
+    connected += [system.coordinates[place] for place in sorted(combined)]
+    for one in connected:
         for name, values in one.constants:
             index = one.i if name == "s_i_b" else one.j
             if name in {"s_i_b", "s_j_b"}:

@@ -11,6 +11,8 @@ import pytest
 from kousoku.codegen.dynamics.combinations import fixed_law
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.length import characteristic_length
+from kousoku.codegen.dynamics.motion_data import is_flat
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Coordinate, Instance, Term
@@ -238,3 +240,18 @@ def test_a_driven_chain_is_planar_in_any_plane_and_moves_alike(
         found.append(workspace["v_dot"])
     np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-12)
     assert found[0][5] - found[0][2] == pytest.approx(2.0, abs=1e-12)
+
+
+@pytest.mark.parametrize(("height", "flat"), [(0.0, True), (0.2, False)])
+def test_a_driver_beside_the_plane_has_forces_that_lead_out_of_it(
+    mechanisms: SimpleNamespace, height: float, flat: bool
+) -> None:
+    ends = (("s_i_b", (0.0, 2.0, 0.0)), ("s_j_b", (0.1, 0.0, height)))
+    rod = Coordinate("rod", "length", GROUND_INDEX, 0, ends)
+    jack = Instance("jack", COMBINATION, GROUND_INDEX, 0, terms=(Term(0, 1.0),), law="2+t")
+    system = mechanisms.planar_pendulum(1)
+    system = replace(system, constraints=(*system.constraints, jack), coordinates=(rod,))
+    program = compose(system)
+    assert program.is_planar
+    assert is_flat(program, system) == flat
+    assert characteristic_length(system) == 2.0
