@@ -202,6 +202,33 @@ def test_a_pendulum_on_a_lift_that_speeds_up_is_one_under_more_gravity(
     assert np.ptp(swings[0]) > 1
 
 
+def test_a_body_on_a_cross_is_turned_about_both_of_its_arms(moved: Callable[..., Motion]) -> None:
+    """About the arm of the ground by 5 t, then about its own by 3 t²."""
+    joint = {"type": "cardan", "bodies": ["ground", "body"], "points": [ZERO, ZERO]}
+    joint |= {"axes": [X, [0, 1, 0]], "zero": [[0, 1, 0], X]}
+    tree = {
+        "name": "cross",
+        "unit": "m",
+        "bodies": {"body": {"position": ZERO}},
+        "joints": {"cross": joint},
+        "coordinates": {
+            "outer": {"joint": "cross", "of": "angle"},
+            "inner": {"joint": "cross", "of": "second_angle"},
+        },
+        "drivers": {
+            "first": {"coordinate": "outer", "value": "5*t"},
+            "second": {"coordinate": "inner", "value": "3*t^2"},
+        },
+    }
+    motion = moved(scene_from_dict(tree), ("coordinates",), 3.0)
+    outer, inner = 5 * motion.time, 3 * motion.time**2
+    near(motion.coordinate["outer"], outer, atol=1e-13)
+    near(motion.coordinate["inner"], inner, atol=1e-13)
+    (a, b), (c, d) = ((np.cos(x / 2), np.sin(x / 2)) for x in (outer, inner))
+    turned = np.stack([a * c, b * c, a * d, b * d], axis=1)
+    near(np.abs(np.einsum("ij,ij->i", motion.orientation["body"], turned)), 1, atol=1e-14)
+
+
 def test_a_planet_turns_by_the_formula_of_willis(moved: Callable[..., Motion]) -> None:
     """On a fixed sun a planet turns 1 + z_s / z_p times as far as its arm."""
     wheel = {"mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}

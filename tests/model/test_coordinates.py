@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from math import cos, pi, sin, sqrt
+from pathlib import Path
 from typing import Any
 
+import msgspec
 import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.errors import SceneError
 from kousoku.model.joints import SECOND_ANGLE
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
-from kousoku.model.read import scene_from_dict
+from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.spatial import Coordinate as Named
+from kousoku.model.spatial import Driver
 from kousoku.model.system import system_of
+from kousoku.model.validate import check
 
 Tree = dict[str, Any]
 ZERO = [0, 0, 0]
@@ -127,3 +133,83 @@ def test_a_held_coordinate_is_kept_as_it_is_written_or_near_what_is_said() -> No
         "rise",
         "turn",
     ]
+
+
+@pytest.mark.parametrize(
+    ("table", "name", "says"),
+    [
+        ("parameters", "t", "is the time in formulas"),
+        ("coordinates", "t", "is the time in formulas"),
+        ("parameters", "pi", "is a number in formulas"),
+        ("coordinates", "min", "is a function in formulas"),
+        ("parameters", "sign", "is a function in formulas"),
+        ("parameters", "x", "is what the tension of a spring may depend on"),
+        ("parameters", "turn_dot", "is the rate of coordinates.turn"),
+        ("coordinates", "turn_dot", "is the rate of coordinates.turn"),
+        ("parameters", "turn", "is also in parameters"),
+        ("parameters", "axle", "is also in joints"),
+    ],
+)
+def test_a_name_has_one_meaning_in_formulas(table: str, name: str, says: str) -> None:
+    tree = arm(0, coordinates={"turn": {"joint": "axle", "of": "angle"}}, parameters={})
+    tree[table][name] = 3 if table == "parameters" else {"joint": "axle", "of": "displacement"}
+    with pytest.raises(SceneError, match=says):
+        scene_from_dict(tree)
+
+
+@pytest.mark.parametrize(
+    ("given", "key", "says"),
+    [
+        ({}, "", "wanted one of joint, bodies and body, got none of them"),
+        ({"joint": "axle"}, ".of", "is missing; axle is a cylindrical joint"),
+        ({"joint": "axle", "of": "second_angle"}, ".of", "has no second_angle"),
+        ({"joint": "axle", "of": "angle", "along": [0, 0, 1]}, ".along", "does not belong to"),
+        ({"joint": "tip"}, ".joint", "leaves free no angle or displacement"),
+        ({"joint": "axel"}, ".joint", "did you mean 'axle'?"),
+        ({"body": "arm"}, ".along", "is missing; wanted a direction"),
+        ({"body": "arm", "along": [0, 0, 0]}, ".along", "has zero length"),
+        ({"body": "ground", "along": [0, 0, 1]}, ".body", "unknown body 'ground'"),
+        ({"body": "bob", "point": [1, 0, 0], "along": [0, 0, 1]}, ".point", "its only point"),
+        ({"body": "bob", "along": [0, 0, 1], "near": 2}, ".near", "belongs to an angle"),
+        ({"bodies": ["arm", "bob"]}, ".points", "is missing; wanted a point in each"),
+        ({"bodies": ["arm", "arm"], "points": [ZERO, ZERO]}, ".bodies", "to itself"),
+        ({"bodies": ["arm", "bo"], "points": [ZERO, ZERO]}, ".bodies[1]", "did you mean 'bob'?"),
+        ({"bodies": ["arm", "bob"], "points": [ZERO, [1, 0, 0]]}, ".points[1]", "is a point"),
+    ],
+)
+def test_a_coordinate_that_cannot_be_is_refused(given: Tree, key: str, says: str) -> None:
+    tree = arm(0, coordinates={"one": given})
+    tree["bodies"]["bob"] = {"position": ZERO, "point": True, "mass": 1}
+    tree["joints"]["tip"] = {"type": "ball", "bodies": ["arm", "bob"], "at": ZERO}
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+    assert caught.value.key == f"coordinates.one{key}"
+    assert says in caught.value.problem
+    assert len(caught.value.problems) == 1
+
+
+def test_what_a_coordinate_needs_is_reported_once() -> None:
+    """A joint that is wrong breaks its coordinate, the driver of it and the gear with it."""
+    tree = arm(0, coordinates={"turn": {"joint": "axle", "of": "angle"}})
+    tree["joints"]["axle"]["type"] = "cylindrica"
+    tree["joints"]["mesh"] = {"type": "gear", "joints": ["axle", "axle"], "ratio": 0}
+    tree["drivers"] = {"motor": {"coordinate": "turn", "value": "abs(t)"}}
+    tree["forces"] = {"drag": {"type": "friction", "joint": "axle", "damping": 1}}
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+    assert [one.key for one in caught.value.problems] == ["joints.axle.type"]
+
+
+@pytest.mark.parametrize("table", ["parameters", "coordinates", "drivers"])
+def test_a_linkage_has_no_tables_of_bodies(table: str) -> None:
+    lever = read_scene(Path(__file__).parents[2] / "scenes" / "lever_crank.toml")
+    given = {"parameters": {"k": 1.0}, "coordinates": {"c": Named()}, "drivers": {"d": Driver()}}
+    with pytest.raises(SceneError, match=f"{table}: belong to bodies"):
+        check(msgspec.structs.replace(lever, **{table: given[table]}))
+
+
+def test_a_joint_that_is_no_coupling_has_bodies() -> None:
+    tree = arm(0)
+    del tree["joints"]["axle"]["bodies"]
+    with pytest.raises(SceneError, match=r"joints\.axle\.bodies: is missing"):
+        scene_from_dict(tree)
