@@ -14,6 +14,7 @@ import pytest
 from kousoku.model import loads, planar, spatial
 from kousoku.model.decode import MOST_ELEMENTS
 from kousoku.model.errors import SceneError
+from kousoku.model.expression import ARGUMENTS
 from kousoku.model.joints import COUPLINGS, JOINTS
 from kousoku.model.orientation import Orientation
 from kousoku.model.read import read_scene, scene_from_dict, scene_from_toml
@@ -125,3 +126,8 @@ def test_the_table_of_couplings_is_the_one_of_the_code(name: str) -> None:
     aliases = ", ".join(f"`{alias}`" for alias in coupling.aliases)
     keys = ", ".join(f"`{key}`" for key in coupling.keys)
     assert f"| `{name}` | {aliases} | {keys} | " in TEXT
+
+
+def test_every_function_of_formulas_is_listed() -> None:
+    (listed,) = re.findall(r"`(sin cos [a-z0-9 ]+)`", TEXT)
+    assert set(listed.split()) == set(ARGUMENTS)
