@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,8 +20,14 @@ if TYPE_CHECKING:
 DEPENDENT = 1e-11
 """Eigenvalues of S below this part of the largest belong to rows that depend on others."""
 
-PASSES = 4
+REGULAR = 1e9
+"""The largest condition of S whose inverse is used."""
+
+PASSES = 6
 """How often what is missing is solved for again; each pass adds five digits at least."""
+
+ENOUGH = 1e-35
+"""What may be missing then, as a part of what is wanted."""
 
 THIN = 1e-3
 """Least moment of inertia that weighs a displacement, as a part of the largest of the body."""
@@ -94,9 +101,16 @@ class Solver:
         self._factors = np.array([float(x) for x in lengths])
         roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
         scaled = self._factors[:, None] * jacobian.dense() * roots
-        values, self._vectors = np.linalg.eigh(scaled @ scaled.T)
-        self._values: Array = np.maximum(values, 0.0)
+        self._square = scaled @ scaled.T
+        self._inverse = _inverse(self._square)
+        self._parts: tuple[Array, Array] | None = None
         self._jacobian, self._metric = jacobian, metric
+
+    def with_jacobian(self, jacobian: Jacobian) -> Solver:
+        """Return the solver for a C_q that is nearly the same: each pass adds fewer digits."""
+        other = copy(self)
+        other._jacobian = jacobian
+        return other
 
     def step(self, wanted: Sequence[High], damping: float) -> list[High]:
         """Return a displacement that changes the rows about as wanted, damped."""
@@ -106,23 +120,48 @@ class Solver:
         """Return the least d with C_q d = wanted, in 50 digits as far as the rows allow it."""
         lam = [precise.ZERO[0]] * len(wanted)
         missing = wanted
+        enough = ENOUGH * max(map(abs, wanted), default=0)
         for _ in range(PASSES):
             lam = [x + y for x, y in zip(lam, self._multipliers(missing), strict=True)]
             d = self._displacement(lam)
             reached = self._jacobian.times(d)
             missing = [x - y for x, y in zip(wanted, reached, strict=True)]
+            if max(map(abs, missing), default=0) <= enough:
+                break
         return d
 
     def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
         """Return λ of least norm with S λ = wanted, or damped by a part of the largest S."""
         right = self._factors * np.array([float(x) for x in wanted])
-        largest = self._values[-1]
-        is_kept = self._values > DEPENDENT * largest
-        divisors = np.where(is_kept, self._values + damping * largest, np.inf)
-        solution = self._vectors @ (self._vectors.T @ right / divisors)
-        return [precise.number(float(x)) for x in self._factors * solution]
+        if self._inverse is not None and not damping:
+            solution = self._inverse @ right
+        else:
+            values, vectors = self._eigen()
+            largest = values[-1]
+            is_kept = values > DEPENDENT * largest
+            divisors = np.where(is_kept, values + damping * largest, np.inf)
+            solution = vectors @ (vectors.T @ right / divisors)
+        return [precise.number(x) for x in (self._factors * solution).tolist()]
+
+    def _eigen(self) -> tuple[Array, Array]:
+        if self._parts is None:
+            values, vectors = np.linalg.eigh(self._square)
+            self._parts = np.maximum(values, 0.0), vectors
+        return self._parts
 
     def _displacement(self, lam: Sequence[High]) -> list[High]:
         """Return W⁻¹ C_qᵀ λ."""
         products = self._jacobian.transposed_times(lam)
         return [w * x for w, x in zip(self._metric.inverse, products, strict=True)]
+
+
+def _inverse(square: Array) -> Array | None:
+    """Return S⁻¹, None where rows depend on each other, or nearly."""
+    if not len(square):
+        return square
+    try:
+        inverse = np.linalg.inv(square).astype(np.float64)
+    except np.linalg.LinAlgError:
+        return None
+    condition = np.abs(square).sum(axis=1).max() * np.abs(inverse).sum(axis=1).max()
+    return inverse if condition <= REGULAR else None

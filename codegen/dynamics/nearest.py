@@ -10,10 +10,13 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from kousoku.codegen.dynamics.acceleration import Accelerated
 from kousoku.codegen.dynamics.least import Solver
-from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.pose import Pose
 from kousoku.codegen.dynamics.residuals import Residuals
+from kousoku.codegen.dynamics.rough import Place, RoughSearch
 from kousoku.codegen.dynamics.violations import key_of, listed, violations
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.least import Metric
+    from kousoku.codegen.dynamics.rank import Array
     from kousoku.model.mechanism import System
     from kousoku.model.precise import High
 
@@ -37,14 +41,11 @@ ON_THE_WAY = 1e-9
 MOST_STEPS = 100
 """Steps on the way to the nearest positions."""
 
-FIRST_DAMPING, LEAST_DAMPING = 1e-3, 1e-12
-"""Damping of the first step, and what is as good as none."""
+LEAST_DAMPING = 1e-12
+"""Damping that is as good as none."""
 
 SLOW, PATIENCE = 0.9, 15
 """A step is slow that leaves more than this part of the rows, and how many are taken."""
-
-LARGEST_TURN = 0.5
-"""The largest turn of a body in one step, about each axis, in radians."""
 
 ROUNDING = 16 * 2.0**-52
 """What fits to this part of the size of the system is taken as it is."""
@@ -70,10 +71,11 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
     """
     start = Pose.of(system.bodies, system.coordinates)
     search = _Search(rows, metric)
-    pose = search.restored(start)
+    written = Place.of(start)
+    pose = search.restored(search.rough.restored(written).pose())
     open_joints = violations(rows, pose, CLOSED * metric.size)
-    if open_joints and (driven := _driven(start, system, search)):
-        pose = driven
+    if open_joints and (driven := _driven(written, system, search)):
+        pose = search.restored(driven.pose())
         open_joints = violations(rows, pose, CLOSED * metric.size)
     if open_joints:
         raise AssemblyError(
@@ -98,7 +100,7 @@ def _advice(system: System, open_joints: Mapping[str, tuple[float, float]]) -> s
 
 
 class _Search:
-    """Steps of least norm towards positions at which rows have wanted values.
+    """Steps of least norm towards positions at which rows hold.
 
     Parameters
     ----------
@@ -111,83 +113,72 @@ class _Search:
     def __init__(self, rows: Residuals, metric: Metric) -> None:
         self.rows, self.metric = rows, metric
         self.lengths = metric.lengths(rows)
+        self.rough = RoughSearch(rows, metric)
 
     def size(self, c: Sequence[High]) -> High:
         """Return the norm of rows as lengths."""
         return precise.length([x * y for x, y in zip(c, self.lengths, strict=True)])
 
-    def restored(
-        self, pose: Pose, wanted: Sequence[High] | None = None, until: float = EXACT
-    ) -> Pose:
-        """Return positions near a pose at which rows are as wanted, or as near as they come.
+    def restored(self, pose: Pose) -> Pose:
+        """Return positions at which rows hold, near those where they nearly do.
 
-        Gauss-Newton steps of least norm, damped while they overshoot (Levenberg and Marquardt),
+        Gauss-Newton steps of least norm, damped where they overshoot (Levenberg and Marquardt),
         because rows may depend on each other.
         """
-        damping, slow = FIRST_DAMPING, 0
-        wanted = wanted or [precise.ZERO[0]] * self.rows.rows
+        damping, slow = 0.0, 0
         c, jacobian = self.rows.at(pose)
-        missing = _less(wanted, c)
-        size = self.size(missing)
-        while size > until * self.metric.size and slow < PATIENCE:
+        size = self.size(c)
+        while EXACT * self.metric.size < size <= NEARLY * self.metric.size and slow < PATIENCE:
             solver = Solver(jacobian, self.metric, self.lengths)
-            moved = pose.moved(_shortened(solver.step(missing, damping)))
-            c, moved_jacobian = self.rows.at(moved)
-            moved_missing = _less(wanted, c)
-            moved_size = self.size(moved_missing)
+            moved = pose.moved(solver.step([-x for x in c], damping))
+            moved_c, moved_jacobian = self.rows.at(moved)
+            moved_size = self.size(moved_c)
             slow = slow + 1 if moved_size > SLOW * size else 0
             if moved_size >= size:
                 damping = max(10 * damping, LEAST_DAMPING)
                 continue
-            pose, jacobian = self.rows.counted(moved), moved_jacobian
-            missing, size = moved_missing, moved_size
-            damping = damping / 100 if damping > LEAST_DAMPING else 0.0
+            pose, c, jacobian = self.rows.counted(moved), moved_c, moved_jacobian
+            size, damping = moved_size, damping / 100 if damping > LEAST_DAMPING else 0.0
         return pose
 
-    def reached(self, pose: Pose, wanted: Sequence[High]) -> bool:
-        """Return whether rows are as wanted, as far as counts on the way."""
-        c, _ = self.rows.at(pose)
-        return bool(self.size(_less(wanted, c)) <= ON_THE_WAY * self.metric.size)
 
-
-def _driven(start: Pose, system: System, search: _Search) -> Pose | None:
+def _driven(start: Place, system: System, search: _Search) -> Place | None:
     """Return positions to which drivers lead from afar; None if none is far, or does not arrive.
 
     The joints are put together without drivers first. From there the value that each driver is
     away from what it prescribes goes to zero in equal stages.
     """
-    rows, metric = search.rows, search.metric
-    kept = [one for one in rows.constraints if not one.is_driver]
-    drives = [one.is_driver for one in rows.constraints for _ in range(rows.count(one))]
-    if _stages(_part(rows.at(start)[0], drives), search) <= 1:
+    rough, size = search.rough, search.metric.size
+    drives = np.repeat(
+        [one.is_driver for one in search.rows.constraints],
+        [search.rows.count(one) for one in search.rows.constraints],
+    )
+    if _stages(rough.missing(start), drives, size) <= 1:
         return None
-    others = _Search(Residuals.of(system, kept), metric)
-    pose = others.restored(start, until=ON_THE_WAY)
-    away = _part(rows.at(pose)[0], drives)
-    stages = min(MOST_STAGES, _stages(away, search))
-    done, part, halvings = 0.0, 1 / stages, 0
+    kept = [one for one in search.rows.constraints if not one.is_driver]
+    others = RoughSearch(Residuals.of(system, kept), search.metric)
+    place = others.restored(start, until=ON_THE_WAY)
+    lengths = np.where(search.rows.in_metres, 1.0, size)
+    away = np.where(drives, -rough.missing(place) / lengths, 0.0)
+    done, halvings = 0.0, 0
+    part = 1 / min(MOST_STAGES, _stages(rough.missing(place), drives, size))
     while done < 1:
-        left = precise.number(max(0.0, 1 - done - part))
-        wanted = [left * x for x in away]
-        moved = search.restored(pose, wanted, ON_THE_WAY)
-        if search.reached(moved, wanted):
-            pose, done = moved, done + part
+        wanted = max(0.0, 1 - done - part) * away
+        moved = rough.restored(place, wanted, ON_THE_WAY)
+        left = rough.missing(moved, wanted)
+        if float((left * left).sum()) ** 0.5 <= ON_THE_WAY * size:
+            place, done = moved, done + part
         elif halvings < MOST_HALVINGS:
             part, halvings = part / 2, halvings + 1
         else:
             return None
-    return search.restored(pose)
+    return rough.restored(place)
 
 
-def _part(c: Sequence[High], drives: Sequence[bool]) -> list[High]:
-    """Return the rows of drivers, zeros for the others."""
-    return [x if is_driven else precise.ZERO[0] for x, is_driven in zip(c, drives, strict=True)]
-
-
-def _stages(away: Sequence[High], search: _Search) -> int:
+def _stages(missing: Array, drives: Array, size: float) -> int:
     """Return in how many stages drivers reach what they prescribe."""
-    largest = max((abs(x * y) for x, y in zip(away, search.lengths, strict=True)), default=0)
-    return max(1, math.ceil(largest / (FAR * search.metric.size)))
+    largest = float(np.abs(missing[drives]).max(initial=0.0))
+    return max(1, math.ceil(largest / (FAR * size)))
 
 
 def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
@@ -197,25 +188,24 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
     does not settle, the positions stay those that fit.
     """
     metric = search.metric
-    moved = pose
+    place = search.rough.polished(Place.of(start), Place.of(pose))
+    moved = replace(place.pose(), near=pose.near)
+    d = moved.since(start)
+    accelerated = Accelerated(1 / np.sqrt(np.array([float(x) for x in metric.inverse])))
+    solver: Solver | None = None
     for _ in range(MOST_STEPS):
         c, jacobian = search.rows.at(moved)
-        d = moved.since(start)
-        wanted = _less(jacobian.times(d), c)
-        towards = Solver(jacobian, metric, search.lengths).displacement(wanted)
-        moved = search.rows.counted(replace(start.moved(towards), near=moved.near))
+        if solver is None:
+            solver = Solver(jacobian, metric, search.lengths)
+        solver = solver.with_jacobian(jacobian)
+        towards = solver.displacement(_less(jacobian.times(d), c))
         change = metric.norm(_less(towards, d))
         if change <= EXACT * metric.size:
-            return moved
+            return search.rows.counted(replace(start.moved(towards), near=moved.near))
+        d = list(accelerated.next(d, towards))
+        moved = search.rows.counted(replace(start.moved(d), near=moved.near))
     return moved if change <= ROUNDING * metric.size else pose
 
 
 def _less(a: Sequence[High], b: Sequence[High]) -> list[High]:
     return [x - y for x, y in zip(a, b, strict=True)]
-
-
-def _shortened(step: Sequence[High]) -> list[High]:
-    """Return a displacement that turns no body further than is sensible in one step."""
-    turns = [abs(x) for k, x in enumerate(step) if k % COLUMNS >= COLUMNS // 2]
-    largest = max(turns, default=0)
-    return [x * LARGEST_TURN / largest for x in step] if largest > LARGEST_TURN else list(step)

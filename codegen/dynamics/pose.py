@@ -38,7 +38,7 @@ class Pose:
     def of(cls, bodies: Sequence[MovingBody], coordinates: Sequence[Coordinate] = ()) -> Pose:
         """Return the positions at the start."""
         r = [precise.triple(body.r) for body in bodies]
-        p = [_normalised(body.p) for body in bodies]
+        p = [normalised(body.p) for body in bodies]
         near = tuple(precise.number(coordinate.near) for coordinate in coordinates)
         return cls((*r, ZERO), (*p, IDENTITY), near)
 
@@ -65,7 +65,8 @@ def _by_body(step: Sequence[High]) -> Iterator[tuple[Triple, Triple]]:
         yield (x, y, z), (a, b, c)
 
 
-def _normalised(values: Sequence[float]) -> Quadruple:
+def normalised(values: Sequence[float]) -> Quadruple:
+    """Return Euler parameters of norm one."""
     w, x, y, z = (precise.number(value) for value in values)
     size = precise.length((w, x, y, z))
     return w / size, x / size, y / size, z / size

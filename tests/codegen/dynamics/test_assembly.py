@@ -69,7 +69,8 @@ def test_what_fits_stays_as_it_is(name: str) -> None:
     scene = read_scene(ROOT / "scenes" / f"{name}.toml")
     if scene.is_spatial:
         system = system_of(msgspec.structs.replace(scene, inputs={}))
-        assert (assemble(system) is system) is (name not in NEAR)
+        has_drivers = any(one.is_driver for one in system.constraints)
+        assert has_drivers or (assemble(system) is system) is (name not in NEAR)
 
 
 ON_A_ROD = {"rod": {"type": "rod", "bodies": ["ground", "b"], "points": [[0] * 3] * 2, "length": 1}}
