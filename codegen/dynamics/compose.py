@@ -189,6 +189,7 @@ class _Composer:
             left_out=rows_of(self.left_out),
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
+            parameters=tuple(value for _, value in self.system.parameters),
             kept=kept,
         )
 

@@ -197,6 +197,8 @@ class Program:
         Rows that depend on others, in the order of the region ``C_left_out``.
     not_unique : tuple of str
         Joints whose reactions are not unique.
+    parameters : tuple of float
+        Values in the region ``parameters`` unless a run has others.
     auxiliary : tuple of Auxiliary
         What stands in q after the coordinates of the bodies.
     kept : tuple of Kept
@@ -216,6 +218,7 @@ class Program:
     kept: tuple[Kept, ...] = ()
     left_out: tuple[Row, ...] = ()
     not_unique: tuple[str, ...] = ()
+    parameters: tuple[float, ...] = ()
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""

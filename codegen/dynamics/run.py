@@ -31,6 +31,8 @@ class Workspace:
         zero = arithmetic.number(Fraction(0))
         self.values: list[Any] = [zero] * program.size
         self["constants"] = [arithmetic.number(value) for value in program.constants]
+        if program.parameters:
+            self["parameters"] = [arithmetic.number(Fraction(x)) for x in program.parameters]
         places = [x for body in program.bodies for x in (*body.r, *body.p, *body.v, *body.omega_b)]
         places += [one.place for one in program.auxiliary]
         for place in places:

@@ -76,7 +76,8 @@ def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
     workspace = Workspace(program, HIGH)
     for name in ("q", "v"):
         workspace[name] = [HIGH_CONTEXT.mpf(x) for x in rng.normal(size=len(workspace[name]))]
-    workspace["t"], workspace["parameters"] = [HIGH_CONTEXT.mpf(0.3)], [HIGH_CONTEXT.mpf(0.25)]
+    assert workspace["parameters"] == [0.25]
+    workspace["t"] = [HIGH_CONTEXT.mpf(0.3)]
     workspace["dq"] = [HIGH_CONTEXT.mpf(0)] * len(workspace["v"])
     workspace.run("move")
     workspace["q"] = workspace["q_moved"]

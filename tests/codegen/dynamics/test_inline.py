@@ -11,7 +11,7 @@ import pytest
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.counts import operations
 from kousoku.codegen.dynamics.inline import inline
-from kousoku.codegen.dynamics.program import AFTER_GEOMETRY, SEGMENTS, reads, writes
+from kousoku.codegen.dynamics.program import AFTER_GEOMETRY, reads, writes
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.interpret import HIGH
 
@@ -53,7 +53,7 @@ def test_straight_line_code_computes_what_the_tasks_compute(
     for workspace in (one, other):
         for region, change in noise.items():
             workspace[region] = [a + b for a, b in zip(workspace[region], change, strict=True)]
-        workspace.run(*SEGMENTS)
+        workspace.run(*(segment.name for segment in program.segments))
     for region in RESULTS:
         wanted = np.array(one[region])
         scale = np.abs(wanted).max(initial=1.0)
