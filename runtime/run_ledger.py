@@ -25,7 +25,12 @@ if TYPE_CHECKING:
 COUNTERS = (
     *("key", "time", "next step", "error", "next row", "time before"),
     *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
-    *("growth", "growth time", "best growth", "energy", "energy error", "corrections"),
+    *("growth", "growth time", "best growth", "energy", "energy error"),
+    *("corrections", "passed", "passed time"),
+)
+#: Those that are counts, and fields of the ledger.
+COUNTS = (
+    *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -86,6 +91,9 @@ class RunLedger:
     growth, growth_time : float, float [s]
         Smallest ratio of the smallest to the largest pivot of a factorisation, and when that was:
         it is near zero where the rank drops.
+    passed, passed_time : int, float or None [s]
+        Rows that stand where rows of the constraints are dependent, and when the last of them is:
+        the polynomial between the states before and after tells them, and forces of joints are NaN.
     energy, energy_error : float, float or None [J]
         Energy at the start, and the largest change since then that no work explains; None where
         rows were not checked.
@@ -119,6 +127,8 @@ class RunLedger:
     avoided: int
     growth: float
     growth_time: float
+    passed: int
+    passed_time: float | None
     energy: float
     energy_error: float | None
     works: Mapping[str, float]
@@ -200,6 +210,11 @@ class RunLedger:
                 f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
                 f" {self.avoided} steps made shorter near such places"
             )
+        if self.passed:
+            lines.append(
+                f"{self.passed} rows where rows of the constraints are dependent, the last at"
+                f" t = {self.passed_time:.6g} s: told by the states before and after, reactions NaN"
+            )
         times = ", ".join(f"{name} {seconds:.3g} s" for name, seconds in self.seconds.items())
         return "\n".join([*lines, f"time: {times}"])
 
@@ -237,10 +252,7 @@ def ledger_of(
         A length of the scene.
     """
     numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
-    counts = {
-        name: int(numbers[name])
-        for name in ("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided")
-    }
+    counts = {name: int(numbers[name]) for name in COUNTS}
     checked = [*rows, *left_out]
     first = len(state) - 3 * len(checked)
     worst = state[first:].reshape(3, len(checked))
@@ -253,6 +265,7 @@ def ledger_of(
         drift=numbers["drift"],
         growth=numbers["growth"],
         growth_time=numbers["growth time"],
+        passed_time=numbers["passed time"] if numbers["passed"] else None,
         energy=numbers["energy"],
         energy_error=numbers["energy error"] if options.checks else None,
         works=MappingProxyType(

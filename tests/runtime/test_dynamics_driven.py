@@ -154,6 +154,28 @@ def test_change_points_of_a_parallelogram_are_passed_on_its_branch(
     assert motion.ledger.growth < 1e-2
 
 
+def test_rows_exactly_at_a_change_point_are_told_by_those_around_it(load: Load) -> None:
+    at = (math.pi - 1.0) / RATE
+    times = [0.0, at - 0.01, at - 1e-9, at, at + 1e-6, at + 0.01, at + math.pi / RATE, 1.0]
+    motion = load(four_bar(rocker=CRANK)).simulate(times=times)
+    rocker = end_of(motion, "rocker", CRANK) - [GROUND, 0.0]
+    np.testing.assert_allclose(rocker, end_of(motion, "crank", CRANK), rtol=0, atol=1e-11)
+    np.testing.assert_allclose(motion.angular_velocity["rocker"][:, 2], RATE, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(motion.angular_acceleration["rocker"], 0, rtol=0, atol=1e-2)
+    is_unknown = np.isnan(motion.force["c"]).any(axis=1)
+    assert is_unknown.tolist() == [False, False, True, True, True, False, True, False]
+    ledger = motion.ledger
+    assert (ledger.passed, ledger.passed_time) == (4, times[6])
+    assert "4 rows where rows of the constraints are dependent" in str(ledger)
+
+
+def test_branches_that_nearly_meet_are_not_exchanged_by_few_positions(load: Load) -> None:
+    rocker = CRANK + 1e-3
+    motion = load(four_bar(rocker=rocker)).simulate(math.tau / RATE * 3, samples=11)
+    wanted = pin(1.0 + RATE * motion.time, rocker)
+    np.testing.assert_allclose(end_of(motion, "rocker", rocker), wanted, rtol=0, atol=1e-11)
+
+
 def test_run_in_pieces_gives_the_bits_of_a_run_in_one(load: Load) -> None:
     solver = load(four_bar())
     times = np.linspace(0.0, 3.0, 7)
