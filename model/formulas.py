@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import ExpressionError, Problem
@@ -11,6 +12,9 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
     from kousoku.model.scene import Scene
+
+WORD = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
+"""What may be a name."""
 
 TIME = "t"
 """The name of time in a formula."""
@@ -28,6 +32,14 @@ def state_names(scene: Scene) -> tuple[str, ...]:
     """Return what a formula of the motion may depend on: time, parameters, coordinates, rates."""
     rates = (f"{name}{RATE}" for name in scene.coordinates)
     return (TIME, *fixed_names(scene), *scene.coordinates, *rates)
+
+
+def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
+    """Return those names that stand in a formula, in the order of its text.
+
+    What is multiplied by zero stands there, too: the formula cannot be read without it.
+    """
+    return tuple(dict.fromkeys(name for name in WORD.findall(formula) if name in names))
 
 
 def formula_problems(value: object, names: Collection[str], key: str) -> Iterator[Problem]:

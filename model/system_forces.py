@@ -7,11 +7,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.coordinate_forces import CoordinateForces, scalars
-from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, state_names
+from kousoku.model.formulas import RATE, state_names, used_names
 from kousoku.model.frames import to_vector
 from kousoku.model.mechanism import GROUND_INDEX, ForceElement
-from kousoku.model.terms import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -73,8 +71,8 @@ def gravity_law(scene: Scene) -> tuple[str, str, str]:
 
 def _named(scene: Scene, formulas: list[str]) -> list[str]:
     """Return the coordinates that formulas name, or whose rates they name."""
-    known = state_names(scene)
-    names = chain.from_iterable(names_of(parse_expression(text, known)) for text in formulas)
+    known = frozenset(state_names(scene))
+    names = chain.from_iterable(used_names(text, known) for text in formulas)
     rates = {f"{name}{RATE}": name for name in scene.coordinates}
     used = dict.fromkeys(rates.get(name, name) for name in names)
     return [name for name in used if name in scene.coordinates]

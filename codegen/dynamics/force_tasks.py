@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.forces import ELONGATION, SPRING, Load, Spring, Stored
 from kousoku.codegen.dynamics.forces_along import Held, Push, Resist
-from kousoku.codegen.dynamics.formulas import Product, scaled, used_names
+from kousoku.codegen.dynamics.formulas import Product, scaled
 from kousoku.codegen.dynamics.operations import Sum
 from kousoku.codegen.dynamics.recorder import Block, column
+from kousoku.model.formulas import used_names
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -114,8 +115,7 @@ class ForceTasks:
         """Return what a law depends on beside elongation and rate, with values and units."""
         if not force.law:
             return (), []
-        used = used_names(force.law, (*ELONGATION, *self.names))
-        names = tuple(name for name in used if name not in ELONGATION)
+        names = tuple(name for name in used_names(force.law, self.names) if name not in ELONGATION)
         return names, [block for name in names for block in self.names[name]]
 
     def _spring(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:

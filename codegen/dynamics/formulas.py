@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME
-from kousoku.model.terms import names_of
+from kousoku.model.formulas import RATE, TIME, used_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -74,11 +73,6 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
     return to_graph(parse_expression(formula, names), trace.graph, leaves)
 
 
-def used_names(formula: str, names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return those names that a formula depends on, in the order of its text."""
-    return names_of(parse_expression(formula, names))
-
-
 @dataclass(frozen=True, slots=True)
 class Product:
     """A column times a number. Blocks: both."""
@@ -140,6 +134,9 @@ class Names(Mapping[str, "Meaning"]):
         is_length = self._coordinates.all[place].kind in LENGTHS
         return value, self._recorder.constant((self._unit,)) if is_length else one
 
+    def __contains__(self, name: object) -> bool:
+        return name in self._fixed or name in self._places or name in self._rates
+
     def __iter__(self) -> Iterator[str]:
         yield from (*self._fixed, *self._places, *self._rates)
 
@@ -163,6 +160,6 @@ def scaled(
     names : mapping of str to (Block, Block)
         What its names stand for.
     """
-    used = used_names(formula, tuple(names))
+    used = used_names(formula, names)
     blocks = [block for name in used for block in names[name]]
     return recorder.call(Scaled(formula, used), constant, *blocks)[0]
