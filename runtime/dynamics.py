@@ -71,6 +71,8 @@ class DynamicsSolver:
         What a run may change, and its value in the scene.
     is_driven : bool
         Whether drivers determine the whole motion.
+    is_weighed : bool
+        Whether the scene gives all masses; else no energy or work of it is known.
     places : mapping of str to (int, int)
         Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
     """
@@ -93,6 +95,7 @@ class DynamicsSolver:
     kept: tuple[KeptPlaces, ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
+    is_weighed: bool
     places: Mapping[str, tuple[int, int]]
 
     def method_for(self, tolerance: float) -> str:
@@ -277,5 +280,6 @@ def load_dynamics(
         kept=tuple(map(KeptPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],
+        is_weighed=data["is_weighed"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},
     )

@@ -232,6 +232,7 @@ class Run:
             left_out=solver.left_out,
             kept=solver.kept,
             length=solver.length,
+            is_weighed=solver.is_weighed,
         )
         is_complete = self.written == len(self.times)
         rows = self._rows[: self.written]

@@ -94,9 +94,9 @@ class RunLedger:
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, and when the last of them is:
         the polynomial between the states before and after tells them, and forces of joints are NaN.
-    energy, energy_error : float, float or None [J]
+    energy, energy_error : float or None [J]
         Energy at the start, and the largest change since then that no work explains; None where
-        rows were not checked.
+        rows were not checked, both where drivers move bodies without mass.
     works : mapping of str to float [J]
         Work at the end of what has no potential energy: drivers, dampers, springs with a formula,
         torques, forces that change or turn with a body.
@@ -129,7 +129,7 @@ class RunLedger:
     growth_time: float
     passed: int
     passed_time: float | None
-    energy: float
+    energy: float | None
     energy_error: float | None
     works: Mapping[str, float]
     momenta: tuple[Momentum, ...]
@@ -229,6 +229,7 @@ def ledger_of(
     left_out: Sequence[tuple[str, str]] = (),
     kept: Sequence[KeptPlaces] = (),
     length: float = 1.0,
+    is_weighed: bool = True,
 ) -> RunLedger:
     """Return the ledger of a state.
 
@@ -250,6 +251,8 @@ def ledger_of(
         Parts that keep some momentum.
     length : float [m]
         A length of the scene.
+    is_weighed : bool
+        Whether energies and works mean something.
     """
     numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
     counts = {name: int(numbers[name]) for name in COUNTS}
@@ -266,10 +269,10 @@ def ledger_of(
         growth=numbers["growth"],
         growth_time=numbers["growth time"],
         passed_time=numbers["passed time"] if numbers["passed"] else None,
-        energy=numbers["energy"],
-        energy_error=numbers["energy error"] if options.checks else None,
+        energy=numbers["energy"] if is_weighed else None,
+        energy_error=numbers["energy error"] if options.checks and is_weighed else None,
         works=MappingProxyType(
-            {name: float(state[len(COUNTERS) + place]) for name, place in works}
+            {name: float(state[len(COUNTERS) + place]) for name, place in works if is_weighed}
         ),
         momenta=momenta_of(kept, changes.tolist()) if options.checks else (),
         violations=MappingProxyType(_violations(worst, checked) if options.checks else {}),

@@ -67,6 +67,7 @@ def generate_dynamics(
     system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
     require_driven(found, freedom, wanted)
+    program = replace(program, is_weighed=not found.missing)
     if "reactions" in wanted:
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
     more = {REFERENCE_FILE: solver_references(program, system)} if references else {}

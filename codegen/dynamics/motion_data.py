@@ -57,6 +57,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "bodies": _bodies(program, system, bases["q"], bases["v"]),
         "parameters": [[name, value] for name, value in system.parameters],
         "is_driven": is_driven(program, system),
+        "is_weighed": program.is_weighed,
         "length": characteristic_length(system),
         "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
         "left_out": [_row(row, system.constraints[row.instance]) for row in program.left_out],

@@ -197,6 +197,8 @@ class Program:
         Rows that depend on others, in the order of the region ``C_left_out``.
     not_unique : tuple of str
         Joints whose reactions are not unique.
+    is_weighed : bool
+        Whether masses are those of the scene; else its energies and works mean nothing.
     parameters : tuple of float
         Values in the region ``parameters`` unless a run has others.
     auxiliary : tuple of Auxiliary
@@ -218,6 +220,7 @@ class Program:
     kept: tuple[Kept, ...] = ()
     left_out: tuple[Row, ...] = ()
     not_unique: tuple[str, ...] = ()
+    is_weighed: bool = True
     parameters: tuple[float, ...] = ()
 
     def region(self, name: str) -> Region:

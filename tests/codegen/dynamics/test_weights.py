@@ -57,6 +57,9 @@ def test_a_driven_motion_is_the_same_with_and_without_masses(tmp_path: Path) -> 
         motions.append(solver.simulate(1.5, samples=4))
 
     light, heavy = motions
+    assert light.ledger.energy is None and light.ledger.energy_error is None
+    assert not light.ledger.works and "energy" not in str(light.ledger)
+    assert heavy.ledger.energy_error is not None and heavy.ledger.works
     for body in ("crank", "rod", "slider"):
         assert np.abs(light.position[body] - heavy.position[body]).max() < 1e-14
         assert np.abs(light.acceleration[body] - heavy.acceleration[body]).max() < 1e-13
