@@ -13,14 +13,23 @@ import sympy
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.bodies import COMPONENTS, DELTA, SYMBOLS, A
+from kousoku.symbolic.bodies import BODIES, COMPONENTS, DELTA, SYMBOLS, A
 from kousoku.symbolic.components import dot, rotate
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
-from kousoku.symbolic.forms import Closed, Constraint, blocks_of, less_products, name_blocks
+from kousoku.symbolic.forms import (
+    Closed,
+    Constraint,
+    Plain,
+    blocks_of,
+    less_products,
+    name_blocks,
+    name_lines,
+)
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
+    Matrix,
     Named,
     NamedScalar,
     add,
@@ -31,7 +40,7 @@ from kousoku.symbolic.matrices import (
     symbol,
     transpose,
 )
-from kousoku.symbolic.pairs import AXES, relative_turning, turned
+from kousoku.symbolic.pairs import AXES
 from kousoku.symbolic.variation import orthogonality, replaced
 
 if TYPE_CHECKING:
@@ -58,46 +67,93 @@ def derive(_: str) -> Derivation:
     return derive_constraint(_angle())
 
 
+def _row(vector: Matrix) -> tuple[Matrix, ...]:
+    """Return the Jacobian of n1 for a fixed vector of body i, frame of i, and a_j."""
+    return blocks_of(DELTA(_n1(vector)), orthogonality, (Y,))
+
+
+def _second(vector: Matrix) -> list[tuple[Matrix, ...]]:
+    """Return δ of the transposed blocks of this Jacobian."""
+    return [blocks_of(DELTA(transpose(block)), orthogonality, (Y,)) for block in _row(vector)]
+
+
+def _n1(vector: Matrix) -> Matrix:
+    return mul(transpose(vector), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"])
+
+
 def _closed() -> Closed:
     """Return θ_q and θ_qq: with u = c + i s, ln u = ρ + i θ and (ln u)_qq = u_qq/u − (u_q/u)²."""
     fixed = MatrixSymbol("h", 3, 1)
-    value = mul(transpose(fixed), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"])
-    row = blocks_of(DELTA(value), orthogonality, (Y,))
-    second = [blocks_of(DELTA(transpose(block)), orthogonality, (Y,)) for block in row]
     own, other = (
-        name_blocks(letter, [replaced(block, fixed, vector) for block in row])
+        name_blocks(letter, [replaced(block, fixed, vector) for block in _row(fixed)])
         for letter, vector in (("C", ACROSS), ("G", ALONG))
     )
-    kept = [[replaced(block, fixed, ACROSS) for block in line] for line in second]
+    kept = [[replaced(block, fixed, ACROSS) for block in line] for line in _second(fixed)]
     return Closed(
         own,
-        less_products(kept, (own, other), (other, own)),
+        name_lines("K", less_products(kept, (own, other), (other, own))),
         (
             "the Jacobian of n1 for h and a_j",
             "δh = −g δθ − h δρ, ρ = ln √(c² + s²): that of n1 for h, less products of rows",
         ),
+        _plain(),
     )
+
+
+def _turning() -> dict[str, Matrix]:
+    """Return Ω, the angular velocity of j less that of i, and the rate of a_j by that of j alone.
+
+    Both are seen in the frame of i; for p of any norm the turning of j is divided by the squares.
+    """
+    own, spin = (SYMBOLS[f"omega_{body}_b"] for body in BODIES)
+    squares = [Divisor(Dot(SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{body}"])) for body in BODIES]
+    of_j = Named("omega_j", mul(1 / squares[1], A["j"], spin))
+    seen = mul(1 / squares[0], transpose(A["i"]), of_j)
+    rate = mul(transpose(A["i"]), A["j"], skew(spin), SYMBOLS["a_j_b"])
+    return {"omega": Named("omega", add(seen, neg(own))), "w": Named("w", rate), "own": own}
+
+
+def _n1_rate(vector: Matrix) -> Matrix:
+    """Return Ω·(y × a), the rate of n1 for a vector a of body i and a_j, frame of i."""
+    return mul(transpose(_turning()["omega"]), skew(Y), vector)
+
+
+def _n1_gamma(vector: Matrix) -> Matrix:
+    """Return γ of n1 for a vector a of body i and a_j, Ω·(a × w − y × (ω_i × a)), frame of i."""
+    parts = _turning()
+    arm = add(mul(skew(vector), parts["w"]), neg(mul(skew(Y), skew(parts["own"]), vector)))
+    return mul(transpose(parts["omega"]), arm)
 
 
 def _gamma() -> Step:
-    """Return γ = Ω·(h × w_j − a_j × w_h) + 2 θ̇ ρ̇, θ̇ = Ω·(a_j × h) and ρ̇ = Ω·(a_j × g).
-
-    h and g are seen in frame O, w = A ω̃′a′. All of it is small where the bodies turn together.
-    """
-    omega = relative_turning()
-    h, g = (Named(f"{x.name}_i", mul(A["i"], x)) for x in (ACROSS, ALONG))
-    w = {
-        body: Named(f"w_{body}", turned(body, vector))
-        for body, vector in (("i", ACROSS), ("j", SYMBOLS["a_j_b"]))
-    }
-    arm = add(mul(skew(h), w["j"]), neg(mul(skew(AXES["j"]), w["i"])))
-    theta_dot, rho_dot = (
-        Named(name, mul(transpose(omega), skew(AXES["j"]), vector))
-        for name, vector in (("theta_dot", h), ("rho_dot", g))
-    )
-    gamma = add(mul(transpose(omega), arm), mul(2, theta_dot, rho_dot))
-    rule = "γ of n1 for h and a_j, and dh/dt"
+    """Return γ, that of n1 for h and a_j and 2 θ̇ ρ̇: small where the bodies turn together."""
+    theta_dot, rho_dot = Named("theta_dot", _n1_rate(ACROSS)), Named("rho_dot", _n1_rate(ALONG))
+    gamma = add(_n1_gamma(ACROSS), mul(2, theta_dot, rho_dot))
+    rule = "that of n1 for h and a_j, and dh/dt = −g dθ/dt − h dρ/dt"
     return Step(MatrixSymbol("gamma", 1, 1), gamma, rule, "7.15")
+
+
+def _plain() -> Plain:
+    """Return what the chain rule gives of atan2(s, c), in c and s, their rows, rates and γ."""
+    by_c, by_s = SINE / SQUARE, COSINE / SQUARE
+    first, second = SYMBOLS["a_i_b"], symbol(THIRD)
+    c_q, s_q = name_blocks("c", _row(first)), name_blocks("s", _row(second))
+    c_qq, s_qq = name_lines("c", _second(first)), name_lines("s", _second(second))
+    row = [add(mul(by_s, s), mul(-by_c, c)) for c, s in zip(c_q, s_q, strict=True)]
+    other = [add(mul(by_s, c), mul(by_c, s)) for c, s in zip(c_q, s_q, strict=True)]
+    lines = [
+        [add(mul(by_s, s), mul(-by_c, c)) for c, s in zip(*line, strict=True)]
+        for line in zip(c_qq, s_qq, strict=True)
+    ]
+    c_dot, s_dot = Named("c_dot", _n1_rate(first)), Named("s_dot", _n1_rate(second))
+    c_ddot, s_ddot = Named("c_ddot", _n1_gamma(first)), Named("s_ddot", _n1_gamma(second))
+    theta_dot = add(mul(by_s, s_dot), mul(-by_c, c_dot))
+    rho_dot = add(mul(by_s, c_dot), mul(by_c, s_dot))
+    return Plain(
+        tuple(row),
+        less_products(lines, (row, other), (other, row)),
+        add(mul(by_s, s_ddot), mul(-by_c, c_ddot), mul(2, theta_dot, rho_dot)),
+    )
 
 
 def _angle() -> Constraint:

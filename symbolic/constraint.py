@@ -13,7 +13,7 @@ from kousoku.symbolic.bodies import CONFIGURATION, MOTION, motion_flow, unit_flo
 from kousoku.symbolic.check import check_constraint, check_functions
 from kousoku.symbolic.derivation import Derivation, Function, Output
 from kousoku.symbolic.forms import Constraint, Forms, collect, steps, with_abbreviations
-from kousoku.symbolic.matrices import Matrix, elements
+from kousoku.symbolic.matrices import Matrix, elements, mul, symbol, transpose
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -47,8 +47,10 @@ def derive_constraint(c: Constraint) -> Derivation:
     return derivation
 
 
-def _output(quantity: Quantity, x: Matrix, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(
+    quantity: Quantity, x: Matrix, scalars: Sequence[Any], through: tuple[Matrix, ...] = ()
+) -> Output:
+    return Output(quantity, x, ImmutableDenseMatrix(len(scalars), 1, list(scalars)), through)
 
 
 def _functions(c: Constraint, forms: Forms) -> tuple[Function, ...]:
@@ -68,7 +70,10 @@ def _constraint(c: Constraint, forms: Forms, jacobian: Sequence[Any]) -> Functio
     outputs = (
         _output(Quantity("C", (m,), c.unit, "constraint"), c.value, c.components),
         _output(
-            Quantity("C_q", (m, 12), unit, columns), BlockMatrix([list(forms.jacobian)]), jacobian
+            Quantity("C_q", (m, 12), unit, columns),
+            BlockMatrix([list(forms.jacobian)]),
+            jacobian,
+            () if c.closed is None else (BlockMatrix([list(c.closed.plain.jacobian)]),),
         ),
     )
     return _function(c, "constraint", "constraint and Jacobian", c.formula, outputs)
@@ -85,6 +90,7 @@ def _rates(c: Constraint, forms: Forms) -> Function:
             gamma,
             forms.gamma if c.gamma is None else c.gamma.right,
             [-motion(motion(x)) for x in c.components],
+            () if c.closed is None else (c.closed.plain.gamma,),
         ),
     )
     formula = f"{nu.meaning}, {gamma.meaning}"
@@ -111,12 +117,24 @@ def _reaction(
         "N/m, N, N m",
         "(C_qᵀλ)_q at fixed λ; columns δr_i, δθ′_i, δr_j, δθ′_j",
     )
+    plain = None if c.closed is None else c.closed.plain
+    number = symbol(c.lam)[0, 0]
     outputs = (
-        _output(force, BlockMatrix([[f] for f in forms.reaction]), forces),
+        _output(
+            force,
+            BlockMatrix([[f] for f in forms.reaction]),
+            forces,
+            ()
+            if plain is None
+            else (BlockMatrix([[mul(number, transpose(x))] for x in plain.jacobian]),),
+        ),
         _output(
             stiffness,
             BlockMatrix([list(row) for row in forms.stiffness]),
             [flow(f) for f in forces for flow in flows],
+            ()
+            if plain is None
+            else (BlockMatrix([[mul(number, x) for x in row] for row in plain.second]),),
         ),
     )
     title, formula = "reaction and its derivative", "C_qᵀλ and (C_qᵀλ)_q"

@@ -48,11 +48,15 @@ class Output:
         Component level: scalar expressions, one column, row-major, found without the matrix
         level; references are computed from these. The components of an input are the symbols
         that ``symbolic.matrices.elements`` gives (``r_i[0]`` …; a scalar keeps its bare name).
+    through : tuple of sympy.Basic
+        Further forms on the matrix level, on the way to which ``expression`` is proved equal to
+        the components: each next one equals the one before it.
     """
 
     quantity: Quantity
     expression: sympy.Basic
     components: sympy.ImmutableDenseMatrix
+    through: tuple[sympy.Basic, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,6 +36,25 @@ VARIATIONS = tuple(column.delta for column in COLUMNS)
 
 
 @dataclass(frozen=True, slots=True)
+class Plain:
+    """The chain rule, in the polynomials that a value is a function of, each with a name.
+
+    They are what both levels have in common: nothing needs to be multiplied out.
+
+    Parameters
+    ----------
+    jacobian, second
+        As of :class:`Closed`.
+    gamma : Matrix
+        γ.
+    """
+
+    jacobian: tuple[Matrix, ...]
+    second: tuple[tuple[Matrix, ...], ...]
+    gamma: Matrix
+
+
+@dataclass(frozen=True, slots=True)
 class Closed:
     """Short forms of the derivatives of a value that is no polynomial.
 
@@ -50,11 +69,14 @@ class Closed:
         δ of each of them, transposed, by the same four.
     rules : tuple of str
         Why they equal what is left of δC and of δ(C_qᵀλ).
+    plain : Plain
+        What they are proved by.
     """
 
     jacobian: tuple[Matrix, ...]
     second: tuple[tuple[Matrix, ...], ...]
     rules: tuple[str, str]
+    plain: Plain
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,19 +223,23 @@ def name_blocks(letter: str, blocks: Sequence[Matrix]) -> tuple[Matrix, ...]:
     )
 
 
+def name_lines(letter: str, lines: Sequence[Sequence[Matrix]]) -> tuple[tuple[Matrix, ...], ...]:
+    """Return the blocks of a second derivative, each that is not zero with a name of its own."""
+    return tuple(
+        name_blocks(f"{letter}_{_index(x)}", line) for x, line in zip(COLUMNS, lines, strict=True)
+    )
+
+
 def less_products(
     second: Sequence[Sequence[Matrix]], *rows: tuple[Sequence[Matrix], Sequence[Matrix]]
 ) -> tuple[tuple[Matrix, ...], ...]:
-    """Return a second derivative less the products uᵀv of the rows u and v, with names."""
-    whole = [
-        [
+    """Return a second derivative less the products uᵀv of the rows u and v."""
+    return tuple(
+        tuple(
             add(block, *(neg(mul(transpose(u[m]), v[n])) for u, v in rows))
             for n, block in enumerate(line)
-        ]
+        )
         for m, line in enumerate(second)
-    ]
-    return tuple(
-        name_blocks(f"K_{_index(x)}", line) for x, line in zip(COLUMNS, whole, strict=True)
     )
 
 

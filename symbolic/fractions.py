@@ -31,11 +31,13 @@ class Fraction:
                 return Fraction(one.over + two.over * times, one.under)
         return Fraction(self.over * other.under + other.over * self.under, self.under * other.under)
 
-    def cancelled(self, norms: Sequence[Norm]) -> Fraction:
+    def cancelled(self, norms: Sequence[Norm] | None) -> Fraction:
         """Return the same number without norms that divide both parts.
 
-        Where there are none, without its denominator if that divides.
+        Where there are none, without its denominator if that divides; None changes nothing.
         """
+        if norms is None:
+            return self
         if not norms and self.under != self.under.ring.one:
             quotient, rest = self.over.div(self.under)
             return self if rest else Fraction(quotient, self.under.ring.one)

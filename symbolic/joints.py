@@ -17,7 +17,6 @@ from kousoku.symbolic.matrices import (
     Dot,
     Matrix,
     Named,
-    Scalar,
     add,
     coefficient_and_factors,
     mul,
@@ -84,8 +83,8 @@ def own_point_drops(x: Matrix) -> Matrix | None:
     return None
 
 
-def distance_gamma(length: Scalar) -> Matrix:
-    """Return γ = −(v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i)) / length.
+def half_square_curvature() -> Matrix:
+    """Return −γ of ½ d·d, v·(v + 2 w) + r·u + Ω·(s_i × w_j − s_j × w_i).
 
     v and r belong to the origins, s = A s′, w = A ω̃′s′ and u = A ω̃′ω̃′s′ to the points, Ω to the
     orientations; those without an index are of body j less those of body i. Each term is small
@@ -94,7 +93,7 @@ def distance_gamma(length: Scalar) -> Matrix:
     """
     of_body = {body: parts_of_motion(body) for body in BODIES}
     s, w, u, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
-    total = add(
+    return add(
         mul(transpose(relative(v)), add(relative(v), mul(Integer(2), relative(w)))),
         mul(transpose(relative(r)), relative(u)),
         mul(
@@ -102,7 +101,6 @@ def distance_gamma(length: Scalar) -> Matrix:
             add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"]))),
         ),
     )
-    return mul(S.NegativeOne / length, total)
 
 
 def parts_of_motion(body: str) -> tuple[Matrix, ...]:
@@ -132,6 +130,7 @@ def _distance() -> Constraint:
     value = mul(Rational(1, 2) / length, add(mul(transpose(D), D), neg(square)))
     left = MatrixSymbol("C", 1, 1)
     d = point_offset()
+    gamma = mul(S.NegativeOne / length, half_square_curvature())
     return Constraint(
         name="distance",
         kind="distance",
@@ -147,5 +146,5 @@ def _distance() -> Constraint:
         components=((dot(d, d) - length**2) / (2 * length),),
         names=(D,),
         rule=own_point_drops,
-        gamma=Step(MatrixSymbol("gamma", 1, 1), distance_gamma(length), GAMMA_RULE, "7.15"),
+        gamma=Step(MatrixSymbol("gamma", 1, 1), gamma, GAMMA_RULE, "7.15"),
     )

@@ -8,7 +8,7 @@ from sympy.matrices.expressions import MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.rows import ROWS
-from kousoku.symbolic.bodies import BODIES, COMPONENTS, SYMBOLS, A
+from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import cross, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.components import dot as dot_product
 from kousoku.symbolic.constraint import derive_constraint
@@ -92,28 +92,18 @@ def _choice(axis: str) -> Step:
     )
 
 
-def turned(body: str, vector: Matrix) -> Matrix:
-    """Return A ω̃′ a′, the rate of a vector a′ that is fixed in a body, frame O."""
-    return mul(A[body], skew(SYMBOLS[f"omega_{body}_b"]), vector)
-
-
-def relative_turning() -> Matrix:
-    """Return Ω = ω_j − ω_i in frame O; ω = A ω′/(p·p), for p of any norm."""
-    omega = {}
-    for body in BODIES:
-        p = SYMBOLS[f"p_{body}"]
-        turning = Named(f"Omega_{body}", mul(A[body], SYMBOLS[f"omega_{body}_b"]))
-        omega[body] = Named(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning))
-    return Named("omega", add(omega["j"], neg(omega["i"])))
-
-
 def _n1_gamma() -> Step:
     """Return γ = Ω·(a_i × w_j − a_j × w_i), with w = A ω̃′a′ and Ω = ω_j − ω_i in frame O.
 
     It is small where the bodies turn together, so that no digits cancel there.
     """
-    w = {body: Named(f"w_{body}", turned(body, SYMBOLS[f"a_{body}_b"])) for body in BODIES}
-    relative = relative_turning()
+    w, omega = {}, {}
+    for body in ("i", "j"):
+        p, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"omega_{body}_b"]
+        w[body] = Named(f"w_{body}", mul(A[body], skew(spin), SYMBOLS[f"a_{body}_b"]))
+        turning = Named(f"Omega_{body}", mul(A[body], spin))
+        omega[body] = Named(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning))
+    relative = Named("omega", add(omega["j"], neg(omega["i"])))
     arm = add(mul(skew(AXES["i"]), w["j"]), neg(mul(skew(AXES["j"]), w["i"])))
     rule = "|ω′~ a′|² + a′·ω′~ ω′~ a′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
     return Step(MatrixSymbol("gamma", 1, 1), mul(transpose(relative), arm), rule, "7.15")

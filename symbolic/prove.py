@@ -5,6 +5,7 @@ Both sides are carried into one ring of polynomials (:mod:`kousoku.symbolic.ring
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import sympy
@@ -14,13 +15,21 @@ from sympy.polys.domains import QQ
 from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.components import Flow, half_turn
-from kousoku.symbolic.matrices import NamedScalar, elements, quadratic_form
+from kousoku.symbolic.matrices import (
+    Divisor,
+    Named,
+    NamedScalar,
+    Orientation,
+    elements,
+    quadratic_form,
+)
+from kousoku.symbolic.opaque import OpaqueRing, polynomial_names, shared
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.symbolic.derivation import Derivation, Function
+    from kousoku.symbolic.derivation import Derivation, Function, Output
 
 
 def prove(function: Function) -> int:
@@ -41,19 +50,33 @@ def prove(function: Function) -> int:
     DerivationError
         Names the first element that differs.
     """
-    # At one rational point first: a mistake is then found at once, however large the polynomials.
-    for point in (_point(function.inputs, is_unit=False), None):
-        carrier = Ring(function.inputs, at=point)
-        for output in function.outputs:
-            cells = carrier.cells(output.expression)
-            for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
-                if not carrier.is_equal(cell, carrier.scalar(component)):
-                    raise DerivationError(
-                        f"{function.name}: the two levels differ in {output.quantity.name}, "
-                        f"element {k} of {output.quantity.size}; correct the derivation of one of "
-                        "them"
-                    )
+    at_a_point = Ring(function.inputs, at=_point(function.inputs, is_unit=False))
+    whole = Ring(function.inputs)
+    for output in function.outputs:
+        # At one rational point first: a mistake is then found at once, however much is to prove.
+        _compare(function, output, at_a_point, output.expression)
+        forms = (output.expression, *output.through)
+        for one, other in itertools.pairwise(forms):
+            if one != other and not _agree(one, other, is_unit=False):
+                raise DerivationError(
+                    f"{function.name}: two forms of {output.quantity.name} differ; correct one"
+                )
+        carrier = whole
+        if output.through:
+            names = polynomial_names(whole, forms[-1])
+            carrier = OpaqueRing(function.inputs, names, plain=whole)
+        _compare(function, output, carrier, forms[-1])
     return sum(output.quantity.size for output in function.outputs)
+
+
+def _compare(function: Function, output: Output, carrier: Ring, expression: Any) -> None:
+    cells = carrier.cells(expression)
+    for k, (cell, component) in enumerate(zip(cells, output.components, strict=True)):
+        if not carrier.is_equal(cell, carrier.scalar(component)):
+            raise DerivationError(
+                f"{function.name}: the two levels differ in {output.quantity.name}, element {k} "
+                f"of {output.quantity.size}; correct the derivation of one of them"
+            )
 
 
 def prove_steps(derivation: Derivation) -> int:
@@ -119,12 +142,26 @@ def _agree(left: Any, right: Any, *, is_unit: bool) -> bool:
         name: _varied_orientation(f"p{body}", _virtual_rotation(body, known), is_unit=is_unit)
         for name, body in variations.items()
     }
-    for point in (_point(quantities, is_unit=is_unit), None):  # a counterexample is found sooner
-        carrier = Ring(quantities, given, is_unit=is_unit, at=point)
-        pairs = zip(carrier.cells(left), carrier.cells(right), strict=True)
-        if not all(carrier.is_equal(a, b) for a, b in pairs):
-            return False
-    return True
+    point = _point(quantities, is_unit=is_unit)  # a counterexample is found sooner
+    if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
+        return False
+    sorts_of_names = (
+        (Named, NamedScalar, Orientation),
+        (Named, Divisor, Orientation),
+        (Named, Orientation),
+        (Named,),
+    )
+    for sorts in sorts_of_names:
+        names = shared(left, right, *sorts)
+        carrier = OpaqueRing(quantities, names, given=given, is_unit=is_unit)
+        if names and _is_same(carrier, left, right):
+            return True
+    return _is_same(Ring(quantities, given, is_unit=is_unit), left, right)
+
+
+def _is_same(carrier: Ring, left: Any, right: Any) -> bool:
+    pairs = zip(carrier.cells(left), carrier.cells(right), strict=True)
+    return all(carrier.is_equal(a, b) for a, b in pairs)
 
 
 def _point(quantities: Sequence[Quantity], *, is_unit: bool) -> list[Any]:

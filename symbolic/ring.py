@@ -89,6 +89,7 @@ class Ring:
         self._functions: list[tuple[str, tuple[Fraction, ...], Fraction]] = []
         self._squares: list[tuple[Polynomial, Polynomial, Polynomial]] = []
         self._norms: list[Norm] = []
+        self._cancelled: Sequence[Norm] | None = self._norms
         self._quantities = {q.name: q for q in quantities}
         self._given = dict(matrices or {})
         self._memo: dict[Any, Rows] = {}
@@ -116,7 +117,7 @@ class Ring:
                 return self.scalar(sympy.S.One)
             case Dot():
                 ((value,),) = _product(
-                    _transposed(self.matrix(x.args[0])), self.matrix(x.args[1]), self._norms
+                    _transposed(self.matrix(x.args[0])), self.matrix(x.args[1]), self._cancelled
                 )
                 return value
             case sympy.Add():
@@ -273,9 +274,9 @@ class Ring:
         matrices = [self.matrix(factor) for factor in factors]
         while len(matrices) > 1:  # start at the narrow end
             if len(matrices[-1][0]) <= len(matrices[0]):
-                matrices[-2:] = [_product(matrices[-2], matrices[-1], self._norms)]
+                matrices[-2:] = [_product(matrices[-2], matrices[-1], self._cancelled)]
             else:
-                matrices[:2] = [_product(matrices[0], matrices[1], self._norms)]
+                matrices[:2] = [_product(matrices[0], matrices[1], self._cancelled)]
         value = self.scalar(scalar)
         return [[self._reduced(value * cell) for cell in row] for row in matrices[0]]
 
@@ -321,7 +322,7 @@ def _transposed(rows: Rows) -> Rows:
     return [list(column) for column in zip(*rows, strict=True)]
 
 
-def _product(left: Rows, right: Rows, norms: Sequence[Norm]) -> Rows:
+def _product(left: Rows, right: Rows, norms: Sequence[Norm] | None) -> Rows:
     columns = _transposed(right)
     return [
         [

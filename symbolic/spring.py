@@ -80,7 +80,12 @@ def derive(_: str) -> Derivation:
 
 
 def length_rate() -> Matrix:
-    """Return dl/dt = (r·(v + w) + s·v + Ω·(s_i × s_j)) / l.
+    """Return dl/dt = (d·dd/dt) / l."""
+    return mul(1 / Divisor(L), half_square_rate())
+
+
+def half_square_rate() -> Matrix:
+    """Return d·dd/dt = r·(v + w) + s·v + Ω·(s_i × s_j).
 
     r and v belong to the origins, s = A s′ and w = A ω̃′s′ to the points, Ω to the orientations;
     those without an index are of body j less those of body i. Each term is small where the bodies
@@ -89,12 +94,11 @@ def length_rate() -> Matrix:
     """
     of_body = {body: parts_of_motion(body) for body in BODIES}
     s, w, _, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
-    total = add(
+    return add(
         mul(transpose(relative(r)), add(relative(v), relative(w))),
         mul(transpose(relative(s)), relative(v)),
         mul(transpose(relative(omega)), skew(s["i"]), s["j"]),
     )
-    return mul(1 / Divisor(L), total)
 
 
 def generalised_forces() -> tuple[Matrix, ...]:

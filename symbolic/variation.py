@@ -148,7 +148,7 @@ def _slopes(x: Scalar) -> list[tuple[Scalar, Scalar]]:
             return [(x.exp * x.base ** (x.exp - 1), x.base)]
         case sympy.atan2():
             y, x_ = x.args
-            square = x_**2 + y**2
+            square = Divisor(x_**2 + y**2)
             return [(x_ / square, y), (-y / square, x_)]
         case sympy.sin():
             return [(sympy.cos(x.args[0]), x.args[0])]

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]
 #: Where γ is a quotient the polynomials are large.
-LARGE = ("n1", "distance")
+LARGE = ("n1", "distance", "angle", "length")
 MARKED = [
     pytest.param(package, marks=pytest.mark.slow) if package in LARGE else package
     for package in PACKAGES

@@ -10,6 +10,7 @@ from sympy.matrices.immutable import ImmutableDenseMatrix
 from kousoku.model.errors import DerivationError
 from kousoku.symbolic.bodies import COLUMNS, DELTA, RATE, SYMBOLS, A
 from kousoku.symbolic.matrices import (
+    Divisor,
     Dot,
     Named,
     Orientation,
@@ -50,7 +51,7 @@ def test_scalar_factor_varies_by_the_chain_rule() -> None:
     assert DELTA(mul(length, R)) == change
     angle = DELTA(mul(atan2(Dot(R, S_I), R[0, 0]), Identity(1)))
     first = ImmutableDenseMatrix([[1, 0, 0]])
-    square = Dot(R, S_I) ** 2 + R[0, 0] ** 2
+    square = Divisor(Dot(R, S_I) ** 2 + R[0, 0] ** 2)
     slopes = mul(R[0, 0] / square, transpose(S_I), DR), mul(-Dot(R, S_I) / square, first, DR)
     assert set(angle.args) == set(slopes)
 
