@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kousoku.model.builder import SceneBuilder
-from kousoku.model.joints import JOINTS, NAMES, ROWS_OF
+from kousoku.model.joints import COUPLINGS, JOINTS, NAMES, ROWS_OF, JointKind, Part
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 
@@ -124,6 +124,15 @@ def test_each_joint_has_a_section_with_its_picture_its_names_and_a_scene(joint: 
 @pytest.mark.parametrize("kind", [kind for kind in ROWS_OF if kind != "linear_combination"])
 def test_the_table_of_kinds_counts_their_rows(kind: str) -> None:
     assert re.search(rf"^\| `{kind}` \| {ROWS_OF[kind]} \|", TEXT, re.M)
+
+
+@pytest.mark.parametrize("name", [*(name for name in JOINTS if name not in SHAPES), *COUPLINGS])
+def test_joints_that_combine_coordinates_are_in_their_table(name: str) -> None:
+    entry = JOINTS[name] if name in JOINTS else COUPLINGS[name]
+    parts = entry.parts if isinstance(entry, JointKind) else (Part("linear_combination"),)
+    aliases = ", ".join(f"`{alias}`" for alias in entry.aliases)
+    kinds = ", ".join(part.kind for part in parts)
+    assert f"| `{name}` | {aliases} | {kinds} | {entry.rows} |" in TEXT
 
 
 def test_the_document_shows_the_joints_of_the_code_and_no_others() -> None:

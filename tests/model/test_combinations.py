@@ -7,6 +7,8 @@ from typing import Any
 
 import pytest
 
+from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.codegen.store import load_frozen
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, Instance, System
 from kousoku.model.read import scene_from_dict
@@ -123,24 +125,29 @@ def test_a_linear_coupling_adds_lengths_in_the_unit_of_the_scene_and_angles_in_r
 
 
 @pytest.mark.parametrize("bend", [0.0, 0.4, 2.0, 3.0])
-def test_a_constant_velocity_joint_holds_at_any_bend_as_it_is_written(bend: float) -> None:
-    """The frames of both shafts are one frame, bent: x_i·y_j = y_i·x_j = 0 − sin·cos parts."""
-    axis = [cos(bend), 0.6 * sin(bend), 0.8 * sin(bend)]
-    joint = {"type": "cv", "bodies": ["a", "b"], "at": ZERO, "axis": X, "second_axis": axis}
+def test_a_constant_velocity_joint_holds_at_any_bend_and_turns_about_the_line_between(
+    bend: float,
+) -> None:
+    """The row is zero as it is written, and its torque on j lies along the sum of both shafts.
+
+    That sum is zero where the shafts are folded back on each other: 2 cos (bend / 2).
+    """
+    shaft = [cos(bend), 0.6 * sin(bend), 0.8 * sin(bend)]
+    joint = {"type": "cv", "bodies": ["a", "b"], "at": ZERO, "axis": X, "second_axis": shaft}
     system, row = coupling(two_bodies(cv=joint))
     assert (row.offset, row.unit) == (0, "rad")
     assert terms(system, row) == {"cv.xy": 1, "cv.yx": -1}
-    matrices = [_matrix(body.p) for body in system.bodies]
-    values = []
-    for coordinate in system.coordinates:
-        assert coordinate.kind == "n1"
-        vectors = [vector for _, vector in coordinate.constants]
-        a, b = (
-            [sum(m * v for m, v in zip(line, vector, strict=True)) for line in matrix]
-            for matrix, vector in zip(matrices, vectors, strict=True)
-        )
-        values.append(sum(x * y for x, y in zip(a, b, strict=True)))
-    assert values[0] - values[1] == pytest.approx(0, abs=2e-15)
+    kernel = next(k for k in load_frozen("n1").kernels if k.name == "constraint")
+    state = {"p_i": system.bodies[0].p, "p_j": system.bodies[1].p}
+    found = [evaluate(kernel, {**state, **dict(c.constants)}, FLOAT) for c in system.coordinates]
+    assert found[0]["C"][0] - found[1]["C"][0] == pytest.approx(0, abs=2e-15)
+    torque_b = [x - y for x, y in zip(*(one["C_q"][9:] for one in found), strict=True)]
+    torque = [
+        sum(m * v for m, v in zip(line, torque_b, strict=True))
+        for line in _matrix(system.bodies[1].p)
+    ]
+    both = [1 + shaft[0], shaft[1], shaft[2]]
+    assert torque == pytest.approx([-x for x in both], abs=4e-15)
 
 
 def _matrix(p: tuple[float, ...]) -> list[list[float]]:
