@@ -23,6 +23,16 @@ SPRING: Tree = {
 }
 
 
+PLACE: Tree = {"at": [0, 100, 0], "axis": [0, 0, 1]}
+TURN: Tree = {"type": "rotational_spring_damper", "joint": "hinge", "stiffness": 40}
+BUSHING: Tree = {
+    "type": "bushing",
+    "bodies": ["ground", "bar"],
+    "at": [0, 100, 0],
+    "stiffness": [1, 2, 3, 4, "c", 0],
+}
+
+
 def scene(**force: Any) -> Tree:
     """Return a bar and a point in mm under one force."""
     turned = {"axis": [0, 0, 1], "angle": 1.5707963267948966}
@@ -33,8 +43,17 @@ def scene(**force: Any) -> Tree:
         "name": "loaded",
         "unit": "mm",
         "parameters": {"c": 3},
+        "joints": {
+            "hinge": {"type": "hinge", "bodies": ["ground", "bar"], **PLACE},
+            "tube": {"type": "cylindrical", "bodies": ["ground", "bar"], **PLACE},
+            "ball": {"type": "ball", "bodies": ["bar", "dot"], "at": [50, 0, 0]},
+        },
+        "coordinates": {
+            "angle": {"joint": "hinge", "near": 6.3},
+            "gap": {"bodies": ["ground", "dot"], "points": [[0, 0, 0], [0, 0, 0]]},
+        },
         "bodies": {"bar": bar | {"inertia": inertia}, "dot": dot},
-        "forces": {"f": force},
+        "forces": {"f": {name: value for name, value in force.items() if value is not None}},
     }
 
 
@@ -42,7 +61,37 @@ def scene(**force: Any) -> Tree:
     ("force", "key", "says"),
     [
         ({"type": "spring"}, "type", "unknown force 'spring'"),
-        ({"type": "rotational_spring_damper", "stiffness": 1}, "joint", "the angle that it acts"),
+        ({**TURN, "joint": None}, "joint", "the angle that it acts"),
+        ({**TURN, "coordinate": "angle"}, "joint", "wanted one of them"),
+        ({**TURN, "joint": "ball"}, "joint", "leaves free no angle"),
+        ({**TURN, "joint": "hing"}, "joint", "did you mean 'hinge'"),
+        ({**TURN, "joint": None, "coordinate": "gap"}, "coordinate", "gap is no angle"),
+        ({**TURN, "joint": None, "coordinate": "angel"}, "coordinate", "did you mean 'angle'"),
+        ({**TURN, "stiffness": None}, "stiffness", "or a moment"),
+        ({**TURN, "moment": "x"}, "moment", "wanted one of them"),
+        ({**TURN, "stiffness": None, "moment": "x*u"}, "moment", "unknown name 'u'"),
+        ({**TURN, "free_angle": "t"}, "free_angle", "unknown name 't'"),
+        ({**TURN, "stiffness": [1] * 6}, "stiffness", "wanted one number"),
+        ({"type": "along", "force": 1}, "coordinate", "is missing"),
+        ({"type": "along", "coordinate": "gap"}, "force", "one number or formula"),
+        ({"type": "along", "coordinate": "gap", "force": [1, 0, 0]}, "force", "has components"),
+        ({"type": "along", "coordinate": "gap", "force": "gap_rate"}, "force", "'gap_dot'"),
+        ({"type": "friction", "damping": 1}, "joint", "is missing"),
+        ({"type": "friction", "joint": "hinge"}, "damping", "is missing"),
+        ({"type": "friction", "joint": "ball", "damping": 1}, "joint", "leaves free no angle"),
+        (
+            {"type": "friction", "joint": "hinge", "damping": 1, "of": "displacement"},
+            "of",
+            "no displacement",
+        ),
+        ({**BUSHING, "at": None}, "points", "or once in frame O"),
+        ({**BUSHING, "points": [[0, 0, 0], [0, 0, 0]]}, "points", "is given too"),
+        ({**BUSHING, "stiffness": 1}, "stiffness", "wanted six"),
+        ({**BUSHING, "stiffness": [1, 2]}, "stiffness", "a list of 6 numbers or formulas"),
+        ({**BUSHING, "stiffness": None}, "stiffness", "six dampings or both"),
+        ({**BUSHING, "bodies": ["ground", "dot"]}, "bodies[1]", "does not turn"),
+        ({**BUSHING, "axes": [[0, 1, 0], [0, 2, 0]]}, "axes", "are parallel"),
+        ({"type": "force", "body": "bar", "force": 3}, "force", "wanted three components"),
         ({"type": "force", "force": [1, 0, 0]}, "body", "is missing"),
         ({"type": "force", "body": "ground", "force": [1, 0, 0]}, "body", "unknown body 'ground'"),
         ({"type": "force", "body": "bar"}, "force", "or in the body frame as 'force_b'"),
@@ -151,6 +200,57 @@ def test_a_spring_of_parameters_keeps_its_potential() -> None:
     assert constants["free_length"] == pytest.approx((1e-3,), abs=1e-18)
     assert spring.formulas == (("stiffness", "2*c"), ("free_length", "c"))
     assert not spring.works
+
+
+def test_a_rotational_spring_is_free_at_the_angle_as_it_is_written_with_its_turns() -> None:
+    system = system_of(scene_from_dict(scene(**{**TURN, "damping": "2*c"})))
+    (spring,) = system.forces
+    (angle,) = system.coordinates
+    assert (spring.kind, angle.name, spring.coordinate) == ("coordinate_spring", "angle", 0)
+    given = dict(spring.constants)
+    assert given["stiffness"] == pytest.approx((40e-6,), rel=1e-15)
+    assert given["damping"] == pytest.approx((1e-6,), rel=1e-15)
+    assert given["free"] == pytest.approx((6.283185307179586,), rel=1e-15)
+    assert spring.formulas == (("damping", "2*c"),)
+    assert spring.has_potential
+    assert spring.works
+
+
+def test_friction_is_in_each_freedom_of_its_joint_in_its_unit() -> None:
+    system = system_of(scene_from_dict(scene(type="friction", joint="tube", damping=5)))
+    kinds = [system.coordinates[one.coordinate].kind for one in system.forces]
+    assert kinds == ["angle", "n2"]
+    dampings = [dict(one.constants)["damping"][0] for one in system.forces]
+    assert dampings == pytest.approx([5e-6, 5.0], rel=1e-15)
+
+
+def test_a_bushing_is_a_spring_along_and_about_each_direction_that_it_holds() -> None:
+    system = system_of(scene_from_dict(scene(**BUSHING)))
+    assert [one.name for one in system.forces] == ["f"] * 5
+    places = [system.coordinates[one.coordinate] for one in system.forces]
+    names = ["f.x", "f.y", "f.z", "f.about_x", "f.about_y"]
+    assert [one.name for one in places] == names
+    assert [one.kind for one in places] == ["n2", "n2", "n2", "n1", "n1"]
+    given = [dict(one.constants)["stiffness"][0] for one in system.forces]
+    assert given == pytest.approx([1, 2, 3, 4e-6, 1e-6], rel=1e-15)
+
+
+def test_formulas_bring_the_coordinates_that_they_name() -> None:
+    push = {"type": "force", "body": "dot", "force": ["c*gap_dot", 0, "0*angle"]}
+    system = system_of(scene_from_dict(scene(**push)))
+    assert [one.name for one in system.coordinates] == ["gap", "angle"]
+    assert system_of(scene_from_dict(scene(**SPRING))).coordinates == ()
+
+
+def test_gravity_may_be_a_formula_of_parameters() -> None:
+    tree = scene(**SPRING)
+    system = system_of(scene_from_dict(tree | {"gravity": [1000, "c*2", 0]}))
+    assert system.gravity == (1.0, 0.0, 0.0)
+    assert system.gravity_law == ("", "c*2", "")
+    assert [system.has_gravity(k) for k in range(3)] == [True, True, False]
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree | {"gravity": ["t", 0, "c +"]})
+    assert [one.key for one in caught.value.problems] == ["gravity[0]", "gravity[2]"]
 
 
 def test_the_builder_writes_forces_that_read_back_the_same() -> None:
