@@ -30,7 +30,7 @@ def value(system: System, coordinate: Coordinate) -> float:
     inputs: dict[str, tuple[float, ...]] = dict(coordinate.constants)
     for letter, index in (("i", coordinate.i), ("j", coordinate.j)):
         on_ground = index == GROUND_INDEX
-        inputs[f"r_{letter}"] = ZERO if on_ground else system.bodies[index].r
+        inputs[f"r_{letter}"] = (0.0, 0.0, 0.0) if on_ground else system.bodies[index].r
         inputs[f"p_{letter}"] = (1.0, 0.0, 0.0, 0.0) if on_ground else system.bodies[index].p
     return evaluate(kernel, inputs, FLOAT)["C"][0]
 
