@@ -57,7 +57,7 @@ ROWS = {
 
 def system_with(mechanisms: SimpleNamespace, *rows: Instance) -> System:
     """Return three bodies, two of them in a chain, with further rows."""
-    chain = mechanisms.chain(3)
+    chain: System = mechanisms.chain(3)
     kept = tuple(one for one in chain.constraints if one.joint != "j2")
     return replace(
         chain,
