@@ -40,21 +40,13 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
-    bases = {"q": program.region("q").base, "v": program.region("v").base}
-    start: dict[str, list[float]] = {name: [0.0] * program.region(name).size for name in ("q", "v")}
-    for body in program.bodies:
-        for name, places in (("q", body.r + body.p), ("v", body.v + body.omega_b)):
-            for place in places:
-                if place.slot >= 0:
-                    start[name][place.slot - bases[name]] = place.value
-    for one in program.auxiliary:
-        start["q"][one.place.slot - bases["q"]] = one.place.value
+    q, v = program.region("q").base, program.region("v").base
     return {
         "format": 1,
         "name": system.name,
         "unit": system.unit,
-        **start,
-        "bodies": _bodies(program, system, bases["q"], bases["v"]),
+        **_start(program),
+        "bodies": _bodies(program, system, q, v),
         "parameters": [[name, value] for name, value in system.parameters],
         "is_driven": is_driven(program, system),
         "is_weighed": program.is_weighed,
@@ -79,10 +71,22 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
             }
             for one in program.kept
         ],
-        "works": [
-            [one.name, one.place.slot - bases["q"]] for one in program.auxiliary if one.kind == WORK
-        ],
+        "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
+
+
+def _start(program: Program) -> dict[str, list[float]]:
+    """Return q and v at the start."""
+    bases = {"q": program.region("q").base, "v": program.region("v").base}
+    start: dict[str, list[float]] = {name: [0.0] * program.region(name).size for name in ("q", "v")}
+    for body in program.bodies:
+        for name, places in (("q", body.r + body.p), ("v", body.v + body.omega_b)):
+            for place in places:
+                if place.slot >= 0:
+                    start[name][place.slot - bases[name]] = place.value
+    for one in program.auxiliary:
+        start["q"][one.place.slot - bases["q"]] = one.place.value
+    return start
 
 
 def is_flat(program: Program, system: System) -> bool:
