@@ -95,6 +95,23 @@ def test_each_step_says_what_it_saves() -> None:
     assert "2 of" in saved(found, "kinds not used").detail
 
 
+def test_reactions_out_of_the_plane_are_told_to_cost_more() -> None:
+    """The weight hangs beside the plane of its hinge, which therefore has a moment across."""
+    scene = (
+        SceneBuilder("beside", unit="m")
+        .gravity(0, -9.81, 0)
+        .body("a", position=(0, 0, 0), boxes=[{"mass": 1, "size": (1, 2, 3), "at": (1, 0, 0.5)}])
+        .joint("hinge", type="revolute", bodies=("ground", "a"), at=(0, 0, 0), axis=(0, 0, 1))
+        .build()
+    )
+    names = [step.name for step in explain(scene).steps]
+    step = saved(explain(scene, ("reactions",)), "reactions out of the plane")
+
+    assert "reactions out of the plane" not in names
+    assert (step.rows, step.columns) == (-3, -3)
+    assert step.operations < 0
+
+
 def test_bodies_that_a_fixed_joint_holds_are_one_and_its_rows_are_gone() -> None:
     found, apart = explain(WELDED), explain(WELDED, ("reactions",))
     step = saved(found, "bodies joined rigidly")

@@ -109,7 +109,7 @@ def fixed(mechanisms: SimpleNamespace, name: str, i: int, j: int, s_i: Any, s_j:
 
 def row_of(mechanisms: SimpleNamespace, height: float = 0.0) -> System:
     """Return a pendulum of three rods, the second fixed to the first, ``height`` above it."""
-    system = mechanisms.planar_pendulum(3, height)
+    system: System = mechanisms.planar_pendulum(3, height)
     hinge = [one for one in system.constraints if one.joint != "j1"]
     ends = (0.5, 0.0, 0.5 * height), (-0.5, 0.0, -0.5 * height)
     return replace(system, constraints=(*hinge, *fixed(mechanisms, "weld", 0, 1, *ends)))
@@ -211,7 +211,7 @@ def test_bodies_with_many_joints_are_not_made_one(mechanisms: SimpleNamespace) -
 
 
 def two_hubs(mechanisms: SimpleNamespace, arms: int) -> System:
-    one = mechanisms.star(arms)
+    one: System = mechanisms.star(arms)
     count = len(one.bodies)
     far = tuple(replace(b, name=f"{b.name}_far", r=(b.r[0], 3.0, b.r[2])) for b in one.bodies)
     other = [
