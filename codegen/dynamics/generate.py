@@ -13,10 +13,12 @@ from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.motion_data import is_flat
+from kousoku.codegen.dynamics.out_of_plane import held_twice
 from kousoku.codegen.dynamics.reference import REFERENCE_FILE, solver_references
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.weights import require_driven, weighted
+from kousoku.model.errors import SceneError
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
@@ -112,11 +114,20 @@ def with_reactions(
     """
     if not program.is_planar:
         return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
-    thick = thickened(system)
-    in_space, whole = independent(thick, wanted, may_be_planar=False)
-    joints = dict.fromkeys((*freedom.not_unique, *whole.not_unique, *whole.unknown))
-    chosen = program if is_flat(program, system) or not _is_regular(in_space) else in_space
-    return replace(chosen, not_unique=tuple(joints))
+    if not is_flat(program, system) and (found := _in_space(system, wanted)):
+        return found
+    joints = (*freedom.not_unique, *freedom.unknown, *held_twice(system, program))
+    return replace(program, not_unique=tuple(dict.fromkeys(joints)))
+
+
+def _in_space(system: System, wanted: Sequence[str]) -> Program | None:
+    """Return the program in space of a scene that moves in a plane, None if that is too much."""
+    try:
+        program, freedom = independent(thickened(system), wanted, may_be_planar=False)
+    except SceneError:  # too many rows depend on each other
+        return None
+    not_unique = (*freedom.not_unique, *freedom.unknown)
+    return replace(program, not_unique=not_unique) if _is_regular(program) else None
 
 
 def _is_regular(program: Program) -> bool:

@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.elimination import Couple, Gather
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.recorder import Block, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
+from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -32,6 +33,10 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System, Vector
 
 ORIGIN = (0.0, 0.0, 0.0)
+#: Rows of a set that are shared out at most: what it takes grows with their cube.
+MOST_ROWS = 60
+#: Joints that a message names.
+SHOWN = 6
 #: Components of force and torque that a joint in the xy-plane has.
 IN_PLANE = (0, 1, 5)
 
@@ -175,6 +180,15 @@ class LeastNorm:
     def share_out(self, reactions: Sequence[Reaction]) -> None:
         """Record the multipliers of the joints of one set."""
         left_out = [one.left_out for one in reactions if one.left_out]
+        count = sum(rows.count for rows in left_out)
+        if count > MOST_ROWS:
+            names = ", ".join(f"joints.{one.name}" for one in reactions[:SHOWN])
+            raise SceneError(
+                f"asks for reactions, which are not unique at {names} and others: {count} rows"
+                f" depend on each other, and what they carry is shared out for {MOST_ROWS} at most;"
+                " leave reactions out, or free what is held twice (kousoku explain lists it)",
+                key="outputs",
+            )
         ways = [self._ways(rows) for rows in left_out]
         parts = [self._of_joint(one, left_out, ways) for one in reactions]
         total = self._products

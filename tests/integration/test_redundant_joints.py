@@ -27,8 +27,8 @@ RODS = {"crank": (0, 1), "coupler": (1, 2), "rocker": (3, 2)}
 JOINTS = {"a": ("ground", "crank"), "b": ("crank", "coupler"), "c": ("coupler", "rocker")}
 
 
-def four_bar(turn: Any = (1, 0, 0, 0)) -> Scene:
-    """Return a four-bar of revolute joints that falls, turned as a whole."""
+def four_bar(turn: Any = (1, 0, 0, 0), **types: str) -> Scene:
+    """Return a four-bar that falls, turned as a whole; its joints are revolute unless given."""
 
     def seen(a: Any) -> list[float]:
         by = tuple(map(precise.number, turn))
@@ -51,9 +51,12 @@ def four_bar(turn: Any = (1, 0, 0, 0)) -> Scene:
     }
     ends = JOINTS | {"d": ("rocker", "ground")}
     tree["joints"] = {
-        name: {"type": "revolute", "bodies": list(bodies), "at": seen(at), "axis": seen((0, 0, 1))}
+        name: {"type": types.get(name, "revolute"), "bodies": list(bodies), "at": seen(at)}
         for (name, bodies), at in zip(ends.items(), CORNERS, strict=True)
     }
+    for joint in tree["joints"].values():
+        if joint["type"] != "spherical":
+            joint["axis"] = seen((0, 0, 1))
     return scene_from_dict(tree)
 
 
@@ -162,6 +165,18 @@ def test_forces_in_the_plane_are_unique_in_a_four_bar_and_its_joints_are_still_n
         for here, there in zip(flat.force[joint], turned.force[joint], strict=True):
             seen = precise.rotate((w, x, y, z), precise.triple(here))
             assert list(there) == pytest.approx([float(value) for value in seen], abs=1e-7)
+
+
+def test_loop_that_is_held_once_has_unique_forces_in_the_plane_and_in_space(
+    mover: Callable[..., Any],
+) -> None:
+    types = {"b": "spherical", "c": "cylindrical"}
+    flat = mover(four_bar(**types), ("reactions",)).simulate(0.1, samples=2)
+    turned = mover(four_bar(TURN, **types), ("reactions",)).simulate(0.1, samples=2)
+
+    assert flat.not_unique == turned.not_unique == ()
+    sizes = [np.linalg.norm(motion.force["b"][-1]) for motion in (flat, turned)]
+    assert sizes[0] == pytest.approx(sizes[1], rel=1e-7)
 
 
 def test_forces_of_joints_in_no_loop_are_unique(mover: Callable[..., Any]) -> None:

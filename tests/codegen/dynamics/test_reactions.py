@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics import least_norm
 from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
+from kousoku.codegen.dynamics.generate import independent, with_reactions
 from kousoku.codegen.dynamics.least_norm import merged
 from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
@@ -251,6 +255,32 @@ def test_forces_of_a_four_bar_in_a_plane_that_leans_are_the_least_ones(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     check(leaning_four_bar(), mechanisms, rng)
+
+
+def test_more_rows_than_can_be_shared_out_are_refused_by_name(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(least_norm, "MOST_ROWS", 4)
+    with pytest.raises(
+        SceneError, match=r"not unique at joints\.hinge_0, joints\.hinge_1.* 5 rows"
+    ):
+        least(door(2))
+
+
+def test_scene_in_a_plane_keeps_to_it_where_too_many_rows_hold_it_there(
+    mechanisms: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = replace(mechanisms.four_bars(1), gravity=(0.0, -9.0, 3.0))
+    program, freedom = independent(system, OUTPUTS)
+    joints = tuple(dict.fromkeys(one.joint for one in system.constraints))
+
+    in_space = with_reactions(system, OUTPUTS, program, freedom)
+    assert not in_space.is_planar
+    assert in_space.not_unique == joints
+    monkeypatch.setattr(least_norm, "MOST_ROWS", 2)
+    in_plane = with_reactions(system, OUTPUTS, program, freedom)
+    assert in_plane.is_planar
+    assert in_plane.not_unique == joints
 
 
 def test_merged_sets_have_no_joint_in_common() -> None:
