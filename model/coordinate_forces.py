@@ -76,7 +76,7 @@ class CoordinateForces:
             place = self.coordinates.place(force.coordinate)
         else:
             assert force.joint is not None
-            place = self.coordinates.of_joint(force.joint, ANGLE)
+            place = self.coordinates.of_joint(force.joint, force.of or ANGLE)
         free = self.coordinates.value(place) if force.free_angle is None else force.free_angle
         if force.moment is None:
             return self._spring(name, place, force.stiffness, force.damping, free)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import ANGLE, DISPLACEMENT, leaves_of, sort_of
+from kousoku.model.joints import ANGLE, DISPLACEMENT, SECOND_ANGLE, leaves_of, sort_of
 from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
@@ -30,13 +30,22 @@ def check_rotational(scene: Scene, force: Force, key: str) -> None:
         both = "is given too; wanted one of them" if force.joint else "is missing; or 'coordinate'"
         raise SceneError(f"{both}: the angle that it acts on", key=f"{key}.joint")
     if force.joint is not None:
-        check_leaves(scene, force.joint, ANGLE, key)
+        _check_angle(scene, force, key)
     elif not _is_angle(scene, _coordinate(scene, force, key)):
         raise SceneError(
             f"{force.coordinate} is no angle; wanted an angle, or a force of type 'along'",
             key=f"{key}.coordinate",
         )
     check_law(force, "moment", key)
+
+
+def _check_angle(scene: Scene, force: Force, key: str) -> None:
+    """Refuse a joint without an angle, or with two where neither is meant."""
+    joint, of = force.joint or "", force.of
+    if of == DISPLACEMENT:
+        raise SceneError("is no angle; wanted an angle", key=f"{key}.of")
+    has_two = joint in scene.joints and SECOND_ANGLE in leaves_of(scene.joints[joint].type)
+    check_leaves(scene, joint, of if of or has_two else ANGLE, key)
 
 
 def check_along(scene: Scene, force: Force, key: str) -> None:

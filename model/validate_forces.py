@@ -28,7 +28,7 @@ KEYS = {
     "torque": ("body", "torque", "torque_b"),
     "spring_damper": ("bodies", "points", "stiffness", "damping", "tension", "free_length"),
     "rotational_spring_damper": (
-        *("joint", "coordinate", "stiffness", "damping", "moment", "free_angle"),
+        *("joint", "of", "coordinate", "stiffness", "damping", "moment", "free_angle"),
     ),
     "along": ("coordinate", "force"),
     "friction": ("joint", "of", "damping"),

@@ -46,6 +46,10 @@ def scene(**force: Any) -> Tree:
         "joints": {
             "hinge": {"type": "hinge", "bodies": ["ground", "bar"], **PLACE},
             "tube": {"type": "cylindrical", "bodies": ["ground", "bar"], **PLACE},
+            "cross": {
+                **{"type": "universal", "bodies": ["ground", "bar"], "at": [0, 0, 0]},
+                **{"axis": [1, 0, 0], "second_axis": [0, 1, 0]},
+            },
             "ball": {"type": "ball", "bodies": ["bar", "dot"], "at": [50, 0, 0]},
         },
         "coordinates": {
@@ -63,6 +67,9 @@ def scene(**force: Any) -> Tree:
         ({"type": "spring"}, "type", "unknown force 'spring'"),
         ({**TURN, "joint": None}, "joint", "the angle that it acts"),
         ({**TURN, "coordinate": "angle"}, "joint", "wanted one of them"),
+        ({**TURN, "joint": "cross"}, "of", "is missing"),
+        ({**TURN, "of": "displacement"}, "of", "is no angle"),
+        ({**TURN, "of": "second_angle"}, "of", "no second_angle"),
         ({**TURN, "joint": "ball"}, "joint", "leaves free no angle"),
         ({**TURN, "joint": "hing"}, "joint", "did you mean 'hinge'"),
         ({**TURN, "joint": None, "coordinate": "gap"}, "coordinate", "gap is no angle"),
@@ -214,6 +221,14 @@ def test_a_rotational_spring_is_free_at_the_angle_as_it_is_written_with_its_turn
     assert spring.formulas == (("damping", "2*c"),)
     assert spring.has_potential
     assert spring.works
+
+
+def test_a_rotational_spring_takes_the_angle_that_is_meant() -> None:
+    for of in ("angle", "second_angle"):
+        system = system_of(scene_from_dict(scene(**{**TURN, "joint": "cross", "of": of})))
+        assert [one.name for one in system.coordinates] == [f"cross.{of}"]
+    (angle,) = system_of(scene_from_dict(scene(**{**TURN, "joint": "tube"}))).coordinates
+    assert angle.kind == "angle"
 
 
 def test_friction_is_in_each_freedom_of_its_joint_in_its_unit() -> None:
