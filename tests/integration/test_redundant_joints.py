@@ -179,6 +179,39 @@ def test_loop_that_is_held_once_has_unique_forces_in_the_plane_and_in_space(
     assert sizes[0] == pytest.approx(sizes[1], rel=1e-7)
 
 
+def test_gears_that_do_the_same_share_their_torque(mover: Callable[..., Any]) -> None:
+    wheels = {"large": (0.0, 0.3, 2), "small": (0.5, 0.2, 1)}
+    tree: dict[str, Any] = {"name": "gears", "unit": "m"}
+    tree["bodies"] = {
+        name: {
+            "position": [x, 0, 0],
+            "cylinders": [{"mass": mass, "radius": r, "ends": [[0, 0, -0.05], [0, 0, 0.05]]}],
+        }
+        for name, (x, r, mass) in wheels.items()
+    }
+    tree["joints"] = {
+        f"axle_{name}": {
+            "type": "revolute",
+            "bodies": ["ground", name],
+            "at": [x, 0, 0],
+            "axis": [0, 0, 1],
+        }
+        for name, (x, _, _) in wheels.items()
+    }
+    for name in ("upper", "lower"):
+        pair = ["axle_large", "axle_small"]
+        tree["joints"][name] = {"type": "gear", "joints": pair, "ratio": -1.5}
+    tree["forces"] = {"motor": {"type": "torque", "body": "large", "torque": [0, 0, 3.0]}}
+    motion = mover(scene_from_dict(tree), ("reactions",)).simulate(0.1, samples=2)
+
+    assert motion.not_unique == ("upper", "lower")
+    # 0.09 kg m² of the large wheel and 1.5² of 0.02 kg m² are turned by 3 N m: 22.2 rad/s²
+    torque = 0.5 * (0.09 * 3.0 / 0.135 - 3.0)
+    for name in ("upper", "lower"):
+        assert motion.torque[f"{name}.large"][0] == pytest.approx([0, 0, torque], rel=1e-12)
+        assert motion.torque[f"{name}.small"][0] == pytest.approx([0, 0, torque / 1.5], rel=1e-12)
+
+
 def test_forces_of_joints_in_no_loop_are_unique(mover: Callable[..., Any]) -> None:
     motion = mover("heavy_top", ("reactions",)).simulate(0.1, samples=2)
 
