@@ -74,24 +74,8 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         raise SceneError("is missing; wanted a scene of bodies and joints", key="bodies")
     unit = precise.number(METRES[scene.unit])
     frames = {GROUND: GROUND_FRAME}
-    wanted = scene.outputs if outputs is None else outputs
-    bodies: list[MovingBody] = []
-    held: list[Instance] = []
-    held_rates: list[Instance] = []
-    for index, (name, body) in enumerate(scene.bodies.items()):
-        properties = mass_properties(body)
-        frame = frames[name] = BodyFrame(
-            index,
-            precise.triple(body.position),
-            quaternion(body.orientation),
-            properties.center,
-            properties.axes,
-            body.point,
-        )
-        bodies.append(_moving(name, body, frame, properties, unit))
-        kept = held_of(name, body, frame, unit)
-        held += kept[0]
-        held_rates += kept[1]
+    bodies = tuple(_bodies(scene, frames, unit))
+    kept = [held_of(name, body, frames[name], unit) for name, body in scene.bodies.items()]
     coordinates = CoordinateList(scene, frames, unit)
     start_values(scene, coordinates)
     joints = (_instances(name, joint, frames, coordinates) for name, joint in scene.joints.items())
@@ -100,22 +84,41 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         *driver_instances(scene, coordinates, frames),
     )
     forces = force_elements(scene, frames, coordinates, unit)
+    wanted = scene.outputs if outputs is None else outputs
     shown = scene.coordinates if "coordinates" in wanted else ()
     places = tuple(coordinates.place(name) for name in shown)
     return System(
         name=scene.name,
         unit=float(unit),
-        bodies=tuple(bodies),
+        bodies=bodies,
         constraints=constraints,
         gravity=gravity_of(scene, unit),
         gravity_law=gravity_law(scene),
-        held=(*held, *held_coordinates(scene, coordinates)),
-        held_rates=tuple(held_rates),
+        held=(
+            *chain.from_iterable(places for places, _ in kept),
+            *held_coordinates(scene, coordinates),
+        ),
+        held_rates=tuple(chain.from_iterable(rates for _, rates in kept)),
         forces=forces,
         coordinates=coordinates.records,
         shown=places,
         parameters=tuple(scene.parameters.items()),
     )
+
+
+def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[MovingBody]:
+    """Yield the bodies of a scene, and add their frames to those that are known."""
+    for index, (name, body) in enumerate(scene.bodies.items()):
+        properties = mass_properties(body)
+        frames[name] = BodyFrame(
+            index,
+            precise.triple(body.position),
+            quaternion(body.orientation),
+            properties.center,
+            properties.axes,
+            body.point,
+        )
+        yield _moving(name, body, frames[name], properties, unit)
 
 
 def _moving(

@@ -121,7 +121,8 @@ def test_a_joint_is_composed_as_the_table_says(kind: str) -> None:
     assert kinds == [part.kind for part in JOINTS[kind].parts]
     assert sum(ROWS_OF[name] for name in kinds) == JOINTS[kind].rows == len(violations(system))
     kept = [instance for instance in system.constraints if instance.kind != COMBINATION]
-    for instance in (*kept, *system.coordinates):
+    found: list[Instance | Coordinate] = [*kept, *system.coordinates]
+    for instance in found:
         kernel = next(k for k in load_frozen(instance.kind).kernels if k.name == "constraint")
         moving = {"r_i", "p_i", "r_j", "p_j"}
         assert {q.name for q in kernel.inputs} - moving == dict(instance.constants).keys()
