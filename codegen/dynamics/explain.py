@@ -118,7 +118,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     each = assemble(system_of(scene, names))
     wanted = (*LEDGER, *names)
     found = merged(each, wanted)
-    apart, system = weighted(each).system, weighted(found.system).system
+    apart, system = _heavy(each), weighted(found.system).system
     kept, freedom = independent(system, wanted)
     full = compose(system, wanted) if freedom.dropped else kept
     program = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
@@ -157,7 +157,7 @@ def _compared(each: System, found: Merged, full: Program, wanted: Sequence[str])
     thick = thickened(found.system)
     unfolded = compose(_generic(_spinning(thick)), all_of, may_be_planar=False)
     if found.joints:
-        apart = compose(_generic(_spinning(thickened(each))), all_of, may_be_planar=False)
+        apart = compose(_generic(_spinning(each)), all_of, may_be_planar=False)
         yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
     else:
         yield Step("bodies joined rigidly", _of_fixed(each, wanted))
@@ -206,6 +206,12 @@ def _counted(system: System, program: Program) -> list[Step]:
             operations=program.region("v").size,
         ),
     ]
+
+
+def _heavy(system: System) -> System:
+    """Return the system with bodies that all weigh something, which one of many need not do."""
+    bodies = tuple(replace(body, mass=body.mass or 1.0) for body in system.bodies)
+    return thickened(replace(system, bodies=bodies))
 
 
 def _spinning(system: System) -> System:

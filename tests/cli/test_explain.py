@@ -86,8 +86,10 @@ gravity = [0, 0, -9.81]
 bodies.a = { position = [0, 0, 0], boxes = [{ mass = 1, size = [1, 2, 3], at = [1, 0, 0] }] }
 bodies.b = { position = [1, 1, 0], boxes = [{ mass = 2, size = [2, 1, 1] }] }
 bodies.c = { position = [5, 0, 0], boxes = [{ mass = 1, size = [2, 1, 1] }] }
+bodies.d = { position = [1, 2, 0] }
 joints.hinge = { type = "hinge", bodies = ["ground", "a"], at = [0, 0, 0], axis = [0, 1, 1] }
 joints.weld = { type = "weld", bodies = ["a", "b"], at = [1, 0, 0] }
+joints.tip = { type = "weld", bodies = ["b", "d"], at = [1, 2, 0] }
 joints.base = { type = "weld", bodies = ["ground", "c"], at = [5, 0, 0] }
 """
 
@@ -101,10 +103,12 @@ def test_bodies_that_are_one_and_bodies_that_are_ground_are_told(run: Run, tmp_p
 
     assert code == 0
     assert (steps["bodies joined rigidly"]["rows"], steps["bodies joined rigidly"]["columns"]) == (
-        12,
-        12,
+        18,
+        18,
     )
-    assert "weld, base left out: 3 bodies move as 1" in steps["bodies joined rigidly"]["detail"]
+    assert (
+        "weld, tip, base left out: 4 bodies move as 1" in steps["bodies joined rigidly"]["detail"]
+    )
     assert data["structure"]["velocities"] == 6
     assert data["freedom"]["degrees"] == 1
 
