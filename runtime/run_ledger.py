@@ -12,7 +12,7 @@ from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -172,6 +172,29 @@ class RunLedger:
         named["seconds"] = dict(self.seconds)
         return named
 
+    def _of_constraints(self) -> Iterator[str]:
+        """Yield what is left of the constraints, and where they nearly depend on each other."""
+        if not self.violations:
+            return
+        for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
+            metres, radians = self.worst(level)
+            yield (
+                f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per},"
+                f" most at joints.{self.worst_joint(level)}"
+            )
+        if self.released:
+            names = ", ".join(f"joints.{name}" for name in self.released[:SHOWN])
+            names += ", …" if len(self.released) > SHOWN else ""
+            yield (
+                f"came open: {names}; a constraint that was left out, because it depends on others"
+                " where it was looked at, does not depend on them here: this is not the motion of"
+                " the scene"
+            )
+        yield (
+            f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
+            f" {self.avoided} steps made shorter near such places"
+        )
+
     def __str__(self) -> str:
         lines = [
             f"{self.method}, {self._control()}: {self.steps} steps, {self.rejected}"
@@ -190,26 +213,7 @@ class RunLedger:
             more = ", …" * (len(most) > MOST_WORKS)
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
         lines += [str(one) for one in self.momenta[:SHOWN]]
-        for level, per in zip(LEVELS, ("", "/s", "/s²"), strict=True):
-            if self.violations:
-                metres, radians = self.worst(level)
-                lines.append(
-                    f"left of the constraints, {level}: {metres:.1e} m{per},"
-                    f" {radians:.1e} rad{per}, most at joints.{self.worst_joint(level)}"
-                )
-        if self.released:
-            names = ", ".join(f"joints.{name}" for name in self.released[:SHOWN])
-            names += ", …" if len(self.released) > SHOWN else ""
-            lines.append(
-                f"came open: {names}; a constraint that was left out, because it depends on others"
-                " where it was looked at, does not depend on them here: this is not the motion of"
-                " the scene"
-            )
-        if self.violations:
-            lines.append(
-                f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
-                f" {self.avoided} steps made shorter near such places"
-            )
+        lines += self._of_constraints()
         if self.passed:
             lines.append(
                 f"{self.passed} rows where rows of the constraints are dependent, the last at"
