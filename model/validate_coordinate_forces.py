@@ -44,8 +44,13 @@ def _check_angle(scene: Scene, force: Force, key: str) -> None:
     joint, of = force.joint or "", force.of
     if of == DISPLACEMENT:
         raise SceneError("is no angle; wanted an angle", key=f"{key}.of")
-    has_two = joint in scene.joints and SECOND_ANGLE in leaves_of(scene.joints[joint].type)
-    check_leaves(scene, joint, of if of or has_two else ANGLE, key)
+    leaves = leaves_of(scene.joints[joint].type) if joint in scene.joints else ()
+    if leaves and ANGLE not in leaves:
+        kind = scene.joints[joint].type
+        raise SceneError(
+            f"{joint} is a {kind} joint, which has no angle that is one number", key=f"{key}.joint"
+        )
+    check_leaves(scene, joint, of if of or SECOND_ANGLE in leaves else ANGLE, key)
 
 
 def check_along(scene: Scene, force: Force, key: str) -> None:

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
-from kousoku.model.read import scene_from_dict
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.toolchain import Toolchain
 
 Tree = dict[str, Any]
 
+SCENES = Path(__file__).parents[2] / "scenes"
 INERTIA = {"xx": 0.3, "yy": 0.4, "zz": 0.5}
 HINGE = {"type": "hinge", "bodies": ["ground", "wheel"], "at": [0, 0, 0], "axis": [0, 0, 1]}
 TIMES = np.linspace(0.0, 3.0, 13)
@@ -186,3 +191,31 @@ def test_a_torque_may_follow_the_rate_of_a_coordinate(
     motion = mover(scene_from_dict(tree)).simulate(times=TIMES, tolerance=1e-13)
     found = motion.angular_velocity["wheel"][:, 2]
     np.testing.assert_allclose(found, 7 * (1 - np.exp(-4 * TIMES)), rtol=0, atol=1e-11)
+
+
+def test_a_motor_on_rubber_mounts_keeps_its_energy_balance(
+    mover: Callable[..., DynamicsSolver],
+) -> None:
+    solver = mover("mounted_motor", outputs=("coordinates", "energies"))
+    motion = solver.simulate(0.5, samples=51, tolerance=1e-10)
+    assert list(motion.work) == ["motor", "rubber", "losses", "air", "mounts"]
+    change = motion.energy["total"] - motion.energy["total"][0]
+    np.testing.assert_allclose(sum(motion.work.values()), change, rtol=0, atol=1e-8)
+    assert motion.work["motor"][-1] > 100.0
+    assert motion.coordinate["turn"][-1] > 4 * math.tau
+    slow = solver.simulate(0.5, samples=51, tolerance=1e-10, parameters={"friction": 0.02})
+    assert slow.work["losses"][-1] < 5 * motion.work["losses"][-1]
+
+
+def test_both_targets_take_the_same_bits_for_formulas_and_turns(
+    tmp_path: Path, compiler: Toolchain
+) -> None:
+    scene = read_scene(SCENES / "mounted_motor.toml")
+    for name, text in generate_dynamics(scene, ("coordinates", "energies")).items():
+        (tmp_path / name).write_text(text, encoding="utf-8", newline="\n")
+    solvers = (load_dynamics(tmp_path, target="c"), load_dynamics(tmp_path, target="numpy"))
+    found = [one.simulate(0.1, samples=5, tolerance=1e-8) for one in solvers]
+    first, second = (motion.columns() for motion in found)
+    for name, values in first.items():
+        np.testing.assert_array_equal(values, second[name], err_msg=name)
+    assert dict(found[0].ledger.works) == dict(found[1].ledger.works)
