@@ -14,6 +14,10 @@ if TYPE_CHECKING:
     from kousoku.model.spatial import Value
 
 
+SMALLEST = 50
+"""Negative exponent of the smallest number that is written as one."""
+
+
 def drivers_of(scene: Scene) -> dict[str, Driver]:
     """Return the drivers of a spatial scene by name, and its inputs as drivers."""
     inputs = {
@@ -26,7 +30,8 @@ def drivers_of(scene: Scene) -> dict[str, Driver]:
 
 def law_of(given: Input) -> str:
     """Return the formula of an input: its start, its rate and its acceleration."""
-    return f"{given.start!r} + {given.rate!r}*t + {given.acceleration!r}/2*t^2"
+    start, rate, acceleration = map(text_of, (given.start, given.rate, given.acceleration))
+    return f"{start} + {rate}*t + {acceleration}/2*t^2"
 
 
 def way_of(given: Input) -> float:
@@ -68,5 +73,11 @@ def times_of(scene: Scene) -> list[float] | None:
 
 
 def text_of(value: Value) -> str:
-    """Return a value as a formula."""
-    return value if isinstance(value, str) else repr(value)
+    """Return a value as a formula; what is too small for a number of the grammar as a quotient."""
+    if isinstance(value, str):
+        return value
+    digits, _, exponent = repr(value).partition("e-")
+    power = int(exponent or 0)
+    if power <= SMALLEST:
+        return repr(value)
+    return digits + f"/1e{SMALLEST}" * (power // SMALLEST) + f"/1e{power % SMALLEST}"
