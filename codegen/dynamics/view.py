@@ -117,6 +117,8 @@ class DynamicsView:
         How many rows.
     length : str
         A length of the scene [m].
+    energy : str
+        Of all bodies where they move by that length in a second [J].
     parts : tuple of str
         Regions that a row has beyond time, q and v.
     rows : int
@@ -142,6 +144,7 @@ class DynamicsView:
     shift_count: int
     turn_count: int
     length: str
+    energy: str
     parts: tuple[str, ...]
     rows: int
     parameters: str
@@ -250,6 +253,7 @@ def dynamics_view(
         shift_count=len(shifts),
         turn_count=len(turns),
         length=repr(length),
+        energy=repr(sum(body.mass for body in system.bodies) * length**2 / 2 or 1.0),
         parts=tuple(parts),
         rows=len(program.rows),
         parameters=_numbers(repr(value) for _, value in system.parameters),

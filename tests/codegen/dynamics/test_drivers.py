@@ -87,17 +87,18 @@ def test_driven_pendulum_follows_its_formula_with_the_torque_that_it_takes(load:
     assert motion.columns()["theta_dot"] is motion.coordinate_rate["theta"]
 
 
-def test_work_of_a_driver_is_the_change_of_energy(load: Load) -> None:
+@pytest.mark.parametrize("method", ["dop853", "kinematics"])
+def test_work_of_a_driver_is_the_change_of_energy(load: Load, method: str) -> None:
     solver = load(pendulum("2*pi*t + sin(t)^2"), "c")
     errors = []
     for tolerance in (1e-6, 1e-12):
-        motion = solver.simulate(3, samples=31, method="dop853", tolerance=tolerance)
+        motion = solver.simulate(3, samples=4, method=method, tolerance=tolerance)
         change = motion.energy["total"] - motion.energy["total"][0]
-        assert np.abs(change).max() > 1000
+        assert np.abs(change).max() > 500
         errors.append(np.abs(motion.work["motor"] - change).max())
         assert motion.ledger.energy_error == pytest.approx(errors[-1] / 100, rel=0.01, abs=1e-10)
-    assert errors[0] < 1e-2
-    assert errors[1] < 1e-7
+    assert errors[0] < 0.1
+    assert errors[1] < 1e-6
 
 
 def test_both_targets_drive_with_the_same_bits(load: Load) -> None:
