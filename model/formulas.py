@@ -23,15 +23,15 @@ RATE = "_dot"
 """What follows the name of a coordinate where its rate is meant."""
 
 
-def fixed_names(scene: Scene) -> tuple[str, ...]:
+def fixed_names(scene: Scene) -> frozenset[str]:
     """Return what a formula may depend on that does not change in a run: the parameters."""
-    return tuple(scene.parameters)
+    return frozenset(scene.parameters)
 
 
-def state_names(scene: Scene) -> tuple[str, ...]:
+def state_names(scene: Scene) -> frozenset[str]:
     """Return what a formula of the motion may depend on: time, parameters, coordinates, rates."""
     rates = (f"{name}{RATE}" for name in scene.coordinates)
-    return (TIME, *fixed_names(scene), *scene.coordinates, *rates)
+    return frozenset((TIME, *scene.parameters, *scene.coordinates, *rates))
 
 
 def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:

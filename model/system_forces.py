@@ -71,7 +71,7 @@ def gravity_law(scene: Scene) -> tuple[str, str, str]:
 
 def _named(scene: Scene, formulas: list[str]) -> list[str]:
     """Return the coordinates that formulas name, or whose rates they name."""
-    known = frozenset(state_names(scene))
+    known = state_names(scene)
     names = chain.from_iterable(used_names(text, known) for text in formulas)
     rates = {f"{name}{RATE}": name for name in scene.coordinates}
     used = dict.fromkeys(rates.get(name, name) for name in names)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.formulas import fixed_names, formula_problems, state_names
+from kousoku.model.formulas import fixed_names, formula_problems
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinate_forces import (
@@ -18,7 +18,7 @@ from kousoku.model.validate_coordinate_forces import (
 )
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection
 
     from kousoku.model.loads import Force
     from kousoku.model.scene import Scene
@@ -36,6 +36,9 @@ KEYS = {
 }
 """Keys of each type."""
 
+OF_MOTION = ("force", "force_b", "torque", "torque_b")
+"""Keys whose formulas may depend on the motion; the others' on what is fixed in a run."""
+
 
 def uses_of(force: Force) -> list[str]:
     """Return the elements that the check of a force depends on."""
@@ -47,8 +50,19 @@ def uses_of(force: Force) -> list[str]:
     return [join(table, name) for table, names in tables.items() for name in names if name]
 
 
-def check_force(scene: Scene, force: Force, key: str) -> None:
+def check_force(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
     """Refuse keys that do not belong to the type, bodies that are not there, and lost points.
+
+    Parameters
+    ----------
+    scene : Scene
+        Where it is.
+    force : Force
+        The force.
+    key : str
+        Its dotted key.
+    names : collection of str
+        What formulas of the motion may depend on.
 
     Raises
     ------
@@ -66,7 +80,7 @@ def check_force(scene: Scene, force: Force, key: str) -> None:
     if "bodies" in own:
         _check_ends(scene, force, key)
     CHECKS[force.type](scene, force, key)
-    _check_formulas(scene, force, key)
+    _check_formulas(scene, force, key, names)
 
 
 def check_gravity(scene: Scene) -> None:
@@ -148,15 +162,14 @@ def _check_spring(scene: Scene, force: Force, key: str) -> None:
         )
 
 
-def _check_formulas(scene: Scene, force: Force, key: str) -> None:
+def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
     """Refuse texts that are no formulas, all of them."""
     fixed = fixed_names(scene)
-    names = dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), fixed)
-    names |= dict.fromkeys(("force", "force_b", "torque", "torque_b"), state_names(scene))
-    names |= dict.fromkeys(("tension", "moment"), (*LAW_NAMES, *fixed))
+    may_name = dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), fixed)
+    may_name |= dict.fromkeys(("tension", "moment"), fixed.union(LAW_NAMES))
     found = [
         problem
-        for name, known in names.items()
+        for name, known in (may_name | dict.fromkeys(OF_MOTION, names)).items()
         for problem in formula_problems(getattr(force, name), known, f"{key}.{name}")
     ]
     if found:

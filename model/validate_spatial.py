@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, join, unknown
 from kousoku.model.errors import SceneError
+from kousoku.model.formulas import state_names
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.orientation import check_orientation
 from kousoku.model.spatial import GROUND
@@ -69,9 +70,10 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
         uses = [join("joints", other) for other in joint.joints or ()]
         uses += [join("coordinates", name) for name in joint.coordinates or ()]
         problems.check(key, [key, *uses], check_coupling, scene, joint, key)
+    names = state_names(scene)
     for name, force in scene.forces.items():
         key = join("forces", name)
-        problems.check(key, [key, *uses_of(force)], check_force, scene, force, key)
+        problems.check(key, [key, *uses_of(force)], check_force, scene, force, key, names)
     problems.check("gravity", ["gravity"], check_gravity, scene)
 
 
