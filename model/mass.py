@@ -7,7 +7,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from msgspec import structs
 
 from kousoku.model import precise
 from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Triple
@@ -49,13 +51,28 @@ class MassProperties:
     axes: Quadruple
 
 
-@lru_cache(maxsize=4096)
 def mass_properties(body: Body) -> MassProperties:
     """Return the mass properties of a body that was checked, summed over all that it is made of.
 
     The principal axes are those that are nearest to the axes of the body: where its tensor is
     diagonal they are the axes of the body themselves.
     """
+    return _properties(structs.replace(body, **ANYWHERE))
+
+
+#: Where a body is, and how it moves, which its mass does not depend on.
+ANYWHERE: dict[str, Any] = {
+    "position": (0.0, 0.0, 0.0),
+    "orientation": None,
+    "velocity": (0.0, 0.0, 0.0),
+    "angular_velocity": None,
+    "angular_velocity_b": None,
+    "hold": (),
+}
+
+
+@lru_cache(maxsize=4096)
+def _properties(body: Body) -> MassProperties:
     parts = list(_parts(body))
     mass = sum((part[0] for part in parts), CONTEXT.mpf(0))
     if mass == 0:
