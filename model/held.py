@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
+    from kousoku.model.mechanism import System
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body
@@ -87,6 +89,14 @@ def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
             held.i,
             held.j,
             terms=(Term(place, 1.0),),
-            offset=-float(near),
+            offset=0.0 - float(near),
             unit=unit,
         )
+
+
+def without_held(system: System) -> System:
+    """Return an assembled system as it moves: without what only assembly keeps."""
+    needed = len(system.coordinates) - system.only_held
+    return replace(
+        system, held=(), held_rates=(), coordinates=system.coordinates[:needed], only_held=0
+    )

@@ -279,7 +279,7 @@ class System:
     forces : tuple of ForceElement
         What acts beside gravity, in the order of the scene.
     coordinates : tuple of Coordinate
-        Those that constraints, forces or outputs need.
+        Those that constraints, forces or outputs need, then those that are only held.
     shown : tuple of int
         Places of the coordinates that are outputs, in the order of the scene.
     parameters : tuple of (str, float)
@@ -289,6 +289,8 @@ class System:
         where each is a body of its own.
     resting : float [J]
         Potential energy of bodies and forces that stand still, and are left out.
+    only_held : int
+        How many coordinates, the last, nothing needs but what is held.
     """
 
     name: str
@@ -305,6 +307,7 @@ class System:
     gravity_law: tuple[str, str, str] = ("", "", "")
     carried: tuple[Carried, ...] = ()
     resting: float = 0.0
+    only_held: int = 0
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""

@@ -87,6 +87,11 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     wanted = scene.outputs if outputs is None else outputs
     shown = scene.coordinates if "coordinates" in wanted else ()
     places = tuple(coordinates.place(name) for name in shown)
+    needed = len(coordinates.records)
+    held = (
+        *chain.from_iterable(places for places, _ in kept),
+        *held_coordinates(scene, coordinates),
+    )
     return System(
         name=scene.name,
         unit=float(unit),
@@ -94,15 +99,13 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         constraints=constraints,
         gravity=gravity_of(scene, unit),
         gravity_law=gravity_law(scene),
-        held=(
-            *chain.from_iterable(places for places, _ in kept),
-            *held_coordinates(scene, coordinates),
-        ),
+        held=held,
         held_rates=tuple(chain.from_iterable(rates for _, rates in kept)),
         forces=forces,
         coordinates=coordinates.records,
         shown=places,
         parameters=tuple(scene.parameters.items()),
+        only_held=len(coordinates.records) - needed,
     )
 
 

@@ -21,6 +21,7 @@ from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.structure import structure_of
 from kousoku.codegen.dynamics.weights import weighted
 from kousoku.codegen.store import shipped_kinds
+from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import system_of
 
@@ -115,7 +116,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
     names = scene.outputs if outputs is None else outputs
-    each = assemble(system_of(scene, names))
+    each = without_held(assemble(system_of(scene, names)))
     wanted = (*LEDGER, *names)
     found = merged(each, wanted)
     apart, system = _heavy(each), weighted(found.system).system

@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.weights import require_driven, weighted
 from kousoku.model.errors import SceneError
+from kousoku.model.held import without_held
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
@@ -65,7 +66,7 @@ def generate_dynamics(
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
-    found = weighted(merged(assemble(system_of(scene, wanted)), wanted).system)
+    found = weighted(merged(without_held(assemble(system_of(scene, wanted))), wanted).system)
     system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
     require_driven(found, freedom, wanted)

@@ -12,6 +12,7 @@ import pytest
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
 from kousoku.model.errors import SceneError
+from kousoku.model.held import without_held
 from kousoku.model.joints import SECOND_ANGLE
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
 from kousoku.model.read import read_scene, scene_from_dict
@@ -133,6 +134,22 @@ def test_a_held_coordinate_is_kept_as_it_is_written_or_near_what_is_said() -> No
         "rise",
         "turn",
     ]
+
+
+def test_what_is_only_held_is_gone_when_the_scene_moves() -> None:
+    coordinates = {
+        "rise": {"joint": "axle", "of": "displacement", "hold": True},
+        "turn": {"joint": "axle", "of": "angle", "hold": True},
+    }
+    tree = arm(0, coordinates=coordinates, outputs=[])
+    tree["drivers"] = {"motor": {"joint": "axle", "of": "angle", "value": "t"}}
+    del coordinates["turn"]["hold"]
+    system = system_of(scene_from_dict(tree))
+    assert [one.name for one in system.coordinates] == ["turn", "rise"]
+    moving = without_held(system)
+    assert [one.name for one in moving.coordinates] == ["turn"]
+    assert (moving.held, moving.held_rates, moving.only_held) == ((), (), 0)
+    assert moving.constraints == system.constraints
 
 
 @pytest.mark.parametrize(
