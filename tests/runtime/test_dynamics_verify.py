@@ -74,6 +74,18 @@ def test_a_right_solver_is_verified_by_both_targets(whole: Path) -> None:
     json.dumps(report.to_dict())
 
 
+@pytest.mark.parametrize("name", ["free_body", "gear_train", "lever_crank_bodies"])
+def test_all_that_a_scene_computes_is_verified(tmp_path: Path, name: str) -> None:
+    outputs = ("accelerations", "coordinates", "reactions", "energies")
+    tree = generate_dynamics(read_scene(SCENES / f"{name}.toml"), outputs, references=True)
+    write_tree(tmp_path / name, tree)
+    report = verify(tmp_path / name, target="numpy")
+
+    assert report.problems == report.notes == ()
+    places = json.loads(tree["motion.json"])["places"]
+    assert {row.output for row in report.rows} == set(places)
+
+
 @pytest.mark.usefixtures("compiler")
 def test_a_flipped_sign_in_the_solver_is_named(folder: Path) -> None:
     def flip(text: str) -> str:
