@@ -177,6 +177,8 @@ class CoordinateList:
 
     def place(self, name: str) -> int:
         """Return the place of a coordinate of the scene."""
+        if name in self._places:
+            return self._places[name]
         given = self._scene.coordinates[name]
         near: High | None = None if given.near is None else precise.number(given.near)
         if near is None and given.joint is not None:

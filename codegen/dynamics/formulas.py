@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.expressions import to_graph
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME, used_names
+from kousoku.model.formulas import RATE, TIME, WORD, used_names
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -162,4 +162,7 @@ def scaled(
     """
     used = used_names(formula, names)
     blocks = [block for name in used for block in names[name]]
-    return recorder.call(Scaled(formula, used), constant, *blocks)[0]
+    # Formulas that differ in names only are one operation, which is traced once.
+    common = {name: f"x_{k}" for k, name in enumerate(used)}
+    text = WORD.sub(lambda word: common.get(word.group(), word.group()), formula)
+    return recorder.call(Scaled(text, tuple(common.values())), constant, *blocks)[0]

@@ -150,6 +150,22 @@ def test_a_force_along_a_coordinate_depends_on_it_and_its_rate_in_the_unit_of_th
     compared(mechanisms, system, rng, law)
 
 
+def test_formulas_that_differ_in_names_only_are_one_kernel(mechanisms: SimpleNamespace) -> None:
+    chain = mechanisms.chain(3)
+    angle = (("a_i_b", X), ("b_i_b", Z), ("a_j_b", X))
+    places = tuple(Coordinate(f"u{k}", "angle", k - 1, k, angle) for k in range(3))
+    forces = tuple(
+        ForceElement(
+            *(f"f{k}", "along", k - 1, k, (("force", (2.0,)),)),
+            formulas=(("force", f"1e1*sin(u{k}) - u{k}_dot"),),
+            coordinate=k,
+        )
+        for k in range(3)
+    )
+    program = compose(replace(chain, coordinates=places, forces=forces))
+    assert [kernel.title for kernel in program.kernels].count("formula") == 1
+
+
 def test_components_that_are_formulas_add_up_with_those_that_are_numbers(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
