@@ -12,6 +12,7 @@ import pytest
 from kousoku.codegen.dynamics.auxiliary import WORK
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.run import Workspace
+from kousoku.codegen.dynamics.turned import turned
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, MovingBody, System
 
 if TYPE_CHECKING:
@@ -269,3 +270,48 @@ def test_a_scene_is_planar_where_forces_along_coordinates_leave_it_in_its_plane(
     workspace.run("geometry", "acceleration")
     out = [abs(workspace["v_dot"][k]) for k in (2, 3, 4)]
     assert (max(out) < 1e-12) == stays
+
+
+@pytest.mark.parametrize("shift", [0, 1, 2])
+def test_forces_along_coordinates_are_the_same_in_a_plane_and_in_space(
+    mechanisms: SimpleNamespace, shift: int
+) -> None:
+    pendulum = mechanisms.planar_pendulum(2)
+    ends = (("s_i_b", (0.1, 2.0, 0.0)), ("s_j_b", (0.2, 0.1, 0.3)))
+    coordinates = (
+        Coordinate("u", "angle", 0, 1, KINDS["angle"], 2 * math.tau),
+        Coordinate("gap", "length", GROUND_INDEX, 1, ends),
+        Coordinate("h", "n2", GROUND_INDEX, 0, (("a_i_b", Z), *ends)),
+    )
+    spring = ForceElement("s", "coordinate_spring", 0, 1, LINEAR, coordinate=0)
+    vectors = (("torque", (0.0, 0.0, 0.0)), ("torque_x", X), ("torque_z", Z))
+    motor = ForceElement(
+        *("m", "torque", GROUND_INDEX, 1, vectors),
+        formulas=(("torque_x", "u_dot"), ("torque_z", "gap - u_dot*t")),
+    )
+    push = ForceElement("p", "along", GROUND_INDEX, 1, (("force", (3.0,)),), coordinate=1)
+    lift = ForceElement("l", "along", GROUND_INDEX, 0, (("force", (2.0,)),), coordinate=2)
+    forces = (spring, motor, push, lift)
+    system = turned(replace(pendulum, coordinates=coordinates, forces=forces), shift)
+    found = []
+    for may_be_planar in (True, False):
+        workspace = Workspace(compose(system, may_be_planar=may_be_planar))
+        assert workspace.program.is_planar == may_be_planar
+        workspace["t"] = [TIME]
+        normal = (2 - shift) % 3
+        for body, rate in zip(workspace.program.bodies, (0.7, -1.1), strict=True):
+            workspace.values[body.omega_b[normal].slot] = rate
+        workspace.run("geometry", "velocity")
+        moved = zip(workspace["v"], workspace["dv"], strict=True)
+        workspace["v"] = [a + b for a, b in moved]
+        workspace.run("acceleration")
+        offset = workspace.program.region("v_dot").base - workspace.program.region("v").base
+        found.append(
+            [
+                workspace.values[place.slot + offset] if place.slot >= 0 else 0.0
+                for body in workspace.program.bodies
+                for place in (*body.v, *body.omega_b)
+            ]
+        )
+    assert np.abs(found[0]).max() > 1.0
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-10 * np.abs(found[1]).max())
