@@ -45,7 +45,7 @@ def draw_joint(shape: Shape) -> Figure:
     ----------
     shape : Shape
         What is drawn: body i blue, body j orange, axes red; displacements of body j green and
-        straight, its turns violet and round.
+        straight, its turns violet and round, a screw a violet thread.
     """
     figure = Figure(figsize=(3.5, 3.5 * _HALF[1] / _HALF[0]))
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -138,6 +138,11 @@ def _draw_freedom(axes: Axes, freedom: Freedom) -> None:
     if freedom.kind == "shift":
         points = np.stack([at - freedom.size * direction, at + freedom.size * direction])
         color = _SHIFT
+    elif freedom.kind == "screw":
+        angles = np.linspace(-1.7 * np.pi, 1.7 * np.pi, 97)
+        along = np.outer(freedom.pitch * angles / (2 * np.pi), direction)
+        points = _circle(at, direction, freedom.size, angles) + along
+        color = _TURN
     else:
         circle = _circle(np.zeros(3), direction, 1.0, _ROUND)
         far = float(_ROUND[int(np.argmax(circle @ _AWAY))])  # it is open on the far side

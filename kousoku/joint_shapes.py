@@ -51,20 +51,23 @@ class Freedom:
 
     Parameters
     ----------
-    kind : {"shift", "turn"}
-        Along a direction, or about it.
+    kind : {"shift", "turn", "screw"}
+        Along a direction, about it, or both at once.
     direction : (3,)
         Of norm one.
     at : (3,)
         Where the arrow stands; a turn is about the line through it.
     size : float
         Half the length of the arrow, or the radius of the arc.
+    pitch : float
+        Of a screw, the displacement in one turn.
     """
 
-    kind: Literal["shift", "turn"]
+    kind: Literal["shift", "turn", "screw"]
     direction: Vector
     at: Vector = ORIGIN
     size: float = 0.6
+    pitch: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +104,11 @@ def _turns(
 
 def _shifts(at: Vector) -> tuple[Freedom, ...]:
     return tuple(Freedom("shift", axis, at, 0.75) for axis in (X, Y, Z))
+
+
+def _ridge(x: float) -> Cylinder:
+    """Return a ridge of a thread along x."""
+    return Cylinder("i", (x, 0.0, 0.0), (x + 0.08, 0.0, 0.0), 0.24)
 
 
 _PLATE = Box("i", (-1.5, -1.0, -0.2), (1.5, 1.0, 0.0))
@@ -227,6 +235,27 @@ SHAPES: dict[str, Shape] = {
         ),
         (((-1.2, 0.0, 0.0), Z), (_MIDDLE, X)),
         (),
+    ),
+    "screw": Shape(
+        (
+            Cylinder("i", (-1.7, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.17),
+            *(_ridge(-1.5 + 0.2 * k) for k in range(6)),
+            Box("j", (-0.4, -0.4, -0.4), (0.4, 0.4, 0.4)),
+            Cylinder("i", (0.4, 0.0, 0.0), (1.7, 0.0, 0.0), 0.17),
+            *(_ridge(0.5 + 0.2 * k) for k in range(6)),
+        ),
+        (Freedom("screw", X, (0.0, 0.0, 0.0), 0.72, 0.45),),
+        ((ORIGIN, X),),
+    ),
+    "constant_velocity": Shape(
+        (
+            Cylinder("i", (-1.8, 0.0, 0.0), (-0.5, 0.0, 0.0), 0.15),
+            Cylinder("i", (-0.5, 0.0, 0.0), (0.05, 0.0, 0.0), 0.5),
+            Ball("-", ORIGIN, 0.36),
+            Cylinder("j", (0.3, 0.0, 0.0), (1.8, 0.0, 0.0), 0.15),
+        ),
+        (Freedom("turn", Y, (0.0, -0.95, 0.0), 0.35), Freedom("turn", Z, (0.0, 0.0, 0.95), 0.4)),
+        ((ORIGIN, X),),
     ),
 }
 """The picture of each joint, by its name in :data:`kousoku.model.joints.JOINTS`."""
