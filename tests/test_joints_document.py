@@ -115,7 +115,7 @@ def counted(pairs: list[tuple[int, str]]) -> str:
 @pytest.mark.parametrize("joint", JOINTS)
 def test_the_table_says_what_the_code_does(joint: str) -> None:
     entry, rows = JOINTS[joint], rows_of(joint)
-    drawn = [freedom.kind for freedom in SHAPES[joint].freedoms]
+    drawn: list[str] = [freedom.kind for freedom in SHAPES[joint].freedoms]
     words = {"shift": "displacement", "turn": "turn", "screw": "screw"}
     freedoms = counted([(drawn.count(kind), word) for kind, word in words.items()])
     forces = int(np.linalg.matrix_rank(rows[:, :3]))
