@@ -14,6 +14,7 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
+from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.reference import REFERENCE_FILE, Expected
 from kousoku.runtime.report import Report, Row
 
@@ -166,7 +167,7 @@ def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
 
 def _differences(one: DynamicsSolver, other: DynamicsSolver, *, is_exact: bool) -> Iterator[str]:
     """Yield where two targets move differently: the first steps of each method, and the rows."""
-    for method in ("dopri5", "dop853"):
+    for method in METHODS if one.is_driven else RUNGE_KUTTA:
         try:
             runs = [_run(solver, method) for solver in (one, other)]
         except SolveError as error:
