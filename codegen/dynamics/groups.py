@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Mapping, Sequence
 
     from kousoku.model.mechanism import System
 
@@ -29,39 +29,47 @@ FORCES = frozenset(
 def grouped(system: System) -> tuple[tuple[int, ...], ...]:
     """Return the bodies that are one, in groups of two and more; what stands still with the ground.
 
-    A group is left as it is where a coordinate lies in it, or a force whose work is told or whose
-    energy depends on parameters, or where a force or constraint is not known to mean the same in
-    the frame of another body; and all are where nothing else would move.
-    Two that move are not made one where that one would have more than :data:`MOST_JOINTS` joints:
-    it would cost more than it saves.
+    Two bodies of a group stay apart if there is a coordinate between them, or a force whose work is
+    told or whose energy depends on parameters; so does a body with a force or constraint that is
+    not known to mean the same in another frame, and the ground where gravity depends on parameters.
+    All bodies do where nothing else would move. Two that move are not made one where that one would
+    have more than :data:`MOST_JOINTS` joints: it would cost more than it saves.
     """
-    edges = fixed_joints(system)
+    fixed = fixed_joints(system)
+    edges = [edge for edge in fixed if not (GROUND_INDEX in edge and any(system.gravity_law))]
     count = len(system.bodies)
+    joints = _joint_counts(system, fixed)
+    leaders = _joined(count, edges, joints)
+    while kept := _kept(system, leaders) & {body for edge in edges for body in edge}:
+        edges = [edge for edge in edges if kept.isdisjoint(edge)]
+        leaders = _joined(count, edges, joints)
+    members: dict[int, list[int]] = {}
+    for body in range(GROUND_INDEX, count):
+        members.setdefault(leaders.of(body), []).append(body)
+    if len(members) == 1:
+        return ()
+    return tuple(tuple(group) for group in members.values() if len(group) > 1)
+
+
+def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> _Leaders:
+    """Return the groups that fixed joints make: first what they hold to the ground."""
     leaders = _Leaders(count)
-    beside: list[list[int]] = [[] for _ in range(count + 1)]
+    beside: dict[int, list[int]] = {}
     for i, j in edges:
-        beside[i].append(j)
-        beside[j].append(i)
+        beside.setdefault(i, []).append(j)
+        beside.setdefault(j, []).append(i)
     waiting = [GROUND_INDEX]
     while waiting:
-        body = waiting.pop()
-        for other in beside[body]:
+        for other in beside.get(waiting.pop(), ()):
             if leaders.join(GROUND_INDEX, other):
                 waiting.append(other)
-    joints = _joint_counts(system, edges)
+    joints = dict(counts)
     for i, j in edges:
         a, b = leaders.of(i), leaders.of(j)
         if a != b and joints[a] + joints[b] <= MOST_JOINTS:
             leaders.join(a, b)
             joints[leaders.of(a)] = joints[a] + joints[b]
-    spoiled = {leaders.of(body) for body in _kept(system, leaders)}
-    members: dict[int, list[int]] = {}
-    for body in range(GROUND_INDEX, count):
-        members.setdefault(leaders.of(body), []).append(body)
-    if len(members) == 1 and GROUND_INDEX in members:
-        return ()
-    found = (group for leader, group in members.items() if leader not in spoiled)
-    return tuple(tuple(group) for group in found if len(group) > 1)
+    return leaders
 
 
 class _Leaders:
@@ -106,18 +114,18 @@ def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
     return counts
 
 
-def _kept(system: System, leaders: _Leaders) -> Iterator[int]:
-    """Yield a body of each group that is left as it is."""
+def _kept(system: System, leaders: _Leaders) -> set[int]:
+    """Return the bodies that stay what they are."""
+    found: set[int] = set()
     for coordinate in system.coordinates:
         if leaders.of(coordinate.i) == leaders.of(coordinate.j):
-            yield coordinate.i
+            found |= {coordinate.i, coordinate.j}
     for one in system.constraints:
         name, _, axis = one.kind.partition("_")
         if (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
-            yield from one.bodies
+            found |= {*one.bodies}
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)
         if force.kind not in FORCES or (is_inner and (force.works or force.formulas)):
-            yield from (force.i, force.j)
-    if any(system.gravity_law):
-        yield GROUND_INDEX
+            found |= {force.i, force.j}
+    return found - {GROUND_INDEX}
