@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import MovingBody, System
     from kousoku.model.precise import High
 
-MOST_ROWS = 2000
-"""Rows of the largest system whose positions are moved; S is dense here."""
+MOST_ROWS = 6000
+"""Rows of the largest system whose positions are moved."""
 
 NOISE = 1e-20
 """Components below this part of the size of the system are zeros that iterations left."""
@@ -134,7 +134,7 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
     rates = [x - y for x, y in zip(jacobian.times(given), rows.nu, strict=True)]
     wanted = [-x if row < kept else precise.ZERO[0] for row, x in enumerate(rates)]
     lengths = metric.lengths(rows)
-    change = Solver(jacobian, metric, lengths).displacement(wanted)
+    change = Solver(jacobian, metric, rows).displacement(wanted)
     v = [x + y for x, y in zip(given, change, strict=True)]
     torn = [x - y for x, y in zip(jacobian.times(change), wanted, strict=True)]
     prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)

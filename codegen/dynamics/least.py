@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.block_factors import BlockFactors, Pattern
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.errors import AssemblyError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -20,8 +22,8 @@ if TYPE_CHECKING:
 DEPENDENT = 1e-11
 """Eigenvalues of S below this part of the largest belong to rows that depend on others."""
 
-REGULAR = 1e9
-"""The largest condition of S whose inverse is used."""
+MOST_DENSE = 2000
+"""Rows that may depend on each other: S is dense then."""
 
 PASSES = 6
 """How often what is missing is solved for again; each pass adds five digits at least."""
@@ -93,18 +95,23 @@ class Solver:
         C_q.
     metric : Metric
         W.
-    lengths : sequence
-        Factors that make rows comparable.
+    rows : Residuals
+        The rows.
+
+    Raises
+    ------
+    AssemblyError
+        Rows depend on each other, and they are too many for a dense solution.
     """
 
-    def __init__(self, jacobian: Jacobian, metric: Metric, lengths: Sequence[High]) -> None:
-        self._factors = np.array([float(x) for x in lengths])
-        roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
-        scaled = self._factors[:, None] * jacobian.dense() * roots
-        self._square = scaled @ scaled.T
-        self._inverse = _inverse(self._square)
-        self._parts: tuple[Array, Array] | None = None
+    def __init__(self, jacobian: Jacobian, metric: Metric, rows: Residuals) -> None:
+        self._factors = np.array([float(x) for x in metric.lengths(rows)])
+        self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
         self._jacobian, self._metric = jacobian, metric
+        at, columns, values = jacobian.elements()
+        scaled = values * self._factors[at] * self._roots[columns]
+        self._blocks = BlockFactors(Pattern(rows), (at, columns, scaled))
+        self._parts: tuple[Array, Array] | None = None
 
     def with_jacobian(self, jacobian: Jacobian) -> Solver:
         """Return the solver for a C_q that is nearly the same: each pass adds fewer digits."""
@@ -133,8 +140,8 @@ class Solver:
     def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
         """Return λ of least norm with S λ = wanted, or damped by a part of the largest S."""
         right = self._factors * np.array([float(x) for x in wanted])
-        if self._inverse is not None and not damping:
-            solution = self._inverse @ right
+        if self._blocks.is_regular and not damping:
+            solution = self._blocks.solve(right)
         else:
             values, vectors = self._eigen()
             largest = values[-1]
@@ -144,8 +151,15 @@ class Solver:
         return [precise.number(x) for x in (self._factors * solution).tolist()]
 
     def _eigen(self) -> tuple[Array, Array]:
+        if len(self._factors) > MOST_DENSE:
+            raise AssemblyError(
+                f"{len(self._factors)} rows are put together, and some depend on others; at most"
+                f" {MOST_DENSE} can: give positions and velocities that fit, or leave out joints"
+                " that repeat others"
+            )
         if self._parts is None:
-            values, vectors = np.linalg.eigh(self._square)
+            scaled = self._factors[:, None] * self._jacobian.dense() * self._roots
+            values, vectors = np.linalg.eigh(scaled @ scaled.T)
             self._parts = np.maximum(values, 0.0), vectors
         return self._parts
 
@@ -153,15 +167,3 @@ class Solver:
         """Return W⁻¹ C_qᵀ λ."""
         products = self._jacobian.transposed_times(lam)
         return [w * x for w, x in zip(self._metric.inverse, products, strict=True)]
-
-
-def _inverse(square: Array) -> Array | None:
-    """Return S⁻¹, None where rows depend on each other, or nearly."""
-    if not len(square):
-        return square
-    try:
-        inverse = np.linalg.inv(square).astype(np.float64)
-    except np.linalg.LinAlgError:
-        return None
-    condition = np.abs(square).sum(axis=1).max() * np.abs(inverse).sum(axis=1).max()
-    return inverse if condition <= REGULAR else None

@@ -12,11 +12,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.acceleration import Accelerated
 from kousoku.codegen.dynamics.least import Solver
 from kousoku.codegen.dynamics.pose import Pose
 from kousoku.codegen.dynamics.residuals import Residuals
-from kousoku.codegen.dynamics.rough import Place, RoughSearch
+from kousoku.codegen.dynamics.rough import (
+    LEAST_DAMPING,
+    PATIENCE,
+    SLOW,
+    Place,
+    RoughSearch,
+)
 from kousoku.codegen.dynamics.violations import key_of, listed, violations
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
@@ -38,14 +43,8 @@ EXACT = 1e-22
 ON_THE_WAY = 1e-9
 """Where they stop between the positions of the scene and those that drivers prescribe."""
 
-MOST_STEPS = 100
-"""Steps on the way to the nearest positions."""
-
-LEAST_DAMPING = 1e-12
-"""Damping that is as good as none."""
-
-SLOW, PATIENCE = 0.9, 15
-"""A step is slow that leaves more than this part of the rows, and how many are taken."""
+MOST_STEPS = 12
+"""Steps in 50 digits on the way to the nearest positions; each adds some digits."""
 
 ROUNDING = 16 * 2.0**-52
 """What fits to this part of the size of the system is taken as it is."""
@@ -129,7 +128,7 @@ class _Search:
         c, jacobian = self.rows.at(pose)
         size = self.size(c)
         while EXACT * self.metric.size < size <= NEARLY * self.metric.size and slow < PATIENCE:
-            solver = Solver(jacobian, self.metric, self.lengths)
+            solver = Solver(jacobian, self.metric, self.rows)
             moved = pose.moved(solver.step([-x for x in c], damping))
             moved_c, moved_jacobian = self.rows.at(moved)
             moved_size = self.size(moved_c)
@@ -187,22 +186,24 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
     With d the displacement so far, d ← W⁻¹ C_qᵀ λ where S λ = C_q d − C, until it stays. Where that
     does not settle, the positions stay those that fit.
     """
-    metric = search.metric
-    place = search.rough.polished(Place.of(start), Place.of(pose))
+    metric, rough = search.metric, search.rough
+    begin = Place.of(start)
+    place = rough.polished(begin, Place.of(pose))
+    if place is None:
+        return pose
     moved = replace(place.pose(), near=pose.near)
     d = moved.since(start)
-    accelerated = Accelerated(1 / np.sqrt(np.array([float(x) for x in metric.inverse])))
     solver: Solver | None = None
     for _ in range(MOST_STEPS):
         c, jacobian = search.rows.at(moved)
-        if solver is None:
-            solver = Solver(jacobian, metric, search.lengths)
-        solver = solver.with_jacobian(jacobian)
+        solver = solver.with_jacobian(jacobian) if solver else Solver(jacobian, metric, search.rows)
         towards = solver.displacement(_less(jacobian.times(d), c))
-        change = metric.norm(_less(towards, d))
+        missing = _less(towards, d)
+        change = metric.norm(missing)
         if change <= EXACT * metric.size:
             return search.rows.counted(replace(start.moved(towards), near=moved.near))
-        d = list(accelerated.next(d, towards))
+        left = rough.settled(begin, place, np.array([float(x) for x in missing]))
+        d = [x + precise.number(y) for x, y in zip(d, left.tolist(), strict=True)]
         moved = search.rows.counted(replace(start.moved(d), near=moved.near))
     return moved if change <= ROUNDING * metric.size else pose
 

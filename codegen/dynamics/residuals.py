@@ -49,11 +49,17 @@ class Jacobian:
         self._elements = elements
         self._shape = shape
 
+    def elements(self) -> tuple[Places, Places, Array]:
+        """Return rows, columns and values of the elements in doubles; those of one place add up."""
+        rows = np.array([row for row, _, _ in self._elements], int)
+        columns = np.array([column for _, column, _ in self._elements], int)
+        return rows, columns, np.array([float(value) for _, _, value in self._elements])
+
     def dense(self) -> Array:
         """Return the matrix in doubles."""
         matrix = np.zeros(self._shape)
-        for row, column, value in self._elements:
-            matrix[row, column] += float(value)
+        rows, columns, values = self.elements()
+        np.add.at(matrix, (rows, columns), values)
         return matrix
 
     def times(self, v: Sequence[High]) -> list[High]:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.acceleration import Accelerated
+from kousoku.codegen.dynamics.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.fixed_points import Accelerated
 from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.pose import Pose, normalised
 from kousoku.model import precise
@@ -36,6 +37,12 @@ CLOSE = 1e-12
 
 MOST_STEPS = 60
 """Steps on the way to the nearest positions."""
+
+HOPELESS = 1e3
+"""A step of so many sizes of the system settles nowhere."""
+
+DIFFERENCE, RIGHT = 1e-6, 1e-5
+"""Displacement by which the step is differentiated, and what may be wrong of the result."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +109,7 @@ class RoughSearch:
     """
 
     def __init__(self, rows: Residuals, metric: Metric) -> None:
-        self._rows, self._size = rows, metric.size
+        self._rows, self._size, self._pattern = rows, metric.size, Pattern(rows)
         self._lengths = np.where(rows.in_metres, 1.0, metric.size)
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
 
@@ -132,31 +139,63 @@ class RoughSearch:
             damping = max(damping / 100, LEAST_DAMPING)
         return place
 
-    def polished(self, start: Place, place: Place) -> Place:
-        """Return the positions nearest to ``start`` on the branch of a place that fits."""
+    def polished(self, start: Place, place: Place) -> Place | None:
+        """Return the positions nearest to ``start`` on the branch of a place that fits.
+
+        None where d ← W⁻¹ C_qᵀ λ with S λ = C_q d − C does not settle.
+        """
         moved, d = place, place.since(start)
         accelerated = Accelerated(1 / self._roots)
         for _ in range(MOST_STEPS):
-            _, matrix = self._rows.doubles(moved.r, moved.p, moved.near)
-            wanted = (matrix @ d) * self._lengths + self.missing(moved)
-            nearest = self._step(moved, wanted, LEAST_DAMPING)
-            if _norm((nearest - d) / self._roots) <= CLOSE * self._size:
-                break
+            nearest = self._nearest(moved, d)
+            away = self._away(nearest - d)
+            if away <= CLOSE * self._size:
+                return moved
+            if not away < HOPELESS * self._size:
+                return None
             d = accelerated.next(d, nearest)
             moved = self._counted(Place(start.r, start.p, moved.near).moved(d))
-        return moved
+        return None
+
+    def settled(self, start: Place, place: Place, change: Array) -> Array:
+        """Return by how much d is to change where one more step of it would be ``change``.
+
+        With g the step and x what is wanted, x = change + g′ x. The derivative is a difference of
+        doubles: some digits of x are right, and the caller goes on from there.
+        """
+        d = place.since(start)
+        here = self._nearest(place, d)
+        scale = DIFFERENCE * self._size / (self._away(change) or 1.0)
+        accelerated = Accelerated(1 / self._roots)
+        x = change
+        for _ in range(MOST_STEPS):
+            moved = Place(start.r, start.p, place.near).moved(d + scale * x)
+            value = change + (self._nearest(moved, d + scale * x) - here) / scale
+            away = self._away(value - x)
+            if away <= RIGHT * self._away(change) or not away < HOPELESS * self._away(change):
+                break
+            x = accelerated.next(x, value)
+        return x
+
+    def _nearest(self, place: Place, d: Array) -> Array:
+        c, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+        rates = np.bincount(rows, values * d[columns], self._rows.rows)
+        return self._step(place, (rates - c) * self._lengths, LEAST_DAMPING)
+
+    def _away(self, change: Array) -> float:
+        return _norm(change / self._roots)
 
     def _counted(self, place: Place) -> Place:
         return Place(place.r, place.p, self._rows.angles(place.r, place.p, place.near))
 
     def _step(self, place: Place, missing: Array, damping: float) -> Array:
         """Return a displacement that changes the rows, as lengths, about as wanted, damped."""
-        _, matrix = self._rows.doubles(place.r, place.p, place.near)
-        scaled = matrix * self._lengths[:, None] * self._roots
-        square = scaled @ scaled.T
-        largest = float(np.abs(square).sum(axis=1).max(initial=0.0)) or 1.0
-        square[np.diag_indices_from(square)] += damping * largest
-        step: Array = self._roots * (scaled.T @ np.linalg.solve(square, missing))
+        _, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+        scaled = values * self._lengths[rows] * self._roots[columns]
+        factors = BlockFactors(self._pattern, (rows, columns, scaled), damping)
+        multipliers = factors.solve(missing)
+        size = len(self._roots)
+        step: Array = self._roots * np.bincount(columns, scaled * multipliers[rows], size)
         return step
 
 
