@@ -50,7 +50,7 @@ class DynamicsSolver:
     length : float [m]
         A length of the scene: corrections are compared with it, and torques weighed by it.
     rows : tuple of (str, str)
-        Joint of each constraint, and the unit of its residual: m or rad.
+        Joint or driver of each constraint, and the unit of its residual: m or rad.
     left_out : tuple of (str, str)
         The same of constraints that depend on others and are not solved for.
     parts : tuple of (str, int)

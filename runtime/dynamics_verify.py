@@ -17,6 +17,7 @@ from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.reference import REFERENCE_FILE, Expected
 from kousoku.runtime.report import Report, Row
+from kousoku.runtime.run_ledger import key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -161,7 +162,7 @@ def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> I
 def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
     """Say which joint a number belongs to."""
     if region in BY_ROW and element < len(solver.rows):
-        return f", joints.{solver.rows[element][0]}"
+        return f", {key_of(solver.rows[element][0])}"
     return ""
 
 

@@ -26,11 +26,12 @@ COUNTERS = (
     *("key", "time", "next step", "error", "next row", "time before"),
     *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
     *("growth", "growth time", "best growth", "energy", "energy error"),
-    *("corrections", "passed", "passed time"),
+    *("corrections", "passed", "passed time", "fallbacks", "fallback time"),
 )
 #: Those that are counts, and fields of the ledger.
 COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
+    "fallbacks",
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -94,6 +95,9 @@ class RunLedger:
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, and when the last of them is:
         the polynomial between the states before and after tells them, and forces of joints are NaN.
+    fallbacks, fallback_time : int, float or None [s]
+        Factorisations of all rows, those too that were left out, where those that are kept are
+        nearly dependent, and when the last of them was; there, too, forces of joints are NaN.
     energy, energy_error : float or None [J]
         Energy at the start, and the largest change since then that no work explains; None where
         rows were not checked, both where drivers move bodies without mass.
@@ -129,6 +133,8 @@ class RunLedger:
     growth_time: float
     passed: int
     passed_time: float | None
+    fallbacks: int
+    fallback_time: float | None
     energy: float | None
     energy_error: float | None
     works: Mapping[str, float]
@@ -180,7 +186,7 @@ class RunLedger:
             metres, radians = self.worst(level)
             yield (
                 f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per},"
-                f" most at joints.{self.worst_joint(level)}"
+                f" most at {key_of(self.worst_joint(level))}"
             )
         if self.released:
             names = ", ".join(f"joints.{name}" for name in self.released[:SHOWN])
@@ -214,6 +220,11 @@ class RunLedger:
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
         lines += [str(one) for one in self.momenta[:SHOWN]]
         lines += self._of_constraints()
+        if self.fallbacks:
+            lines.append(
+                f"{self.fallbacks} factorisations of all rows, the last at t ="
+                f" {self.fallback_time:.6g} s, where those that are kept are nearly dependent"
+            )
         if self.passed:
             lines.append(
                 f"{self.passed} rows where rows of the constraints are dependent, the last at"
@@ -273,6 +284,7 @@ def ledger_of(
         growth=numbers["growth"],
         growth_time=numbers["growth time"],
         passed_time=numbers["passed time"] if numbers["passed"] else None,
+        fallback_time=numbers["fallback time"] if numbers["fallbacks"] else None,
         energy=numbers["energy"] if is_weighed else None,
         energy_error=numbers["energy error"] if options.checks and is_weighed else None,
         works=MappingProxyType(
@@ -308,6 +320,11 @@ def _released(worst: Array, left_out: Sequence[tuple[str, str]], length: float) 
     return tuple(dict.fromkeys(open_rows))
 
 
+def key_of(name: str) -> str:
+    """Return the key in the scene of what rows are named after; that of a driver is its name."""
+    return name if "." in name else f"joints.{name}"
+
+
 def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:
     """Return the end of a message: the joints that are open, and those whose rows are dependent.
 
@@ -328,13 +345,13 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     if left:
         worst = {rows[k][0]: k for k in reversed(left)}
         shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:SHOWN]
-        texts = [f"joints.{name} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
+        texts = [f"{key_of(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
         parts.append(f"open: {', '.join(texts)}")
     known = np.where(np.isfinite(pivots), pivots, np.inf)
     most = pivots.max(where=np.isfinite(pivots), initial=0.0)
     ratio = known.min() / most if most > 0.0 else 0.0
     order = np.argsort(known).tolist()
     weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= NEAR * known.min())
-    names = ", ".join(f"joints.{name}" for name in list(weak)[:SHOWN])
+    names = ", ".join(map(key_of, list(weak)[:SHOWN]))
     dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
     return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"

@@ -122,9 +122,10 @@ def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> flo
 
 
 def _row(row: Row, instance: Instance) -> list[str]:
-    """Return the joint of a row, and the unit of its residual."""
+    """Return the joint of a row, or the key of its driver, and the unit of its residual."""
     is_length = instance.kind.partition("_")[0] in LENGTHS
-    return [row.joint, instance.unit or ("m" if is_length else "rad")]
+    name = f"drivers.{row.joint}" if instance.is_driver else row.joint
+    return [name, instance.unit or ("m" if is_length else "rad")]
 
 
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
