@@ -11,6 +11,8 @@ from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.ordering import minimum_degree
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from kousoku.codegen.dynamics.rank import Array
     from kousoku.codegen.dynamics.residuals import Places, Residuals
 
@@ -60,21 +62,31 @@ class BlockFactors:
         A, by its elements; those of one place are added.
     damping : float
         Added to the diagonal, as a part of its largest element.
+    left_out : sequence of int
+        Rows without elements that stand alone, as if nothing had them.
     """
 
     def __init__(
-        self, pattern: Pattern, elements: tuple[Places, Places, Array], damping: float = 0.0
+        self,
+        pattern: Pattern,
+        elements: tuple[Places, Places, Array],
+        damping: float = 0.0,
+        left_out: Sequence[int] = (),
     ) -> None:
         self._pattern = pattern
         diagonal, below = _products(pattern, elements)
         self._largest = max(
             (float(block.diagonal().max(initial=0.0)) for block in diagonal), default=0
         )
+        for row in left_out:
+            k = int(pattern.block_of[row])
+            place = row - pattern.first[k]
+            diagonal[k][place, place] = self._largest
         self._inverses: dict[int, Array] = {}
         self._panels: dict[int, list[tuple[int, Array]]] = {}
         self._smallest = np.inf
-        for block in diagonal:
-            block[np.diag_indices_from(block)] += damping * self._largest
+        for own in diagonal:
+            own[np.diag_indices_from(own)] += damping * self._largest
         for pivot in pattern.order:
             k = pivot.joint
             self._inverses[k] = self._inverted(diagonal[k])

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.branch import Branch
 from kousoku.codegen.dynamics.combinations import fixed_law
 from kousoku.codegen.dynamics.driven import Drivers
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.rank import Factors
     from kousoku.model.mechanism import System
 
-#: Rows of the largest part that is looked at; the time grows with their cube.
+#: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 POSITIONS, ROWS_AND_POSITIONS = 24, 6000
@@ -83,7 +84,8 @@ class Freedom:
     positions : int
         How many positions were looked at in the part with the fewest; 0 without a loop.
     unknown : tuple of str
-        Joints of parts that have too many rows: nothing is known of them.
+        Joints of parts that have too many rows and may have some that depend on others: nothing is
+        known of them.
     drivers : int
         How many of the rows are those of drivers in loops.
     """
@@ -128,7 +130,8 @@ def freedom_of(system: System, program: Program) -> Freedom:
     for part in loops_of(system):
         rows = [row for place in part.instances for row in by_instance.get(place, ())]
         if len(rows) > MOST_ROWS:
-            total = replace(total, unknown=(*total.unknown, *_joints(rows)))
+            if not _is_independent(system, program, part, rows):
+                total = replace(total, unknown=(*total.unknown, *_joints(rows)))
             continue
         found = _freedom_of_part(system, program, part, rows)
         total = replace(
@@ -183,6 +186,28 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
     drivers.require_free()
     found = _dependences(joints, positions)
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
+
+
+def _is_independent(system: System, program: Program, part: Part, rows: Sequence[Row]) -> bool:
+    """Return whether sparse factors show that no row depends on others at the start.
+
+    Then none does along the branch, but at some of its positions.
+    """
+    residuals, first = _residuals(system, part)
+    length = Metric(system).size
+    bodies = [system.bodies[k] for k in part.bodies]
+    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
+    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
+    _, at, columns, values = residuals.elements(r, p)
+    is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
+    is_row[[first[row.instance] + row.row for row in rows]] = True
+    is_column[_columns(program, part)] = True
+    there = is_row[at] & is_column[columns]
+    at, columns, values = at[there], columns[there], values[there]
+    values = values * np.where(residuals.in_metres, 1 / length, 1.0)[at]
+    values = values * np.where(columns % COLUMNS < COLUMNS // 2, length, 1.0)
+    left_out = np.flatnonzero(~is_row).tolist()
+    return BlockFactors(Pattern(residuals), (at, columns, values), left_out=left_out).is_regular
 
 
 def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
