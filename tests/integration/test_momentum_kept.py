@@ -1,0 +1,88 @@
+"""Momentum of bodies that nothing connects with the ground, in the ledger of a run."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.model.read import scene_from_dict
+from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from kousoku.runtime.toolchain import Toolchain
+
+INERTIA = {"xx": 0.04, "yy": 0.1, "zz": 0.12}
+
+
+def thrown() -> dict[str, Any]:
+    """Return two bodies on a ball joint that turn and fall, with a third one on a damper."""
+    start = {"velocity": [1, 2, 3], "mass": 1, "inertia": INERTIA}
+    damper = {"type": "spring_damper", "bodies": ["arm", "stone"], "stiffness": 10, "damping": 1}
+    return {
+        "name": "thrown",
+        "unit": "m",
+        "gravity": [0, 0, -9.81],
+        "bodies": {
+            "rod": start | {"position": [0, 0, 0], "angular_velocity": [1, 2, 0.5]},
+            "arm": start | {"position": [1, 0, 0], "center": [0.1, 0.2, 0]},
+            "stone": {"position": [3, 0, 0], "mass": 2, "point": True},
+        },
+        "joints": {"ball": {"type": "ball", "bodies": ["rod", "arm"], "at": [0.5, 0, 0]}},
+        "forces": {"rope": damper | {"points": [[0, 0.1, 0], [0, 0, 0]]}},
+    }
+
+
+@pytest.fixture(scope="module")
+def solvers(
+    compiler: Toolchain, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[DynamicsSolver, DynamicsSolver]:
+    """Return the solver in C and in NumPy."""
+    folder: Path = tmp_path_factory.mktemp("thrown")
+    for name, text in generate_dynamics(scene_from_dict(thrown()), ("energies",)).items():
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    return load_dynamics(folder, target="c"), load_dynamics(folder, target="numpy")
+
+
+def test_momentum_stays_and_tells_how_good_a_run_is(
+    solvers: tuple[DynamicsSolver, DynamicsSolver],
+) -> None:
+    sizes = []
+    for tolerance in (1e-5, 1e-11):
+        ledger = solvers[0].simulate(2.0, samples=21, tolerance=tolerance).ledger
+        (found,) = ledger.momenta
+        assert found.bodies == ("rod", "arm", "stone")
+        assert found.linear is not None
+        assert found.linear < 1e-13
+        assert found.angular is not None
+        sizes.append(found.angular)
+        assert str(found) in str(ledger)
+    assert 1e-8 < sizes[0] < 1e-3
+    assert sizes[1] < 1e-10
+
+
+def test_both_targets_tell_the_same_change(
+    solvers: tuple[DynamicsSolver, DynamicsSolver],
+) -> None:
+    first, second = (one.simulate(1.0, samples=6, tolerance=1e-7).ledger for one in solvers)
+    assert first.momenta == second.momenta
+
+
+def test_a_run_that_goes_on_knows_the_momentum_of_its_start(
+    solvers: tuple[DynamicsSolver, DynamicsSolver],
+) -> None:
+    times = np.linspace(0.0, 1.0, 11)
+    whole = solvers[0].begin(times, tolerance=1e-7).finish().ledger
+    run = solvers[0].begin(times, tolerance=1e-7)
+    run.advance(max_steps=3)
+    assert solvers[0].resume(run.save()).finish().ledger.momenta == whole.momenta
+
+
+def test_rows_that_are_not_checked_have_none(
+    solvers: tuple[DynamicsSolver, DynamicsSolver],
+) -> None:
+    assert solvers[0].simulate(0.1, samples=3, checks=False).ledger.momenta == ()
