@@ -43,10 +43,12 @@ PYTHON_FILE, PYTHON_TEMPLATE = "solver.py", "dynamics/solver.py.jinja"
 PARTS = (
     *TEMPLATES.values(),
     "dynamics/integrator.c.jinja",
+    "dynamics/fallback.c.jinja",
     "dynamics/calls.c.jinja",
     "c/_macros.jinja",
     PYTHON_TEMPLATE,
     "dynamics/integrator.py.jinja",
+    "dynamics/fallback.py.jinja",
     "dynamics/calls.py.jinja",
 )
 

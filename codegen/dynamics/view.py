@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from fractions import Fraction
 from itertools import groupby
 from typing import TYPE_CHECKING
 
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
 
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
+
+#: Rows up to which all of them are solved for at once.
+MOST_DENSE = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +133,10 @@ class DynamicsView:
         Their names, in this order.
     has_drivers, is_driven : bool
         Whether there are drivers, and whether they determine the whole motion.
+    has_fallback : bool
+        Whether rows that are left out take over where those that are kept lose rank.
+    weights : str
+        The diagonal of M⁻¹, in lines.
     """
 
     name: str
@@ -151,6 +159,8 @@ class DynamicsView:
     parameter_names: tuple[str, ...]
     has_drivers: bool
     is_driven: bool
+    has_fallback: bool
+    weights: str
 
     @property
     def accelerates(self) -> bool:
@@ -260,6 +270,8 @@ def dynamics_view(
         parameter_names=tuple(name for name, _ in system.parameters),
         has_drivers=has_drivers(system),
         is_driven=is_driven(program, system),
+        has_fallback=has_fallback(program, system),
+        weights=_numbers(map(repr, weights(program, system))),
     )
 
 
@@ -274,6 +286,27 @@ def parameter_sizes(program: Program) -> list[tuple[str, int]]:
 def has_drivers(system: System) -> bool:
     """Return whether constraints depend on time."""
     return any(instance.is_driver for instance in system.constraints)
+
+
+def has_fallback(program: Program, system: System) -> bool:
+    """Return whether rows that are left out take over where those that are kept lose rank.
+
+    Not of drivers: their work is that of the rows that are kept.
+    """
+    count = len(program.rows) + len(program.left_out)
+    return bool(program.left_out) and count <= MOST_DENSE and not has_drivers(system)
+
+
+def weights(program: Program, system: System) -> list[float]:
+    """Return the diagonal of M⁻¹ in the order of v."""
+    found = [0.0] * program.region("v").size
+    base = program.region("v").base
+    for body, places in zip(system.bodies, program.bodies, strict=True):
+        masses = (*(body.mass,) * 3, *body.inertia)
+        for place, mass in zip((*places.v, *places.omega_b), masses, strict=True):
+            if place.slot >= 0:
+                found[place.slot - base] = float(1 / Fraction(mass))
+    return found
 
 
 def is_driven(program: Program, system: System) -> bool:
