@@ -30,7 +30,7 @@ class Structure:
     Parameters
     ----------
     positions, velocities, rows : int
-        Coordinates, velocities, and rows of C_q that are kept.
+        Coordinates of bodies, velocities, and rows of C_q that are kept.
     elements : int
         Elements of C_q that are not structurally zero.
     dense : int
@@ -64,7 +64,7 @@ def structure_of(system: System, program: Program) -> Structure:
         for pivot in minimum_degree(len(sizes), pairs)
     )
     return Structure(
-        positions=program.region("q").size,
+        positions=program.region("q").size - len(program.auxiliary),
         velocities=program.region("v").size,
         rows=len(program.rows),
         elements=_elements(system, program),

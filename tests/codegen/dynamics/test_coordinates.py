@@ -12,6 +12,7 @@ import pytest
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.run import Workspace
+from kousoku.codegen.dynamics.structure import structure_of
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate
 
@@ -140,6 +141,7 @@ def test_entry_of_an_angle_turns_as_fast_as_the_angle(mechanisms: SimpleNamespac
     assert len(workspace["q_dot"]) == 5
     assert workspace["q_dot"][-1] == pytest.approx(3.0, abs=1e-15)
     assert len(workspace["v"]) == 3
+    assert structure_of(system, program).positions == 4
 
 
 def test_coordinates_that_are_not_wanted_cost_nothing(mechanisms: SimpleNamespace) -> None:
