@@ -83,6 +83,11 @@ class JointKind:
         return any(part.kind in (both if body else both + first) for part in self.parts)
 
     @property
+    def keeps_zero(self) -> bool:
+        """Whether directions across its axis stay parallel, or stay so but for a bend."""
+        return self.has_zero and ANGLE not in self.leaves
+
+    @property
     def has_zero(self) -> bool:
         """Whether directions across its axis count: it has an angle, or keeps one."""
         across = any("across" in (part.i, part.j) for part in self.parts)

@@ -162,6 +162,8 @@ def _instances(
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     points = joint_points(joint, ends) if kind.has_point else ()
     vectors = joint_vectors(ends, joint) if any(kind.turns(k) for k in (0, 1)) else ({}, {})
+    if joint.zero is not None and kind.keeps_zero:
+        _require_near(name, ends, vectors)
     for part in kind.parts:
         if part.kind == COMBINATION:
             yield combination_of(name, joint, frames, coordinates)
@@ -173,6 +175,24 @@ def _instances(
         if package == "distance":
             constants["length"] = (_length(name, joint, ends, points, unit),)
         yield Instance(name, package, ends[0].index, ends[1].index, tuple(constants.items()))
+
+
+def _require_near(
+    name: str,
+    ends: tuple[BodyFrame, BodyFrame],
+    vectors: tuple[dict[str, Triple], dict[str, Triple]],
+) -> None:
+    """Refuse directions that are to be parallel and are nearer to the opposite of that."""
+    i, j = (
+        [end.to_ground(own[across]) for across in ("across", "third")]
+        for end, own in zip(ends, vectors, strict=True)
+    )
+    if not sum(precise.dot(a, b) for a, b in zip(i, j, strict=True)) > 0:
+        raise SceneError(
+            "are more than a quarter turn apart as the orientations are written, and would be kept "
+            "antiparallel; wanted bodies that are turned nearer to it",
+            key=f"joints.{name}.zero",
+        )
 
 
 def _constants(

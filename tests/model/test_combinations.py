@@ -167,13 +167,25 @@ def test_shafts_that_are_folded_back_are_refused() -> None:
 
 
 def test_zero_says_which_turn_a_fixed_joint_keeps() -> None:
-    """Across the axis x: y of the ground stays parallel to z of the body."""
+    """Across the axis x: −y of the ground stays parallel to z of the body."""
     joint = {"type": "fixed", "bodies": ["ground", "b"], "points": [[3, 0, 0], ZERO]}
-    joint |= {"axes": [X, X], "zero": [[0, 1, 0], [5, 0, 1]]}
+    joint |= {"axes": [X, X], "zero": [[0, -1, 0], [5, 0, 1]]}
     system = system_of(scene_from_dict(two_bodies(weld=joint)))
     row = dict(system.constraints[-1].constants)
-    assert row["a_i_b"] == (0, 1, 0)
+    assert row["a_i_b"] == (0, -1, 0)
     assert row["a_j_b"] == (0, -1, 0)
+
+
+@pytest.mark.parametrize("kind", ["fixed", "slider", "cv"])
+def test_directions_that_would_stay_antiparallel_are_refused(kind: str) -> None:
+    """The body is turned about x by 1.25: its z axis is 1.25 + pi / 2 from y, and not from −y."""
+    joint = {"type": kind, "bodies": ["ground", "b"], "points": [[3, 0, 0], ZERO], "axes": [X, X]}
+    near, far = [[0, 1, 0], Z], [[0, -1, 0], Z]
+    tree = two_bodies(joint={**joint, "zero": far})
+    assert system_of(scene_from_dict(tree)).constraints
+    with pytest.raises(SceneError, match="more than a quarter turn apart") as caught:
+        system_of(scene_from_dict(two_bodies(joint={**joint, "zero": near})))
+    assert caught.value.key == "joints.joint.zero"
 
 
 @pytest.mark.parametrize(
