@@ -38,7 +38,7 @@ class Pattern:
         self.block_of = np.repeat(np.arange(len(starts)), self.sizes)
         self.bodies = rows.columns // COLUMNS
         touching: list[list[int]] = [[] for _ in range(self.bodies)]
-        for block, (start, end) in enumerate(zip(starts, [*starts[1:], len(keys)], strict=True)):
+        for block, (start, end) in enumerate(pairwise([*starts, len(keys)])):
             connected = dict.fromkeys(b for one in rows.constraints[start:end] for b in one.bodies)
             for body in connected:
                 if body >= 0:

@@ -191,3 +191,12 @@ def test_a_held_coordinate_is_kept_and_the_others_move() -> None:
 
     assert angle(system, 0) == pytest.approx(0, abs=ULP)
     assert violated(system)[0] < 16 * ULP
+
+
+def test_a_distance_of_points_that_coincide_gives_no_direction_to_move_them() -> None:
+    bodies = {"p": {"position": [0, 0, 0], "point": True, "mass": 1}}
+    names = {"l": {"bodies": ["ground", "p"], "points": [[0, 0, 0], [0, 0, 0]]}}
+    drivers = {"push": {"coordinate": "l", "value": "1 + t"}}
+
+    with pytest.raises(AssemblyError, match=r"stay open: drivers\.push by 1 m"):
+        assemble(built(bodies, {}, coordinates=names, drivers=drivers))
