@@ -200,3 +200,21 @@ def test_a_distance_of_points_that_coincide_gives_no_direction_to_move_them() ->
 
     with pytest.raises(AssemblyError, match=r"stay open: drivers\.push by 1 m"):
         assemble(built(bodies, {}, coordinates=names, drivers=drivers))
+
+
+def test_a_held_coordinate_is_made_what_it_is_near() -> None:
+    system = assemble(four_bar(coordinates={"theta": {"joint": "a", "near": -0.5, "hold": True}}))
+
+    assert angle(system, 0) == pytest.approx(-0.5, abs=2 * ULP)
+    assert system.coordinates[0].near == pytest.approx(-0.5, abs=2 * ULP)
+    assert violated(system)[0] < 16 * ULP
+
+
+def test_a_held_coordinate_that_a_driver_moves_is_named_with_it() -> None:
+    names = {"theta": {"joint": "a", "hold": True}}
+    system = four_bar(coordinates=names, drivers={"motor": {"joint": "d", "value": "0.2 + t"}})
+
+    with pytest.raises(AssemblyError, match="does not fit together") as caught:
+        assemble(system)
+    assert "coordinates.theta.hold by" in str(caught.value)
+    assert "drivers.motor by" in str(caught.value)
