@@ -44,11 +44,13 @@ PARTS = (
     *TEMPLATES.values(),
     "dynamics/integrator.c.jinja",
     "dynamics/fallback.c.jinja",
+    "dynamics/driven.c.jinja",
     "dynamics/calls.c.jinja",
     "c/_macros.jinja",
     PYTHON_TEMPLATE,
     "dynamics/integrator.py.jinja",
     "dynamics/fallback.py.jinja",
+    "dynamics/driven.py.jinja",
     "dynamics/calls.py.jinja",
 )
 
