@@ -53,18 +53,28 @@ class Drivers:
         self._places = [place for _, place in (*joints, *drivers)]
         self._count = len(drivers)
         self._first = len(joints)
+        #: Of each position that was looked at the rank of joints, and the factors of all rows.
         self._at: list[tuple[int, Factors]] = []
+        self._rank = 0
 
     def look(self, position: Position) -> bool:
         """Look at a position; return whether drivers are known to prescribe what is free."""
-        if not self._count:
-            return True
-        factors = self._branch.with_others(position, self._places)
-        self._at.append((position.factors.rank + self._count - factors.rank, factors))
-        return not self._at[-1][0]
+        self._rank = max(self._rank, position.factors.rank)
+        if self._count and not self._are_free():
+            factors = self._branch.with_others(position, self._places)
+            self._at.append((position.factors.rank, factors))
+        return self._are_free()
+
+    def _extra(self, rank: int, factors: Factors) -> int:
+        """Return how many drivers prescribe what joints of a rank, or others, determine."""
+        return rank + self._count - factors.rank
+
+    def _are_free(self) -> bool:
+        regular = [(rank, factors) for rank, factors in self._at if rank == self._rank]
+        return not self._count or any(not self._extra(*found) for found in regular)
 
     def require_free(self) -> None:
-        """Refuse drivers that depend on others at all positions, or at the first.
+        """Refuse drivers that depend on others, and scenes that start where they cannot move.
 
         Raises
         ------
@@ -72,17 +82,26 @@ class Drivers:
             The message names the drivers and joints that depend on each other, and how many drivers
             to leave out.
         """
-        if not self._at or not self._at[0][0]:
+        if not self._count:
             return
-        extra, factors = min(self._at, key=lambda found: found[0])
-        if extra:
-            self._refuse(extra, factors)
-        names = self._taking_part(self._at[0][1])
-        drivers = _listed(name for name in names if name in self._named())
-        joints = _listed(name for name in names if name not in self._named())
+        regular = [(rank, factors) for rank, factors in self._at if rank == self._rank]
+        if not self._are_free():
+            self._refuse(*min(((self._extra(*one), one[1]) for one in regular), key=lambda x: x[0]))
+        rank, factors = self._at[0]
+        if self._extra(rank, factors):
+            names = self._taking_part(factors)
+            drivers = _listed(name for name in names if name in self._named())
+            joints = _listed(name for name in names if name not in self._named()) or "the bodies"
+            where = f"at a dead centre of {drivers}: there {joints} may go on either way"
+        elif rank < self._rank:
+            where = (
+                f"where rows of joints repeat each other that do not do so elsewhere, and"
+                f" {_listed(self._named())} cannot tell which of several motions follows"
+            )
+        else:
+            return
         raise SceneError(
-            f"the scene starts at a dead centre of {drivers}: there {joints or 'the bodies'} may go"
-            " on either way; start it elsewhere, or drive another coordinate",
+            f"the scene starts {where}; start it elsewhere, or drive another coordinate",
             key="drivers",
         )
 

@@ -176,10 +176,9 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
     drivers = Drivers(system, branch, list(zip(joints, chosen, strict=True)), others)
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
     positions: list[Position] = []
-    are_free = False
     for position in branch.positions([system.bodies[k] for k in part.bodies]):
         positions.append(position)
-        are_free = are_free or drivers.look(position)
+        are_free = drivers.look(position)
         depends = position.factors.rank < len(joints)
         if len(positions) == count or (are_free and not depends):
             break

@@ -118,6 +118,39 @@ def test_a_start_at_a_dead_centre_names_the_driver() -> None:
     assert of(inside).degrees == 0
 
 
+def parallelogram(angle: float, drivers: Tree) -> System:
+    """Return cranks of 1 m, 2 m apart, at an angle from the line of their pins."""
+    x, y = math.cos(angle), math.sin(angle)
+    turned = {"orientation": {"axis": [0, 0, 1], "angle": angle}}
+    bodies = {
+        "left": {"position": [0, 0, 0], **turned, **SOLID},
+        "coupler": {"position": [x, y, 0], **SOLID},
+        "right": {"position": [2, 0, 0], **turned, **SOLID},
+    }
+    joints = {
+        "a": hinge("ground", "left", 0, 0),
+        "b": hinge("left", "coupler", x, y),
+        "c": hinge("coupler", "right", 2 + x, y),
+        "d": hinge("right", "ground", 2, 0),
+    }
+    return built(bodies, joints, drivers=drivers)
+
+
+def test_a_start_where_motions_branch_off_is_refused_by_the_driver() -> None:
+    """A parallelogram that lies flat can become an antiparallelogram."""
+    drivers = driven(a_motor="t")
+
+    assert of(parallelogram(0.5, drivers)).degrees == 0
+    with pytest.raises(SceneError, match=r"repeat each other .* and drivers\.a_motor cannot tell"):
+        of(parallelogram(0.0, drivers))
+
+
+def test_two_drivers_are_refused_also_where_the_start_hides_it() -> None:
+    """Flat, the joints lose a rank, and there the second driver seems to take a freedom."""
+    with pytest.raises(SceneError, match="leave out 1 of them"):
+        of(parallelogram(0.0, driven(a_motor="t", b_motor="-t")))
+
+
 def test_a_driven_linkage_of_bricard_leaves_out_a_row_of_its_joints() -> None:
     freedom = of(bricard(driven(a_motor="t")))
 
