@@ -298,14 +298,14 @@ def has_fallback(program: Program, system: System) -> bool:
 
 
 def weights(program: Program, system: System) -> list[float]:
-    """Return the diagonal of M⁻¹ in the order of v."""
+    """Return the diagonal of M⁻¹ in the order of v; zero where there is no mass."""
     found = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):
         masses = (*(body.mass,) * 3, *body.inertia)
         for place, mass in zip((*places.v, *places.omega_b), masses, strict=True):
             if place.slot >= 0:
-                found[place.slot - base] = float(1 / Fraction(mass))
+                found[place.slot - base] = float(1 / Fraction(mass)) if mass else 0.0
     return found
 
 
