@@ -13,7 +13,7 @@ import sympy
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.bodies import BODIES, COMPONENTS, DELTA, SYMBOLS, A
+from kousoku.symbolic.bodies import BODIES, COMPONENTS, DELTA, RATE, SYMBOLS, A
 from kousoku.symbolic.components import dot, rotate
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
@@ -22,6 +22,7 @@ from kousoku.symbolic.forms import (
     Constraint,
     Plain,
     blocks_of,
+    curvature,
     less_products,
     name_blocks,
     name_lines,
@@ -41,7 +42,7 @@ from kousoku.symbolic.matrices import (
     transpose,
 )
 from kousoku.symbolic.pairs import AXES
-from kousoku.symbolic.variation import orthogonality, replaced
+from kousoku.symbolic.variation import abbreviate, orthogonality, replaced
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
@@ -49,6 +50,9 @@ if TYPE_CHECKING:
 THIRD = Quantity("b_i_b", (3,), "-", "direction in body i across axis and a_i, frame of i")
 #: The zero direction of j seen from the frame of i.
 Y = Named("y", mul(transpose(A["i"]), A["j"], SYMBOLS["a_j_b"]))
+#: Its rate, and its second rate without accelerations.
+Y_DOT = Named("y_dot", abbreviate(RATE(Y), Y))
+Y_DDOT = Named("y_ddot", abbreviate(curvature(Y), Y))
 #: Cosine and sine of the angle, times the lengths of the vectors.
 COSINE = NamedScalar("c", Dot(SYMBOLS["a_i_b"], Y))
 SINE = NamedScalar("s", Dot(symbol(THIRD), Y))
@@ -60,6 +64,9 @@ AXIS = Named("n", mul(skew(SYMBOLS["a_i_b"]), symbol(THIRD)))
 #: Their n1 with a_j has the Jacobians of θ and of ρ = ln √(c² + s²), frame of i.
 ACROSS = Named("h", mul(1 / SQUARE, skew(AXIS), Y))
 ALONG = Named("g", add(mul(COSINE / SQUARE, SYMBOLS["a_i_b"]), mul(SINE / SQUARE, symbol(THIRD))))
+
+#: Rates and γ of the cosine and the sine.
+RATES = ("c_dot", "s_dot", "gamma_c", "gamma_s")
 
 
 def derive(_: str) -> Derivation:
@@ -97,6 +104,7 @@ def _closed() -> Closed:
             "δh = −g δθ − h δρ, ρ = ln √(c² + s²): that of n1 for h, less products of rows",
         ),
         _plain(),
+        _lines(),
     )
 
 
@@ -135,25 +143,43 @@ def _gamma() -> Step:
 
 def _plain() -> Plain:
     """Return what the chain rule gives of atan2(s, c), in c and s, their rows, rates and γ."""
-    by_c, by_s = SINE / SQUARE, COSINE / SQUARE
     first, second = SYMBOLS["a_i_b"], symbol(THIRD)
     c_q, s_q = name_blocks("c", _row(first)), name_blocks("s", _row(second))
-    c_qq, s_qq = name_lines("c", _second(first)), name_lines("s", _second(second))
-    row = [add(mul(by_s, s), mul(-by_c, c)) for c, s in zip(c_q, s_q, strict=True)]
-    other = [add(mul(by_s, c), mul(by_c, s)) for c, s in zip(c_q, s_q, strict=True)]
-    lines = [
-        [add(mul(by_s, s), mul(-by_c, c)) for c, s in zip(*line, strict=True)]
-        for line in zip(c_qq, s_qq, strict=True)
-    ]
-    c_dot, s_dot = Named("c_dot", _n1_rate(first)), Named("s_dot", _n1_rate(second))
-    c_ddot, s_ddot = Named("c_ddot", _n1_gamma(first)), Named("s_ddot", _n1_gamma(second))
-    theta_dot = add(mul(by_s, s_dot), mul(-by_c, c_dot))
-    rho_dot = add(mul(by_s, c_dot), mul(by_c, s_dot))
-    return Plain(
-        tuple(row),
-        less_products(lines, (row, other), (other, row)),
-        add(mul(by_s, s_ddot), mul(-by_c, c_ddot), mul(2, theta_dot, rho_dot)),
-    )
+    lines = zip(name_lines("c", _second(first)), name_lines("s", _second(second)), strict=True)
+    row, other = zip(*(_chain(c, s) for c, s in zip(c_q, s_q, strict=True)), strict=True)
+    whole = [[_chain(c, s)[0] for c, s in zip(*line, strict=True)] for line in lines]
+    forms = (form(vector) for form in (_n1_rate, _n1_gamma) for vector in (first, second))
+    return Plain(row, less_products(whole, (row, other), (other, row)), _plain_gamma(*forms))
+
+
+def _chain(of_c: Matrix, of_s: Matrix) -> tuple[Matrix, Matrix]:
+    """Return the derivatives of θ and of ρ from those of c and s."""
+    by_c, by_s = SINE / SQUARE, COSINE / SQUARE
+    return add(mul(by_s, of_s), mul(-by_c, of_c)), add(mul(by_s, of_c), mul(by_c, of_s))
+
+
+def _plain_gamma(*forms: Matrix) -> Matrix:
+    """Return γ from the rates of c and s, and from their γ."""
+    c_dot, s_dot, *gammas = map(Named, RATES, forms)
+    theta_dot, rho_dot = _chain(c_dot, s_dot)
+    return add(_chain(*gammas)[0], mul(2, theta_dot, rho_dot))
+
+
+def _lines() -> tuple[Step, ...]:
+    vectors = (SYMBOLS["a_i_b"], symbol(THIRD))
+    rates = [(mul(transpose(x), Y_DOT), _n1_rate(x)) for x in vectors]
+    gammas = [(neg(mul(transpose(x), Y_DDOT)), _n1_gamma(x)) for x in vectors]
+    pairs = [*rates, *gammas]
+    steps = []
+    for name, (left, relative) in zip(RATES, pairs, strict=True):
+        letter = MatrixSymbol(name, 1, 1)
+        steps += [
+            Step(letter, left, "δ → d/dt: dA/dt = A ω′~", "5.16"),
+            Step(letter, relative, "(7.15) for ω, and (x × y)·z = x·(y × z)", "7.15"),
+        ]
+    gamma = _plain_gamma(*(left for left, _ in pairs))
+    rule = "γ of a function of c and s: γ_c and γ_s are theirs"
+    return (*steps, Step(MatrixSymbol("gamma", 1, 1), gamma, rule, ""))
 
 
 def _angle() -> Constraint:
@@ -179,7 +205,7 @@ def _angle() -> Constraint:
         ),
         value=value,
         components=(sympy.atan2(sine, cosine),),
-        names=(Y,),
+        names=(Y, Y_DOT, Y_DDOT),
         gamma=_gamma(),
         inputs=(THIRD,),
         closed=_closed(),

@@ -71,12 +71,15 @@ class Closed:
         Why they equal what is left of δC and of δ(C_qᵀλ).
     plain : Plain
         What they are proved by.
+    lines : tuple of Step
+        On the way to γ.
     """
 
     jacobian: tuple[Matrix, ...]
     second: tuple[tuple[Matrix, ...], ...]
     rules: tuple[str, str]
     plain: Plain
+    lines: tuple[Step, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -215,6 +218,11 @@ def blocks_of(
     return tuple(abbreviate(rewrite(block, rule), *names) for block in square)
 
 
+def curvature(x: Matrix) -> Matrix:
+    """Return d²x/dt² without accelerations, as the product rule leaves it."""
+    return without(RATE(RATE(x)), *(column.acceleration for column in COLUMNS))
+
+
 def name_blocks(letter: str, blocks: Sequence[Matrix]) -> tuple[Matrix, ...]:
     """Return the blocks of a row, each that is not zero with a name of its own."""
     return tuple(
@@ -315,6 +323,7 @@ def _rate_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
             "d²C/dt² = C_q dv/dt − γ: minus what is left without accelerations",
             "",
         ),
+        *(() if c.closed is None else c.closed.lines),
         *(() if c.gamma is None else (c.gamma,)),
     )
 

@@ -59,6 +59,12 @@ KINDS: dict[str, Kind] = {
     "distance": Kind("two points at a given distance", "joints", ("distance",), ("distance-1",)),
     "angle": Kind("angle about a common axis", "angle", ("angle",), ("axis angle",)),
     "length": Kind("distance of two points", "length", ("length",), ("point distance",)),
+    "linear_combination": Kind(
+        "coordinates coupled to each other and to time",
+        "combination",
+        ("linear_combination",),
+        ("combination", "coupler"),
+    ),
     "norm": Kind("Euler parameters of norm one", "joints", ("norm",), ("euler parameter norm",)),
     "spring_damper": Kind(
         "spring and damper between two points",

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
-from kousoku.symbolic.bodies import DELTA
+from kousoku.symbolic.bodies import DELTA, RATE
 from kousoku.symbolic.components import dot
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
@@ -19,6 +19,7 @@ from kousoku.symbolic.forms import (
     Constraint,
     Plain,
     blocks_of,
+    curvature,
     less_products,
     name_blocks,
     name_lines,
@@ -31,6 +32,8 @@ from kousoku.symbolic.spring import L, half_square_rate
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
 
+#: Rate of d, and its second without accelerations.
+RATES = (Named("d_dot", RATE(D)), Named("d_ddot", curvature(D)))
 #: One divided by l, and zero times it where l is zero.
 INVERSE = 1 / Divisor(L)
 
@@ -40,10 +43,23 @@ def derive(_: str) -> Derivation:
     return derive_constraint(_length())
 
 
-def _gamma() -> Matrix:
-    """Return γ = ((d·ḋ/l)² − z)/l, −z that of ½ d·d: each in a form where no digits cancel."""
-    rate = Named("x", mul(INVERSE, Named("u", half_square_rate())))
-    return mul(INVERSE, add(mul(rate, rate), neg(Named("z", half_square_curvature()))))
+def _gamma(rate: Matrix, curved: Matrix) -> Matrix:
+    """Return γ = ((u/l)² − z)/l, u = d·ḋ and z what d·ḋ has as its rate without accelerations."""
+    along = Named("x", mul(INVERSE, Named("u", rate)))
+    return mul(INVERSE, add(mul(along, along), neg(Named("z", curved))))
+
+
+def _lines() -> tuple[Step, ...]:
+    rate = mul(transpose(D), RATES[0])
+    curved = add(mul(transpose(RATES[0]), RATES[0]), mul(transpose(D), RATES[1]))
+    u, z, gamma = (MatrixSymbol(name, 1, 1) for name in ("u", "z", "gamma"))
+    return (
+        Step(u, rate, "abbreviation: l dl/dt", ""),
+        Step(u, half_square_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
+        Step(z, curved, "abbreviation: the rate of u without accelerations", ""),
+        Step(z, half_square_curvature(), GAMMA_RULE, "7.15"),
+        Step(gamma, _gamma(rate, curved), "d²l/dt² = (du/dt − (dl/dt)²)/l", ""),
+    )
 
 
 def _closed() -> Closed:
@@ -54,13 +70,14 @@ def _closed() -> Closed:
     lines = [[mul(INVERSE, block) for block in line] for line in name_lines("D", second)]
     less = less_products(lines, (row, [mul(INVERSE, block) for block in row]))
     rules = ("the own point drops out", "δ(d/l) = δd/l − d δl/l²")
-    return Closed(row, name_lines("K", less), rules, Plain(row, less, _gamma()))
+    gamma = _gamma(half_square_rate(), half_square_curvature())
+    return Closed(row, name_lines("K", less), rules, Plain(row, less, gamma), _lines())
 
 
 def _length() -> Constraint:
     left = MatrixSymbol("C", 1, 1)
     d = point_offset()
-    value = mul(L, Identity(1))
+    value, closed = mul(L, Identity(1)), _closed()
     return Constraint(
         name="length",
         kind="length",
@@ -74,8 +91,8 @@ def _length() -> Constraint:
         ),
         value=value,
         components=(sympy.sqrt(dot(d, d)),),
-        names=(D,),
+        names=(D, *RATES),
         rule=own_point_drops,
-        gamma=Step(MatrixSymbol("gamma", 1, 1), _gamma(), GAMMA_RULE, "7.15"),
-        closed=_closed(),
+        gamma=Step(MatrixSymbol("gamma", 1, 1), closed.plain.gamma, "u and z as above", ""),
+        closed=closed,
     )

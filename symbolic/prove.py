@@ -27,7 +27,7 @@ from kousoku.symbolic.opaque import OpaqueRing, polynomial_names, shared
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kousoku.symbolic.derivation import Derivation, Function, Output
 
@@ -57,7 +57,7 @@ def prove(function: Function) -> int:
         _compare(function, output, at_a_point, output.expression)
         forms = (output.expression, *output.through)
         for one, other in itertools.pairwise(forms):
-            if one != other and not _agree(one, other, is_unit=False):
+            if one != other and not _agree((one, other), is_unit=False):
                 raise DerivationError(
                     f"{function.name}: two forms of {output.quantity.name} differ; correct one"
                 )
@@ -102,6 +102,7 @@ def prove_steps(derivation: Derivation) -> int:
         Names the first step that does not follow.
     """
     before: dict[Any, Any] = {}
+    same: dict[Any, Any] = {}  # names of one thing, written out in two ways
     count = 0
     for number, step in enumerate(derivation.steps, 1):
         left = step.left
@@ -111,16 +112,31 @@ def prove_steps(derivation: Derivation) -> int:
             left, before[step.left] = before.get(step.left), step.right
         if left is None:
             continue
-        if not any(_agree(left, step.right, is_unit=is_unit) for is_unit in (False, True)):
+        renamed = tuple(_with_one_name(x, same) for x in (left, step.right))
+        forms = dict.fromkeys([(left, step.right), renamed])
+        if not any(_agree(*forms, is_unit=is_unit) for is_unit in (False, True)):
             raise DerivationError(
                 f"{derivation.name}: step {number} does not follow: {step.rule}; correct it"
             )
+        if isinstance(step.left, MatrixSymbol):
+            same[Named(step.left.name, left)] = Named(step.left.name, step.right)
         count += 1
     return count
 
 
-def _agree(left: Any, right: Any, *, is_unit: bool) -> bool:
-    """Return whether two formulas are equal for all values of their symbols."""
+def _with_one_name(x: Any, same: Mapping[Any, Any]) -> Any:
+    """Return ``x`` with names by the last of the values that were proved equal."""
+    for old, new in same.items():
+        x = x.xreplace({old: new})
+    return x
+
+
+def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
+    """Return whether two formulas are equal for all values of their symbols.
+
+    Given more than once they differ in names that were proved equal.
+    """
+    left, right = forms[0]
     symbols = sorted(
         left.atoms(MatrixSymbol, sympy.Symbol) | right.atoms(MatrixSymbol, sympy.Symbol), key=str
     )
@@ -149,12 +165,15 @@ def _agree(left: Any, right: Any, *, is_unit: bool) -> bool:
         (Named, NamedScalar, Orientation),
         (Named, Divisor, Orientation),
         (Named, Orientation),
-        (Named,),
+        (NamedScalar,),
     )
-    for sorts in sorts_of_names:
-        names = shared(left, right, *sorts)
+    if any(one == other for one, other in forms):
+        return True
+    ordered = sorted(forms, key=lambda form: -len(shared(*form, Named)))
+    for sorts, (one, other) in itertools.product(sorts_of_names, ordered):
+        names = shared(one, other, *sorts)
         carrier = OpaqueRing(quantities, names, given=given, is_unit=is_unit)
-        if names and _is_same(carrier, left, right):
+        if names and _is_same(carrier, one, other):
             return True
     return _is_same(Ring(quantities, given, is_unit=is_unit), left, right)
 

@@ -267,12 +267,14 @@ def orthogonality(x: Matrix) -> Matrix | None:
 
 
 def abbreviate(x: Matrix, *names: Named) -> Matrix:
-    """Return ``x`` with every product that a name stands for replaced by the name."""
+    """Return ``x`` with every product, or sum, that a name stands for replaced by the name."""
 
     def shorten(node: Matrix) -> Matrix | None:
         scalar, factors = coefficient_and_factors(node)
         for name in names:
             whole = coefficient_and_factors(name.value)[1]
+            if isinstance(node, MatAdd) and transpose(node) == name.value:
+                return transpose(name)
             for start in range(len(factors) - len(whole) + 1):
                 if factors[start : start + len(whole)] == whole:
                     return mul(scalar, *factors[:start], name, *factors[start + len(whole) :])
