@@ -65,7 +65,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
         "kept": [
             {
-                "bodies": [system.bodies[index].name for index in one.bodies],
+                "bodies": _names(system, one.bodies),
                 "linear": [list(vector) for vector in one.linear],
                 "angular": [list(vector) for vector in one.angular],
             }
@@ -169,6 +169,13 @@ def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]
         }
         for k, place in enumerate(system.shown)
     ]
+
+
+def _names(system: System, bodies: Sequence[int]) -> list[str]:
+    """Return the names of bodies, of all that they carry where they carry some."""
+    if not system.carried:
+        return [system.bodies[index].name for index in bodies]
+    return [one.name for one in system.carried if one.carrier in bodies]
 
 
 def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, object]]:

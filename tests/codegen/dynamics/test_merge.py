@@ -98,6 +98,17 @@ def test_the_motion_of_a_tree_is_that_of_all_its_bodies(seed: int, tmp_path: Pat
     assert "j1" not in one.ledger.violations
 
 
+def test_momentum_is_told_of_all_bodies_that_have_it(tmp_path: Path) -> None:
+    builder = SceneBuilder("floating", unit="m").outputs("energies")
+    for k, name in enumerate("abc"):
+        builder.body(name, position=(k, 0, 0), boxes=[{"mass": 1, "size": (1, 2, 3)}])
+    builder.joint("weld", type="fixed", bodies=("a", "b"), at=(0, 0, 0))
+    builder.joint("ball", type="spherical", bodies=("b", "c"), at=(1.5, 0, 0))
+    (found,) = moved(builder.build(), ["energies"], tmp_path / "floating").ledger.momenta
+
+    assert found.bodies == ("a", "b", "c")
+
+
 def fixed(mechanisms: SimpleNamespace, name: str, i: int, j: int, s_i: Any, s_j: Any) -> list[Any]:
     keep = (("a_i_b", (1.0, 0.0, 0.0)), ("a_j_b", (0.0, 1.0, 0.0)))
     return [
