@@ -173,6 +173,11 @@ class DynamicsView:
         return dict(self.sizes)["MOMENTA"] > 0
 
     @property
+    def leads(self) -> bool:
+        """Whether parameters may change where drivers begin."""
+        return self.has_drivers and bool(self.parameter_names)
+
+    @property
     def meanings(self) -> Mapping[str, str]:
         """What the regions hold."""
         return REGIONS

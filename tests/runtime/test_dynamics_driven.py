@@ -62,7 +62,8 @@ def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> S
         joints += f'{name} = {{ type = "revolute", bodies = [{pair}], points = [{points}], '
         joints += "axes = [[0, 0, 1], [0, 0, 1]] }\n"
     return scene_from_toml(
-        f'name = "bars"\nunit = "m"\ngravity = [0, -9.81, 0]\n[parameters]\nrate = {RATE}\n{bodies}'
+        f'name = "bars"\nunit = "m"\ngravity = [0, -9.81, 0]\n[parameters]\nrate = {RATE}\nphase = 0\n'
+        f"{bodies}"
         f'[joints]\n{joints}[drivers]\nmotor = {{ joint = "{joint}", value = "{law}" }}\n'
     )
 
@@ -175,6 +176,17 @@ def test_branches_that_nearly_meet_are_not_exchanged_by_few_positions(load: Load
     motion = load(four_bar(rocker=rocker)).simulate(math.tau / RATE * 3, samples=11)
     wanted = pin(1.0 + RATE * motion.time, rocker)
     np.testing.assert_allclose(end_of(motion, "rocker", rocker), wanted, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("phase", [0.1, -3.0, 10.0, 50.0])
+def test_drivers_that_begin_elsewhere_lead_the_bodies_there_on_their_branch(
+    load: Load, phase: float
+) -> None:
+    """Newton's method alone finds the other branch from −3 and 10 rad, and none from 50 rad."""
+    solver = load(four_bar(law="rate*t + phase"))
+    motion = solver.simulate(0.5, samples=6, parameters={"phase": phase})
+    wanted = pin(1.0 + phase + RATE * motion.time, ROCKER)
+    np.testing.assert_allclose(end_of(motion, "rocker", ROCKER), wanted, rtol=0, atol=1e-12)
 
 
 def test_run_in_pieces_gives_the_bits_of_a_run_in_one(load: Load) -> None:
