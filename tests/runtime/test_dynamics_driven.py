@@ -62,8 +62,8 @@ def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> S
         joints += f'{name} = {{ type = "revolute", bodies = [{pair}], points = [{points}], '
         joints += "axes = [[0, 0, 1], [0, 0, 1]] }\n"
     return scene_from_toml(
-        f'name = "bars"\nunit = "m"\ngravity = [0, -9.81, 0]\n[parameters]\nrate = {RATE}\nphase = 0\n'
-        f"{bodies}"
+        'name = "bars"\nunit = "m"\ngravity = [0, -9.81, 0]\n'
+        f"[parameters]\nrate = {RATE}\nphase = 0\n{bodies}"
         f'[joints]\n{joints}[drivers]\nmotor = {{ joint = "{joint}", value = "{law}" }}\n'
     )
 
