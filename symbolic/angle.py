@@ -62,7 +62,7 @@ SQUARE = Divisor(COSINE**2 + SINE**2)
 #: The axis, times the lengths of a_i and b_i.
 AXIS = Named("n", mul(skew(SYMBOLS["a_i_b"]), symbol(THIRD)))
 #: Their n1 with a_j has the Jacobians of θ and of ρ = ln √(c² + s²), frame of i.
-ACROSS = Named("h", mul(1 / SQUARE, skew(AXIS), Y))
+ACROSS = Named("h", mul(1 / SQUARE, Named("m", mul(skew(AXIS), Y))))
 ALONG = Named("g", add(mul(COSINE / SQUARE, SYMBOLS["a_i_b"]), mul(SINE / SQUARE, symbol(THIRD))))
 
 #: Rates and γ of the cosine and the sine.

@@ -162,8 +162,8 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
     if not _is_same(Ring(quantities, given, is_unit=is_unit, at=point), left, right):
         return False
     sorts_of_names = (
-        (Named, NamedScalar, Orientation),
         (Named, Divisor, Orientation),
+        (Named, NamedScalar, Orientation),
         (Named, Orientation),
         (NamedScalar,),
     )

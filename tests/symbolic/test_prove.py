@@ -71,7 +71,7 @@ def test_one_wrong_sign_in_any_output_is_rejected(
                 prove(replace(function, outputs=outputs))
 
 
-@pytest.mark.parametrize("package", PACKAGES)
+@pytest.mark.parametrize("package", MARKED)
 def test_a_derivation_with_a_line_negated_does_not_follow(
     package: str, derived: Callable[[str], Derivation]
 ) -> None:
