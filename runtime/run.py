@@ -12,6 +12,7 @@ import numpy as np
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.motion import motion_of
+from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_ledger import COUNTERS, joints_at_stop, ledger_of
 
 if TYPE_CHECKING:
@@ -36,6 +37,11 @@ MESSAGES = {
     BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     WRONG_STATE: "the state belongs to another solver",
 }
+#: Instead of the first of them, where drivers determine the motion.
+NO_FURTHER = (
+    "no step can be taken: drivers lead no further, as at a dead centre, or the motion is not"
+    " determined from here on"
+)
 #: Rows of a call, and steps of the first one.
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
@@ -209,8 +215,9 @@ class Run:
         )
 
     def _stop(self) -> str:
-        where = f"at t = {self.time:.9g} s"
-        return f"{self.solver.name}: {where}: {MESSAGES[self._status]}{self._where()}"
+        is_driven = self.options.method == KINEMATICS and self._status == STEP_TOO_SMALL
+        reason = NO_FURTHER if is_driven else MESSAGES[self._status]
+        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"
 
     def _where(self) -> str:
         """Name the joints that are open, and those whose rows are dependent."""
