@@ -123,7 +123,7 @@ class SceneBuilder:
 
         Components may be formulas of parameters.
         """
-        self._tree["gravity"] = (x, y, z)
+        self._tree["gravity"] = _plain([x, y, z])
         return self
 
     def outputs(self, *names: str) -> Self:

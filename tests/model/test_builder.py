@@ -78,6 +78,12 @@ def test_spatial_scenes_are_built_from_the_keys_of_the_records() -> None:
     assert scene.joints["a"].axes == ((0, 0, 1), (0, 0, 1))
 
 
+def test_gravity_may_come_out_of_an_array() -> None:
+    scene = SceneBuilder("stone", unit="m").gravity(*np.array([0, 0.5, -9.81]))
+    built = scene.body("stone", position=(0, 0, 0), point=True, mass=1).build()
+    assert built.gravity == (0.0, 0.5, -9.81)
+
+
 def test_a_name_given_twice_is_refused_at_once() -> None:
     with pytest.raises(SceneError, match=r"nodes\.O2: the name 'O2' is given twice"):
         lever().node("O2", at=(1, 1))
