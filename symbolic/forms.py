@@ -68,7 +68,7 @@ class Closed:
     second : tuple of tuple of Matrix
         δ of each of them, transposed, by the same four.
     rules : tuple of str
-        Why they equal what is left of δC and of δ(C_qᵀλ).
+        Why the Jacobian equals what is left of δC; what its variation rests on.
     plain : Plain
         What they are proved by.
     lines : tuple of Step
@@ -147,9 +147,8 @@ class Forms:
         Ċ = C_q v − ν and C̈ = C_q v̇ − γ.
     reaction : tuple of Matrix
         The blocks of C_qᵀλ.
-    varied, stiffness : tuple of tuple of Matrix
-        For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j, as they are
-        left and as they are emitted.
+    stiffness : tuple of tuple of Matrix
+        For each block of the reaction its coefficients of δr^i, δθ′^i, δr^j, δθ′^j.
     """
 
     variation: Matrix
@@ -160,7 +159,6 @@ class Forms:
     nu: Matrix
     gamma: Matrix
     reaction: tuple[Matrix, ...]
-    varied: tuple[tuple[Matrix, ...], ...]
     stiffness: tuple[tuple[Matrix, ...], ...]
 
 
@@ -181,8 +179,6 @@ def collect(c: Constraint) -> Forms:
         if blocks_of(form, c.rule, c.names, symbols) != collected:
             raise DerivationError(f"{c.name}: the coefficients of {form} are not the Jacobian")
     reaction = _reaction(c, collected)
-    varied = tuple(blocks_of(DELTA(f), c.rule, c.names) for f in reaction)
-    factor = symbol(c.lam)[0, 0]
     return Forms(
         variation,
         rate,
@@ -192,10 +188,7 @@ def collect(c: Constraint) -> Forms:
         neg(without(rate, *velocities)),
         abbreviate(neg(without(acceleration, *accelerations)), *c.names),
         reaction,
-        varied,
-        varied
-        if c.closed is None
-        else tuple(tuple(mul(factor, block) for block in line) for line in c.closed.second),
+        _stiffness(c, reaction),
     )
 
 
@@ -204,6 +197,13 @@ def _reaction(c: Constraint, jacobian: Sequence[Matrix]) -> tuple[Matrix, ...]:
         return tuple(_weighted(block, symbol(c.lam)) for block in jacobian)
     factor = symbol(c.lam)[0, 0]
     return tuple(mul(factor, transpose(block)) for block in c.closed.jacobian)
+
+
+def _stiffness(c: Constraint, reaction: Sequence[Matrix]) -> tuple[tuple[Matrix, ...], ...]:
+    if c.closed is None:
+        return tuple(blocks_of(DELTA(f), c.rule, c.names) for f in reaction)
+    factor = symbol(c.lam)[0, 0]
+    return tuple(tuple(mul(factor, block) for block in line) for line in c.closed.second)
 
 
 def blocks_of(
@@ -337,16 +337,15 @@ def _force_steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:
     )
     text = "abbreviation: the vector times its multiplier"
     steps = [Step(_block(*_letter_and_index(b.name), b), b.value, text, "") for b in weighted]
+    rule = "" if c.closed is None else f"; {c.closed.rules[1]}"
     for k, (f, x) in enumerate(zip(forms.reaction, COLUMNS, strict=True)):
         text = f"block of C_qᵀλ dual to {_spoken(x.name)}"
         steps.append(Step(_block("f", x.name, f), f, text, ""))
-        for block, final, y in zip(forms.varied[k], forms.stiffness[k], COLUMNS, strict=True):
+        for block, y in zip(forms.stiffness[k], COLUMNS, strict=True):
             if not is_zero(block):
                 left = _block("f", f"{x.name},{y.name}", block)
-                text = f"δ at fixed λ, coefficient of {_spoken(y.name)}"
+                text = f"δ at fixed λ, coefficient of {_spoken(y.name)}{rule}"
                 steps.append(Step(left, block, text, "7.16"))
-                if final != block and c.closed is not None:
-                    steps.append(Step(left, final, c.closed.rules[1], ""))
     return tuple(steps)
 
 
