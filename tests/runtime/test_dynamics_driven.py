@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 
 from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
+from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import Motion
 from kousoku.runtime.run import BUFFER_FULL, PAUSED
@@ -169,6 +171,18 @@ def test_rows_exactly_at_a_change_point_are_told_by_those_around_it(load: Load) 
     ledger = motion.ledger
     assert (ledger.passed, ledger.passed_time) == (4, times[6])
     assert "4 rows where rows of the constraints are dependent" in str(ledger)
+
+
+def test_rows_are_told_where_several_loops_lie_flat_at_once(load: Load) -> None:
+    """Two pivots vanish together there, so that others are no numbers."""
+    text = to_toml(n_four_bar(3)) + '\n[drivers]\nm = { joint = "ground_0", value = "-2*pi*t" }\n'
+    motion = load(scene_from_toml(text)).simulate(times=[0.0, 0.25, 0.5, 0.75, 1.0])
+    turns = math.tau * motion.time
+    for k in range(3):
+        place = np.stack([k + np.sin(turns), np.cos(turns)], axis=1)
+        got = motion.position[f"coupler_{k}"][:, :2]
+        np.testing.assert_allclose(got, place, rtol=0, atol=1e-11)
+    assert motion.ledger.passed == 2
 
 
 def test_branches_that_nearly_meet_are_not_exchanged_by_few_positions(load: Load) -> None:
