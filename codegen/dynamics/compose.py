@@ -36,13 +36,13 @@ from kousoku.codegen.dynamics.operations import (
     Motion,
     Move,
     Orientation,
-    Sum,
 )
 from kousoku.codegen.dynamics.planar import plane_of
 from kousoku.codegen.dynamics.program import Program
 from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
+from kousoku.codegen.dynamics.sums import summed
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -50,9 +50,6 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
     from kousoku.model.mechanism import System
-
-#: How many terms one task adds up.
-CHUNK = 4
 
 
 def compose(
@@ -303,19 +300,10 @@ class _Composer:
                 shares[index].append(block)
             if power is not None:
                 powers.setdefault(force.name, []).append(power)
-        free[:] = [self._sum(parts) for parts in shares]
+        free[:] = [summed(self.recorder, parts) for parts in shares]
         for name, parts in powers.items():
             target = self.auxiliary.of(self.q_dot, WORK, name)
-            self.recorder.call(Copy(), self._sum(parts), into=(target,))
-
-    def _sum(self, parts: list[Block]) -> Block:
-        """Return the sum of blocks, a few at a time."""
-        while len(parts) > 1:
-            parts = [
-                self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]
-                for k in range(0, len(parts), CHUNK)
-            ]
-        return parts[0]
+            self.recorder.call(Copy(), summed(self.recorder, parts), into=(target,))
 
     def _reaction(self) -> None:
         """Record force and torque of each joint."""
@@ -370,9 +358,4 @@ class _Composer:
                 parts.append(self.forces.stored(force))
         if self.system.resting:
             parts.append(self.recorder.constant((0, self.system.resting)))
-        while len(parts) > CHUNK:
-            parts = [
-                self.recorder.call(Sum(), *parts[k : k + CHUNK])[0]
-                for k in range(0, len(parts), CHUNK)
-            ]
-        self.recorder.call(Sum(), *parts, into=(target,))
+        summed(self.recorder, parts, target)

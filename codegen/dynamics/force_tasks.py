@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.forces import ELONGATION, SPRING, Load, Spring, Stored
 from kousoku.codegen.dynamics.forces_along import Held, Push, Resist
 from kousoku.codegen.dynamics.formulas import Product, scaled
-from kousoku.codegen.dynamics.operations import Sum
 from kousoku.codegen.dynamics.recorder import Block, column
+from kousoku.codegen.dynamics.sums import summed
 from kousoku.model.formulas import used_names
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -92,7 +92,7 @@ class ForceTasks:
             if text:
                 direction = self.recorder.constant([system.unit * (n == k) for n in range(3)])
                 parts.append(scaled(self.recorder, direction, text, self.names))
-        return self.recorder.call(Sum(), *parts)[0] if len(parts) > 1 else parts[0]
+        return summed(self.recorder, parts)
 
     def weight(self, system: System, gravity: Block, mass: Fraction) -> Block:
         """Return minus the weight of a body (3,)."""

@@ -18,6 +18,7 @@ import numpy as np
 from kousoku.codegen.dynamics.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.branch import Branch
 from kousoku.codegen.dynamics.combinations import fixed_law
+from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.codegen.dynamics.driven import Drivers
 from kousoku.codegen.dynamics.least import Metric
 from kousoku.codegen.dynamics.loops import loops_of
@@ -287,25 +288,14 @@ def _components(factors: Sequence[Factors]) -> list[tuple[tuple[int, ...], int]]
 
     Rows are in one set when a row that depends on others is made of them.
     """
-    leader = list(range(len(factors[0].taken) + len(factors[0].left)))
-
-    def find(row: int) -> int:
-        while leader[row] != row:
-            leader[row] = leader[leader[row]]
-            row = leader[row]
-        return row
-
+    together = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
     for one in factors:
         takes_part = np.abs(one.combinations()) > TAKES_PART
         for row, parts in zip(one.left, takes_part, strict=True):
             for k in np.flatnonzero(parts):
-                a, b = sorted((find(row), find(one.taken[int(k)])))
-                leader[b] = a
-    found: dict[int, list[int]] = {}
-    for row in range(len(leader)):
-        found.setdefault(find(row), []).append(row)
+                together.join(row, one.taken[int(k)])
     left = factors[0].left
-    sets = [(tuple(rows), sum(row in rows for row in left)) for rows in found.values()]
+    sets = [(tuple(rows), sum(row in rows for row in left)) for rows in together.sets()]
     return [(rows, count) for rows, count in sets if count]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -43,17 +44,15 @@ def grouped(system: System) -> tuple[tuple[int, ...], ...]:
     while kept := _kept(system, leaders) & {body for edge in edges for body in edge}:
         edges = [edge for edge in edges if kept.isdisjoint(edge)]
         leaders = _joined(count, edges, joints)
-    members: dict[int, list[int]] = {}
-    for body in range(GROUND_INDEX, count):
-        members.setdefault(leaders.of(body), []).append(body)
-    if len(members) == 1:
+    groups = leaders.sets()
+    if len(groups) == 1:
         return ()
-    return tuple(tuple(group) for group in members.values() if len(group) > 1)
+    return tuple(tuple(group) for group in groups if len(group) > 1)
 
 
-def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> _Leaders:
+def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> DisjointSets:
     """Return the groups that fixed joints make: first what they hold to the ground."""
-    leaders = _Leaders(count)
+    leaders = DisjointSets(range(GROUND_INDEX, count))
     beside: dict[int, list[int]] = {}
     for i, j in edges:
         beside.setdefault(i, []).append(j)
@@ -70,27 +69,6 @@ def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> _Le
             leaders.join(a, b)
             joints[leaders.of(a)] = joints[a] + joints[b]
     return leaders
-
-
-class _Leaders:
-    """Disjoint sets of bodies, each with the lowest of its members as its leader."""
-
-    def __init__(self, count: int) -> None:
-        #: The ground stands last, where its index −1 finds it.
-        self._above = [*range(count), GROUND_INDEX]
-
-    def of(self, body: int) -> int:
-        """Return the leader of a body."""
-        while self._above[body] != body:
-            self._above[body] = self._above[self._above[body]]
-            body = self._above[body]
-        return body
-
-    def join(self, a: int, b: int) -> bool:
-        """Make two sets one; return whether they were two."""
-        low, high = sorted((self.of(a), self.of(b)))
-        self._above[high] = low
-        return low != high
 
 
 def fixed_joints(system: System) -> list[Edge]:
@@ -114,7 +92,7 @@ def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
     return counts
 
 
-def _kept(system: System, leaders: _Leaders) -> set[int]:
+def _kept(system: System, leaders: DisjointSets) -> set[int]:
     """Return the bodies that stay what they are."""
     found: set[int] = set()
     for coordinate in system.coordinates:

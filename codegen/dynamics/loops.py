@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -74,22 +75,11 @@ def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
         ends += [(vertices, body) for body in connected]
         joint_of += [joint] * len(connected)
         vertices += 1
-    leader = list(range(len(bodies)))
-
-    def find(joint: int) -> int:
-        while leader[joint] != joint:
-            leader[joint] = leader[leader[joint]]
-            joint = leader[joint]
-        return joint
-
+    joints = DisjointSets(range(len(bodies)))
     for edges in _biconnected(vertices, ends):
         for edge in edges[1:]:
-            a, b = sorted((find(joint_of[edges[0]]), find(joint_of[edge])))
-            leader[b] = a
-    groups: dict[int, list[int]] = {}
-    for joint in range(len(bodies)):
-        groups.setdefault(find(joint), []).append(joint)
-    return list(groups.values())
+            joints.join(joint_of[edges[0]], joint_of[edge])
+    return joints.sets()
 
 
 def _biconnected(count: int, ends: Sequence[tuple[int, int]]) -> Iterator[list[int]]:

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.codegen.dynamics.matrix import Matrix
-from kousoku.codegen.dynamics.operations import Sum
 from kousoku.codegen.dynamics.program import Kept
+from kousoku.codegen.dynamics.sums import summed
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 #: Vectors whose angle is smaller count as parallel [rad].
 PARALLEL = 1e-9
-#: How many bodies one task adds up.
-CHUNK = 4
 
 
 def kept_of(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
@@ -83,23 +82,11 @@ def _parts(system: System) -> Iterator[tuple[int, ...]]:
     """Yield the bodies of each part that nothing connects with the ground."""
     groups: list[tuple[int, ...]] = [one.bodies for one in system.constraints]
     groups += [(one.i, one.j) for one in system.forces if not _is_load(one)]
-    parent = list(range(len(system.bodies) + 1))  # the ground stands last
-
-    def root(body: int) -> int:
-        while parent[body] != body:
-            parent[body] = parent[parent[body]]
-            body = parent[body]
-        return body
-
-    ground = len(system.bodies)
-    for group in groups:
-        first, *rest = (root(ground if body == GROUND_INDEX else body) for body in group)
+    connected = DisjointSets(range(GROUND_INDEX, len(system.bodies)))
+    for first, *rest in groups:
         for other in rest:
-            parent[root(other)] = root(first)
-    members: dict[int, list[int]] = {}
-    for body in range(ground):
-        members.setdefault(root(body), []).append(body)
-    yield from (tuple(own) for key, own in members.items() if key != root(ground))
+            connected.join(first, other)
+    yield from (tuple(part) for part in connected.sets() if GROUND_INDEX not in part)
 
 
 def _across(vectors: Sequence[Vector]) -> tuple[Vector, ...]:
@@ -215,16 +202,11 @@ def record_momenta(
             numbers = [recorder.constant((moving.mass,)), recorder.constant(moving.inertia)]
             own = (blocks.r, blocks.orientation, blocks.v_r, blocks.omega_b, *numbers)
             shares += recorder.call(Share(), *own, origin.r, origin.v_r)
-        while len(shares) > 1:
-            shares = [
-                recorder.call(Sum(), *shares[k : k + CHUNK])[0]
-                for k in range(0, len(shares), CHUNK)
-            ]
         mass = sum(Fraction(system.bodies[index].mass) for index in one.bodies)
         directions = [recorder.constant(vector) for vector in (*one.linear, *one.angular)]
         recorder.call(
             Along(len(one.linear)),
-            *(shares[0], recorder.constant((1 / mass,)), *directions),
+            *(summed(recorder, shares), recorder.constant((1 / mass,)), *directions),
             into=(target.part(at, one.count),),
         )
         at += one.count

@@ -308,17 +308,3 @@ class Energy:
         )
         potential = graph.sum(graph.mul(a, b) for a, b in zip(weight, r, strict=True))
         return (Matrix(graph, ((kinetic,), (potential,)), 1),)
-
-
-@dataclass(frozen=True, slots=True)
-class Sum:
-    """Add vectors. Blocks: the vectors."""
-
-    title: str = "sum"
-
-    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the sum."""
-        total, *rest = blocks
-        for block in rest:
-            total += block
-        return (total,)
