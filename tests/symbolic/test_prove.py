@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import pytest
@@ -108,13 +109,32 @@ def test_printed_coefficient_of_n1_is_rejected_and_the_true_one_accepted(
 def test_rates_hold_at_any_state_on_and_off_the_constraint(
     package: str, derived: Callable[[str], Derivation]
 ) -> None:
-    constraint, rates, _ = derived(package).functions
+    assert_rates_hold(derived(package), at_point=None)
+
+
+@pytest.mark.parametrize("package", ["angle", "length"])
+@pytest.mark.parametrize("start", [2, 5, 11])
+def test_rates_hold_at_rational_states_where_the_value_is_no_polynomial(
+    package: str, start: int, derived: Callable[[str], Derivation]
+) -> None:
+    assert_rates_hold(derived(package), at_point=start)
+
+
+def assert_rates_hold(derivation: Derivation, at_point: int | None) -> None:
+    """Assert dC/dt = C_q v − ν and d²C/dt² = C_q dv/dt − γ, everywhere or at rational numbers."""
+    constraint, rates, _ = derivation.functions
     values = constraint.outputs[0].components
     jacobian = constraint.outputs[1].components
     nu, gamma = (output.components for output in rates.outputs)
     accelerations = [symbol_ for c in COLUMNS for symbol_ in _components_of(c.acceleration.name)]
     velocities = [symbol_ for c in COLUMNS for symbol_ in COMPONENTS[c.velocity.name]]
-    carrier = Ring([], scalars=_symbols(derived(package)) + velocities + accelerations)
+    scalars = _symbols(derivation) + velocities + accelerations
+    at = (
+        None
+        if at_point is None
+        else [Fraction(7 * k % 13 - 6, at_point) for k in range(len(scalars))]
+    )
+    carrier = Ring([], scalars=scalars, at=at)
     once = motion_flow()
     twice = _accelerated(velocities, accelerations)
     for row, value in enumerate(values):
