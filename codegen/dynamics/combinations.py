@@ -15,6 +15,7 @@ from kousoku.codegen.expressions import to_graph
 from kousoku.codegen.graph import Graph
 from kousoku.model.derivative import derivative
 from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import TIME
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recorder import Block, Recorder
     from kousoku.codegen.dynamics.traces import Trace
     from kousoku.model.mechanism import Instance
-
-TIME = "t"
 
 
 @dataclass(frozen=True, slots=True)

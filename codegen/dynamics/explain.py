@@ -15,9 +15,9 @@ from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.counts import counts, operations
 from kousoku.codegen.dynamics.freedom import freedom_of
 from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
-from kousoku.codegen.dynamics.groups import fixed_joints
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
+from kousoku.codegen.dynamics.rigid_groups import fixed_joints
 from kousoku.codegen.dynamics.structure import structure_of
 from kousoku.codegen.dynamics.weights import weighted
 from kousoku.codegen.store import shipped_kinds

@@ -10,10 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.groups import grouped
+from kousoku.codegen.dynamics.composite import Seat, joined, on_ground
 from kousoku.codegen.dynamics.planar import NORMAL, is_planar
-from kousoku.codegen.dynamics.resting import resting_energy
-from kousoku.codegen.dynamics.rigid import Seat, joined, on_ground
+from kousoku.codegen.dynamics.resting_energy import resting_energy
+from kousoku.codegen.dynamics.rigid_groups import grouped
 from kousoku.codegen.dynamics.turned import can_turn, turned
 from kousoku.model.mechanism import GROUND_INDEX, Carried
 from kousoku.model.rows import variant

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.laws import law_at_start
+from kousoku.codegen.dynamics.driver_laws import law_at_start
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
 from kousoku.model import precise

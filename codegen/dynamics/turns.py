@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.laws import law_at_start
+from kousoku.codegen.dynamics.driver_laws import law_at_start
 from kousoku.codegen.dynamics.pose import Pose
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.model import precise

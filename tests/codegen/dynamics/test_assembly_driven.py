@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.laws import law_at_start
+from kousoku.codegen.dynamics.driver_laws import law_at_start
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.model.errors import AssemblyError
 from kousoku.model.mechanism import COMBINATION, Instance

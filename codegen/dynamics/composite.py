@@ -1,4 +1,4 @@
-"""One body in place of several that do not move against each other, in 50 digits, rounded once."""
+"""The composite body of several that do not move against each other, in 50 digits, rounded once."""
 
 from __future__ import annotations
 

@@ -17,6 +17,7 @@ from kousoku.model import precise
 from kousoku.model.derivative import derivative
 from kousoku.model.errors import AssemblyError
 from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import TIME
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import Instance
     from kousoku.model.precise import High
 
-TIME = "t"
 #: Of one formula: itself and its derivatives by the time.
 LEVELS = ("value", "rate", "second")
 #: What is smaller is what rounding left of a zero, such as sin(pi).

@@ -10,7 +10,7 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.dynamics.rigid import Seat
+    from kousoku.codegen.dynamics.composite import Seat
     from kousoku.model.mechanism import ForceElement, System
     from kousoku.model.precise import High
 
