@@ -287,15 +287,20 @@ def ledger_of(
         fallback_time=numbers["fallback time"] if numbers["fallbacks"] else None,
         energy=numbers["energy"] if is_weighed else None,
         energy_error=numbers["energy error"] if options.checks and is_weighed else None,
-        works=MappingProxyType(
-            {name: float(state[len(COUNTERS) + place]) for name, place in works if is_weighed}
-        ),
+        works=MappingProxyType(_works(state, works, options) if is_weighed else {}),
         momenta=momenta_of(kept, changes.tolist()) if options.checks else (),
         violations=MappingProxyType(_violations(worst, checked) if options.checks else {}),
         released=_released(worst[0, len(rows) :], left_out, length) if options.checks else (),
         seconds=MappingProxyType(dict(seconds)),
         **counts,
     )
+
+
+def _works(state: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:
+    """Return the works; where drivers determine the motion steps fit them for the ledger only."""
+    if options.method == KINEMATICS and not options.checks:
+        return {}
+    return {name: float(state[len(COUNTERS) + place]) for name, place in works}
 
 
 def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Violation]:

@@ -243,7 +243,8 @@ def dynamics_view(
     sizes += [(name, program.region(region).size) for name, region in counts.items()]
     sizes.append(("NCHECK", len(program.rows) + len(program.left_out)))
     sizes += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
-    sizes.append(("WORKS", sum(one.kind == WORK for one in program.auxiliary)))
+    works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
+    sizes.append(("WORKS", works))
     sizes.append(("MOMENTA", sum(one.count for one in program.kept)))
     sizes += parameter_sizes(program)
     sizes.append(("W_SIZE", program.size))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import n_four_bar
@@ -218,6 +219,24 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(load: Load) -> None:
     np.testing.assert_array_equal(run.state, whole.state)
     for name, values in run.motion().columns().items():
         np.testing.assert_array_equal(values, wanted[name])
+
+
+def test_steps_fit_the_work_only_where_somebody_is_told_of_it(
+    backend: str, bodies_folder: Callable[..., Path]
+) -> None:
+    target: Any = backend
+    told = load_dynamics(bodies_folder(four_bar(), OUTPUTS), target=target)
+    untold = load_dynamics(bodies_folder(four_bar(), ("accelerations",)), target=target)
+    bodies = {name: replace(body, boxes=()) for name, body in four_bar().bodies.items()}
+    scene = replace(four_bar(), bodies=bodies)
+    massless = load_dynamics(bodies_folder(scene, ("accelerations",)), target=target)
+    times = np.linspace(0.0, 1.0, 3)
+    pairs = [(one, checks) for one in (told, untold, massless) for checks in (True, False)]
+    ledgers = [one.simulate(times=times, checks=checks).ledger for one, checks in pairs]
+    few = ledgers[3].steps
+    assert few < 30
+    assert [one.steps > 3 * few for one in ledgers] == [True, True, True, False, False, False]
+    assert [bool(one.works) for one in ledgers] == [True, False, True, False, False, False]
 
 
 def test_no_step_is_longer_than_it_may_be(load: Load) -> None:
