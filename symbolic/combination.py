@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from kousoku.symbolic.matrices import Matrix
 
-TITLE = "linear_combination, coordinates coupled to each other and to time (COUPLER, MOTION)"
+TITLE = "linear_combination, coordinates coupled to each other (COUPLER, MOTION)"
 SOURCE = "lecture 7.1, (7.10)"
 COLUMNS = 12
 BOTH = (1, 2)

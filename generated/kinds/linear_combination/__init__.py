@@ -1,4 +1,4 @@
-"""linear_combination: linear_combination, coordinates coupled to each other and to time (COUPLER, MOTION).
+"""linear_combination: linear_combination, coordinates coupled to each other (COUPLER, MOTION).
 
 Compiled where ``kousoku.runtime`` and a C compiler are there, else NumPy; decided at first use.
 """
