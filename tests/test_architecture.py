@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -151,3 +152,20 @@ def test_nothing_is_left_behind() -> None:
             if path != Path(__file__):
                 text = path.read_text(encoding="utf-8")
                 assert "TODO" not in text and "type: ignore" not in text, path
+
+
+def test_the_map_of_dynamics_names_every_module_once() -> None:
+    folder = ROOT / "codegen" / "dynamics"
+    text = (folder / "__init__.py").read_text(encoding="utf-8")
+    modules = {path.stem for path in folder.glob("*.py")} - {"__init__", "generate"}
+    assert sorted(re.findall(r"``(\w+)``", text)) == sorted(modules)
+
+
+def test_every_file_that_the_pipeline_names_is_there() -> None:
+    text = (ROOT / "docs" / "pipeline.md").read_text(encoding="utf-8")
+    named = re.findall(r"`(\w+/[\w/]*\.py)`", text)
+    assert named
+    assert [name for name in named if not (ROOT / name).is_file()] == []
+    templates = ROOT / "codegen" / "templates" / "dynamics"
+    stems = {path.name.partition(".")[0] for path in templates.iterdir()} - {"__init__"}
+    assert set(re.findall(r"^\| `([a-z]+)` \| [^|]* \|$", text, re.M)) == stems

@@ -1,1 +1,28 @@
-"""Compose the motion of a system from frozen kinds: a program of small kernels on one workspace."""
+"""Compose the motion of a system from frozen kinds: a program of small kernels on one workspace.
+
+Where what is, in the order of :mod:`~kousoku.codegen.dynamics.generate`, which calls all of it:
+
+positions and velocities that fit
+    ``assembly``, ``nearest``, ``rough``, ``pose``, ``residuals``, ``driver_laws``, ``turns``,
+    ``least``, ``block_factors``, ``fixed_points``, ``violations``
+fewer bodies and columns
+    ``merge``, ``rigid_groups``, ``composite``, ``resting_energy``; ``planar``, ``turned``,
+    ``forces_plane``; ``weights``
+which rows depend on others
+    ``freedom``, ``loops``, ``branch``, ``rank``, ``driven``, ``unmoved``, ``left_out``,
+    ``out_of_plane``
+operations, which one task each computes
+    ``operations``, ``forces``, ``forces_along``, ``formulas``, ``elimination``, ``sums``
+the program, segment by segment
+    ``compose``, ``bodies``, ``joints``, ``joint_tasks``, ``coordinates``, ``combinations``,
+    ``auxiliary``, ``force_tasks``, ``schur``, ``ordering``, ``reactions``, ``least_norm``,
+    ``momentum``, ``length``
+what operations are recorded on
+    ``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``
+running a program without its source
+    ``run``, ``reference``, ``rounding``
+source
+    ``emit``, ``view``, ``numpy_view``, ``runge_kutta``, ``motion_data``
+what is told of it
+    ``explain``, ``counts``, ``structure``
+"""

@@ -7,7 +7,9 @@ import math
 import numpy as np
 import pytest
 
+from kousoku.cli import simulate
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
+from kousoku.runtime.options import KINEMATICS, RUNGE_KUTTA
 
 methods = pytest.mark.parametrize("method", METHODS.values(), ids=lambda m: m.name)
 
@@ -75,3 +77,8 @@ def test_dense_output_is_one_order_below_a_step(method: Method) -> None:
             worst = max(worst, np.abs(start + y - fine(start, x * h)).max())
         errors.append(worst)
     assert math.log2(errors[0] / errors[1]) > method.order - 1
+
+
+def test_runs_choose_methods_by_the_names_and_the_order_of_the_tables() -> None:
+    assert tuple(METHODS) == RUNGE_KUTTA
+    assert [*METHODS, KINEMATICS] == [method.value for method in simulate.Method]
