@@ -93,6 +93,25 @@ def scene_from_dict(tree: object, *, file: str = "") -> Scene:
     return _scene(tree, "", file)
 
 
+def located(error: SceneError, path: str | Path) -> SceneError:
+    """Return an error of a scene that was read, with the name of its file and the lines.
+
+    Parameters
+    ----------
+    error : SceneError
+        What was found when the scene was put together.
+    path : str or Path
+        The file that it was read from.
+    """
+    if error.file:
+        return error
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except (OSError, ValueError):  # it is gone, or no longer a text
+        text = ""
+    return SceneError.of(_with_lines(error.problems, text), file=str(path))
+
+
 def _scene(tree: object, text: str, file: str) -> Scene:
     problems = Problems()
     try:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection
 
     from kousoku.model.loads import Force
+    from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
 
 KEYS = {
@@ -50,8 +51,12 @@ def uses_of(force: Force) -> list[str]:
     return [join(table, name) for table, names in tables.items() for name in names if name]
 
 
-def check_force(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
-    """Refuse keys that do not belong to the type, bodies that are not there, and lost points.
+def check_force(
+    scene: Scene, force: Force, key: str, names: Collection[str], problems: Problems
+) -> None:
+    """Check the parts of a force, each whatever is wrong with the others.
+
+    Formulas are checked unless a table of names that they may use is not what it should be.
 
     Parameters
     ----------
@@ -63,12 +68,16 @@ def check_force(scene: Scene, force: Force, key: str, names: Collection[str]) ->
         Its dotted key.
     names : collection of str
         What formulas of the motion may depend on.
-
-    Raises
-    ------
-    SceneError
-        With the dotted key of what is wrong.
+    problems : Problems
+        What is broken in the scene, and where to note what else is wrong.
     """
+    problems.check(key, uses_of(force), _check_keys, scene, force, key)
+    if not problems.touches("parameters", "coordinates"):
+        problems.check(key, (), _check_formulas, scene, force, key, names)
+
+
+def _check_keys(scene: Scene, force: Force, key: str) -> None:
+    """Refuse keys that do not belong to the type, bodies that are not there, and lost points."""
     if force.type not in KEYS:
         raise SceneError(
             unknown(f"force {force.type[:40]!r}", force.type, tuple(KEYS)), key=f"{key}.type"
@@ -80,7 +89,6 @@ def check_force(scene: Scene, force: Force, key: str, names: Collection[str]) ->
     if "bodies" in own:
         _check_ends(scene, force, key)
     CHECKS[force.type](scene, force, key)
-    _check_formulas(scene, force, key, names)
 
 
 def check_gravity(scene: Scene) -> None:

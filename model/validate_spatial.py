@@ -13,7 +13,7 @@ from kousoku.model.orientation import check_orientation
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinates import check_coordinates
 from kousoku.model.validate_couplings import check_coupling
-from kousoku.model.validate_forces import check_force, check_gravity, uses_of
+from kousoku.model.validate_forces import check_force, check_gravity
 from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
@@ -56,15 +56,14 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
         problems.add(problem, key, breaks=key)
     for name, body in scene.bodies.items():
         key = join("bodies", name)
-        problems.check(key, [key], _check_body, body, key)
+        _check_body(body, key, problems)
     couplings = {}
     for name, joint in scene.joints.items():
         key = join("joints", name)
         if NAMES.get(joint.type) in COUPLINGS:
             couplings[key] = joint
             continue
-        uses = [join("bodies", body) for body in joint.bodies or ()]
-        problems.check(key, [key, *uses], _check_joint, scene, joint, key)
+        _check_joint(scene, joint, key, problems)
     check_coordinates(scene, problems)
     for key, joint in couplings.items():
         uses = [join("joints", other) for other in joint.joints or ()]
@@ -72,12 +71,19 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
         problems.check(key, [key, *uses], check_coupling, scene, joint, key)
     names = state_names(scene)
     for name, force in scene.forces.items():
-        key = join("forces", name)
-        problems.check(key, [key, *uses_of(force)], check_force, scene, force, key, names)
+        check_force(scene, force, join("forces", name), names, problems)
     problems.check("gravity", ["gravity"], check_gravity, scene)
 
 
-def _check_body(body: Body, key: str) -> None:
+def _check_body(body: Body, key: str, problems: Problems) -> None:
+    """Check the parts of a body, each whatever is wrong with the others."""
+    problems.check(key, (), _check_turning, body, key)
+    if body.orientation is not None:
+        problems.check(key, (), check_orientation, body.orientation, f"{key}.orientation")
+    problems.check(key, (), check_mass, body, key)
+
+
+def _check_turning(body: Body, key: str) -> None:
     if body.point:
         for name in ROTATION_KEYS:
             if getattr(body, name) is not None:
@@ -90,31 +96,50 @@ def _check_body(body: Body, key: str) -> None:
             "is given in frame O too, as angular_velocity; wanted one of them",
             key=f"{key}.angular_velocity_b",
         )
-    if body.orientation is not None:
-        check_orientation(body.orientation, f"{key}.orientation")
-    check_mass(body, key)
 
 
-def _check_joint(scene: Scene, joint: Joint, key: str) -> None:
-    kind = _kind(joint, key)
+def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> None:
+    """Check the parts of a joint, each whatever is wrong with the others, or with its bodies."""
+    kind = problems.check(key, (), _kind, joint, key)
+    ends = [join("bodies", body) for body in joint.bodies or () if body != GROUND]
+    problems.check(key, (), _check_two_bodies, joint, key)
+    problems.check(key, ends, _check_known_bodies, scene, joint, key)
+    if kind is None:
+        return
+    problems.check(key, (), _check_axes, joint, kind, key)
+    problems.check(key, (), _check_numbers, joint, kind, key)
+    problems.check(key, (), _check_length, joint, key)
+    problems.check(key, (), _check_point, joint, kind, key)
+    problems.check(key, [key, *ends], _check_point_bodies, scene, joint, kind, key)
+
+
+def _check_two_bodies(joint: Joint, key: str) -> None:
     if joint.bodies is None:
         raise SceneError("is missing; wanted a list of 2 names", key=f"{key}.bodies")
-    for index, body in enumerate(joint.bodies):
-        if body != GROUND and body not in scene.bodies:
-            known = (*scene.bodies, GROUND)
-            raise SceneError(
-                unknown(f"body {body[:40]!r}", body, known), key=f"{key}.bodies[{index}]"
-            )
     if joint.bodies[0] == joint.bodies[1]:
         raise SceneError(
             f"connects {joint.bodies[0]} to itself; wanted two different bodies",
             key=f"{key}.bodies",
         )
-    _check_point(scene, joint, kind, key)
-    _check_axes(joint, kind, key)
-    _check_zero(joint, kind, key)
-    _check_numbers(joint, kind, key)
-    _check_length(joint, key)
+
+
+def _check_known_bodies(scene: Scene, joint: Joint, key: str) -> None:
+    for index, body in enumerate(joint.bodies or ()):
+        if body != GROUND and body not in scene.bodies:
+            known = (*scene.bodies, GROUND)
+            raise SceneError(
+                unknown(f"body {body[:40]!r}", body, known), key=f"{key}.bodies[{index}]"
+            )
+
+
+def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
+    """Check that a point body is met where it is, by a joint that keeps no orientation of it."""
+    for index, (name, point) in enumerate(zip(joint.ends, joint.points or (), strict=False)):
+        if name != GROUND and scene.bodies[name].point and any(point):
+            raise SceneError(
+                f"{name} is a point; wanted [0, 0, 0], its only point",
+                key=f"{key}.points[{index}]",
+            )
     for index, name in enumerate(joint.ends):
         if name != GROUND and scene.bodies[name].point and kind.turns(index):
             raise SceneError(
@@ -131,8 +156,8 @@ def _kind(joint: Joint, key: str) -> JointKind:
     return JOINTS[NAMES[name]]
 
 
-def _check_point(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
-    """Check that a joint has its point once, and that a point body is met where it is."""
+def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
+    """Check that a joint has its point once."""
     if not kind.has_point:
         for name in ("points", "at"):
             if getattr(joint, name) is not None:
@@ -153,19 +178,15 @@ def _check_point(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
             "as 'at'",
             key=f"{key}.points",
         )
-    for index, (name, point) in enumerate(zip(joint.ends, joint.points or (), strict=False)):
-        if name != GROUND and scene.bodies[name].point and any(point):
-            raise SceneError(
-                f"{name} is a point; wanted [0, 0, 0], its only point",
-                key=f"{key}.points[{index}]",
-            )
 
 
 def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
+    """Check the axes, and then the directions across them."""
     given = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
     if not kind.axes and not (kind.has_zero and joint.zero is not None):
         for name in given:
             raise SceneError(f"a {joint.type} joint has no axis; leave it out", key=f"{key}.{name}")
+        _check_zero(joint, kind, key)
         return
     if not given:
         raise SceneError(
@@ -188,6 +209,7 @@ def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
         _check_axis(joint.axis, f"{key}.axis")
     if joint.second_axis is not None:
         _check_axis(joint.second_axis, f"{key}.second_axis")
+    _check_zero(joint, kind, key)
 
 
 def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.program import Coordinates, Place
 from kousoku.codegen.dynamics.recorder import Block, column
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import Problem, SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -92,19 +92,25 @@ def require_masses(system: System, *, is_planar: bool) -> None:
     Raises
     ------
     SceneError
-        A body has no mass, or no moment about an axis that it can turn about.
+        Bodies have no mass, or no moment about an axis that they can turn about: all of them.
     """
+    found = []
     for body in system.bodies:
         if body.mass <= 0:
-            raise SceneError("is missing; its motion depends on it", key=f"bodies.{body.name}.mass")
+            found.append(
+                Problem("is missing; its motion depends on it", f"bodies.{body.name}.mass")
+            )
+            continue
         _, columns = shape(body, is_planar=is_planar)
         moments = [body.inertia[k - 3] for k in columns if k > 2]
         if any(moment <= 0 for moment in moments):
-            raise SceneError(
+            problem = (
                 f"has a principal moment of {min(moments)} kg m² about an axis that it can turn"
-                " about; wanted positive ones: give it some thickness",
-                key=f"bodies.{body.name}.inertia",
+                " about; wanted positive ones: give it some thickness"
             )
+            found.append(Problem(problem, f"bodies.{body.name}.inertia"))
+    if found:
+        raise SceneError.of(found)
 
 
 def thickened(system: System) -> System:

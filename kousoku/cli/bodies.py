@@ -13,6 +13,7 @@ import typer
 
 from kousoku.cli.console import print_json, print_table
 from kousoku.model.errors import SceneError, SolveError
+from kousoku.model.read import located
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
@@ -80,8 +81,7 @@ def move(scene: Scene, wish: Wish) -> None:
         with _progress() as show:
             motion = solver.simulate(**wish.options, progress=show)
     except SceneError as error:
-        problems = error.problems
-        raise SceneError.of(problems, file=error.file or str(wish.file)) from None
+        raise located(error, wish.file) from None
     except SolveError as error:
         kept = _save_partial(getattr(error, "trajectory", None), wish.out)
         raise SolveError(f"{wish.file}: {error}{kept}") from None

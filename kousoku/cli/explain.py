@@ -31,9 +31,11 @@ def explain(
     if not scene.is_spatial:
         _explain_linkage(scene, as_json=as_json)
         return
+    from kousoku.cli.scenes import naming
     from kousoku.codegen.dynamics.explain import explain as explained
 
-    found = explained(scene)
+    with naming(scene_file):
+        found = explained(scene)
     if as_json:
         print_json(_data(found))
         return

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -18,6 +18,9 @@ from kousoku.cli.console import (
     progress,
 )
 from kousoku.model.errors import EmitError
+
+if TYPE_CHECKING:
+    from kousoku.model.scene import Scene
 
 SourceTree = dict[str, str]
 
@@ -133,8 +136,18 @@ def _scene_order(path: Path, out: Path | None) -> Order:
     scene = read_scene(path)
     folder = scene_folder(scene.name) if out is None else out / scene.name
     if scene.is_spatial:
-        return Order(folder, partial(generate_dynamics, scene, references=True))
-    return Order(folder, partial(generate_scene, scene))
+        return Order(
+            folder, partial(_made, path, partial(generate_dynamics, references=True), scene)
+        )
+    return Order(folder, partial(_made, path, generate_scene, scene))
+
+
+def _made(path: Path, make: "Callable[[Scene], SourceTree]", scene: "Scene") -> SourceTree:
+    """Return the solver of a scene; what is wrong with it is told with its file."""
+    from kousoku.cli.scenes import naming
+
+    with naming(path):
+        return make(scene)
 
 
 def _kinds_folder() -> Path:

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import tempfile
 import time
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.cli.console import Target, checkout, generated_folder
-from kousoku.model.errors import SceneError
-from kousoku.model.read import read_scene
+from kousoku.model.errors import AssemblyError, SceneError
+from kousoku.model.read import located, read_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
@@ -38,6 +39,23 @@ def read_spatial_scene(path: Path) -> Scene:
             key="nodes",
         )
     return scene
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name the file, and the lines, of what is found wrong with a scene after it was read.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As they were, but for that.
+    """
+    try:
+        yield
+    except SceneError as error:
+        raise located(error, path) from None
+    except AssemblyError as error:
+        raise AssemblyError(f"{path}: {error}") from None
 
 
 def committed_scenes() -> list[Path]:

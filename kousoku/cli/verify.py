@@ -3,6 +3,7 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -76,6 +77,7 @@ def _folders(name: str) -> list[Path]:
 
 def _generated(scene_file: Path) -> Path:
     """Return the folder of a scene's solver with reference values, in the user's cache."""
+    from kousoku.cli.scenes import naming
     from kousoku.codegen.dynamics.generate import generate_dynamics
     from kousoku.codegen.generate import MANIFEST_FILE, write_tree
     from kousoku.codegen.linkage import generate_scene
@@ -84,7 +86,9 @@ def _generated(scene_file: Path) -> Path:
     from kousoku.model.read import read_scene
 
     scene = read_scene(scene_file)
-    tree = generate_dynamics(scene, references=True) if scene.is_spatial else generate_scene(scene)
+    make = partial(generate_dynamics, references=True) if scene.is_spatial else generate_scene
+    with naming(scene_file):
+        tree = make(scene)
     digest = Manifest.from_json(tree[MANIFEST_FILE]).digest
     folder = cache_folder() / "verified" / digest[:32] / scene.name
     write_tree(folder, tree)

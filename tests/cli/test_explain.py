@@ -116,3 +116,44 @@ def test_what_drivers_leave_to_integrate_is_told(run: Run) -> None:
     assert "all: motor, nothing is left to integrate" in out
     assert "the motion is that of motor" in out
     assert "not done" in out
+
+
+MASSLESS = """name = "massless"
+unit = "m"
+[bodies.arm]
+position = [0, 0, 0]
+[bodies.bob]
+position = [1, 0, 0]
+mass = 1
+[joints.ball]
+type = "ball"
+bodies = ["arm", "bob"]
+at = [0, 0, 0]
+"""
+
+
+@pytest.mark.parametrize("command", ["explain", "generate", "verify"])
+def test_what_is_found_when_a_scene_is_put_together_has_its_file_and_lines(
+    run: Run, tmp_path: Path, command: str
+) -> None:
+    file = tmp_path / "massless.toml"
+    file.write_text(MASSLESS)
+
+    code, _, err = run(command, file)
+
+    assert code == 2
+    assert f"{file}:3: bodies.arm.mass: is missing" in err
+    assert f"{file}:5: bodies.bob.inertia: has a principal moment of 0.0" in err
+
+
+def test_a_scene_that_does_not_fit_is_told_with_its_file(run: Run, tmp_path: Path) -> None:
+    file = tmp_path / "torn.toml"
+    file.write_text(TWICE.replace("one", "torn").replace("at = [2, 0, 0]", FAR))
+
+    code, _, err = run("explain", file)
+
+    assert code == 2
+    assert f"{file}: twice: does not fit together" in err
+
+
+FAR = "points = [[9, 0, 0], [2, 0, 0]]"

@@ -173,3 +173,22 @@ def test_a_linkage_of_nodes_and_links_has_no_gravity(lever: Tree) -> None:
 def test_a_hundred_thousand_bodies_are_refused_at_once(bar: Tree) -> None:
     bar["bodies"] = dict.fromkeys((f"b{k}" for k in range(100_000)), None)
     refused(bar, "bodies", "has 100000 elements; the limit is 20000")
+
+
+def test_what_is_wrong_with_a_body_hides_no_problem_of_joints_and_forces(bar: Tree) -> None:
+    tree = put(bar, "bodies.bar.mass", -1)
+    tree = put(tree, "bodies.bar.orientation", {"rotation_vector": [0, 0, 0], "angle": 1})
+    hinge = {"type": "hinge", "bodies": ["bar", "bar"], "at": [0, 0, 0], "axis": [0, 0, 0]}
+    tree = put(tree, "joints.twice", hinge | {"pitch": 1, "length": 1})
+    tree = put(tree, "joints.odd", {"type": "hnge", "bodies": ["ground", "bar"]})
+    load = {"type": "force", "body": "no_such", "force": ["2 +", "x", 0]}
+    tree = put(tree, "forces.load", load)
+
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+
+    assert {one.key for one in caught.value.problems} == {
+        *("bodies.bar.mass", "bodies.bar.orientation.angle"),
+        *("joints.twice.bodies", "joints.twice.axis", "joints.twice.pitch", "joints.twice.length"),
+        *("joints.odd.type", "forces.load.body", "forces.load.force[0]", "forces.load.force[1]"),
+    }
