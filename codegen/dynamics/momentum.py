@@ -46,11 +46,14 @@ def kept_of(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
     gravity = [system.gravity] + [
         axis for axis, law in zip(AXES, system.gravity_law, strict=True) if law
     ]
+    loads_of: dict[int, list[ForceElement]] = {}
+    for force in filter(_is_load, system.forces):
+        loads_of.setdefault(force.j, []).append(force)
     found = []
     for bodies in _parts(system):
         if any(system.bodies[body].mass <= 0 for body in bodies):
             continue
-        loads = [one for one in system.forces if _is_load(one) and one.j in bodies]
+        loads = [one for body in bodies for one in loads_of.get(body, ())]
         forces = [vector for one in loads for vector in _vectors(one, "force")]
         torques = [vector for one in loads for vector in _vectors(one, "torque")]
         turning = any(one.kind == "force_b" for one in loads)
