@@ -9,31 +9,21 @@ compared to that accuracy, too.
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
-from kousoku.model.read import scene_from_dict
+from kousoku.model.read import read_scene
 from kousoku.runtime.motion import rotated
+
+from .conftest import SCENES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.motion import Motion
-
-Tree = dict[str, Any]
-
-LONG_X = {"xx": 0.04, "yy": 0.1, "zz": 0.1}
-LONG_Z = {"xx": 0.1, "yy": 0.1, "zz": 0.04}
-QUARTER = math.pi / 2
-ROOT = math.sqrt(0.5)
-#: The joint frame of the second cases, turned by −45° about x: its z axis is (0, 1, 1)/√2.
-TURNED = {"rotation_vector": [-math.pi / 4, 0, 0]}
-ALONG = {"at": [1, 2, 3], "axis": [0, 1, 1]}
 
 PENDULUM = ([-0.8923814855285858, -1.78987577342278], [-1.999683868883533, -0.03555874754523177])
 """Horizontal displacement and height at 1 s and 5 s of the motion that several cases share."""
@@ -48,140 +38,45 @@ TIMES = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 """Those of the samples."""
 
 
-CASES: dict[str, tuple[list[float], Tree, Tree, list[list[float]]]] = {
-    "revolute": (
-        [2, 0, 0],
-        {"type": "revolute", "at": [0, 0, 0], "axis": [0, 1, 0]},
-        {"orientation": {"axis": [1, 0, 0], "angle": -QUARTER}, "inertia": LONG_X},
-        shared(1, 0),
-    ),
-    "revolute_with_a_spring": (
-        [2, 0, 0],
-        {"type": "revolute", "at": [0, 0, 0], "axis": [0, 1, 0]},
-        {"orientation": {"axis": [1, 0, 0], "angle": -QUARTER}, "inertia": LONG_X},
-        [
-            [1.994920937469912, 0, -0.1424445620027903],
-            [1.990439127056057, 0, -0.1953255781620075],
-        ],
-    ),
-    "revolute_turned": (
-        [3, 2, 3],
-        {"type": "hinge", **ALONG},
-        {"orientation": TURNED, "inertia": LONG_X},
-        [
-            [1.04210380696584, 3.41390015019431, 1.58609984980569],
-            [1.20996050740757, 3.406399051714903, 1.593600948285097],
-        ],
-    ),
-    "spherical": (
-        [2, 0, 0],
-        {"type": "spherical", "at": [0, 0, 0]},
-        {"inertia": LONG_X},
-        shared(1, 0),
-    ),
-    "spherical_turned": (
-        [3, 2, 3],
-        {"type": "ball", "at": [1, 2, 3]},
-        {"orientation": TURNED, "inertia": LONG_X},
-        shared(1, 0, (1, 2, 3)),
-    ),
-    "cylindrical": (
-        [3, 2, 3],
-        {"type": "cylindrical", **ALONG},
-        {"orientation": TURNED, "inertia": LONG_X},
-        [
-            [1.04210380696584, 0.9622376501943097, -0.8655626501943097],
-            [1.20996050740757, -57.8851634482851, -59.6979615517149],
-        ],
-    ),
-    "prismatic": (
-        [3, 2, 3],
-        {"type": "prismatic", **ALONG},
-        {"orientation": TURNED, "inertia": LONG_X},
-        [[3, -0.4516625, 0.5483375], [3, -59.2915625, -58.2915625]],
-    ),
-    "universal_about_x": (
-        [0, 2, 0],
-        {"type": "universal", "at": [0, 0, 0], "axis": [1, 0, 0], "second_axis": [0, 0, 1]},
-        {"orientation": {"axis": [1, 0, 0], "angle": QUARTER}, "inertia": LONG_Z},
-        shared(0, 1),
-    ),
-    "universal_about_y": (
-        [-2, 0, 0],
-        {"type": "hooke", "at": [0, 0, 0], "axis": [0, 0, -1], "second_axis": [0, 1, 0]},
-        {"orientation": {"axis": [0, 1, 0], "angle": QUARTER}, "inertia": LONG_Z},
-        shared(-1, 0),
-    ),
-    "universal_about_two_axes": (
-        [2 * ROOT, 2 * ROOT, 0],
-        {
-            "type": "cardan",
-            "at": [0, 0, 0],
-            "axis": [0.5, -0.5, ROOT],
-            "second_axis": [-0.5, 0.5, ROOT],
-        },
-        {"orientation": {"axis": [1, -1, 0], "angle": QUARTER}, "inertia": LONG_Z},
-        [
-            [-0.636249221384, -0.614080891001, -1.793904007353],
-            [-1.434954697074, -1.392578011645, -0.040391816351],
-        ],
-    ),
-    "rod_to_the_centre": (
-        [0, 2, 0],
-        {"type": "rod", "points": [[0, 0, 0], [0, 0, 0]]},
-        {"inertia": LONG_X},
-        [
-            [0, -0.9565450384356574, -1.756422952891509],
-            [0, -1.999998068489731, -0.002779575029759057],
-        ],
-    ),
-    "rod_to_the_side": (
-        [-1, 4, 3],
-        {"type": "distance", "points": [[1, 2, 3], [2, 0, 0]], "length": 2},
-        {"inertia": LONG_X},
-        [
-            [0.2110285222767695, 2.771399413791198, -0.1183645030086532],
-            [0.3652449136008087, 2.664921637033289, -0.7909667973929461],
-        ],
-    ),
-    "rod_to_an_end": (
-        [0, 4, 0],
-        {"type": "rod", "points": [[0, 0, 0], [2, 0, 0]]},
-        {"orientation": {"axis": [0, 0, 1], "angle": -QUARTER}, "inertia": LONG_X},
-        [
-            [0, 1.588487779411067, -3.67010774355174],
-            [0, 3.955759379861008, -0.3015865267167031],
-        ],
-    ),
+CASES: dict[str, list[list[float]]] = {
+    "revolute_case01": shared(1, 0),
+    "revolute_case02": [
+        [1.04210380696584, 3.41390015019431, 1.58609984980569],
+        [1.20996050740757, 3.406399051714903, 1.593600948285097],
+    ],
+    "rotspring_case01": [
+        [1.994920937469912, 0, -0.1424445620027903],
+        [1.990439127056057, 0, -0.1953255781620075],
+    ],
+    "spherical_case01": shared(1, 0),
+    "spherical_case02": shared(1, 0, (1, 2, 3)),
+    "cylindrical_case03": [
+        [1.04210380696584, 0.9622376501943097, -0.8655626501943097],
+        [1.20996050740757, -57.8851634482851, -59.6979615517149],
+    ],
+    "prismatic_case02": [[3, -0.4516625, 0.5483375], [3, -59.2915625, -58.2915625]],
+    "universal_case01": shared(0, 1),
+    "universal_case02": shared(-1, 0),
+    "universal_case03": [
+        [-0.636249221384, -0.614080891001, -1.793904007353],
+        [-1.434954697074, -1.392578011645, -0.040391816351],
+    ],
+    "distance_case01": [
+        [0, -0.9565450384356574, -1.756422952891509],
+        [0, -1.999998068489731, -0.002779575029759057],
+    ],
+    "distance_case02": [
+        [0.2110285222767695, 2.771399413791198, -0.1183645030086532],
+        [0.3652449136008087, 2.664921637033289, -0.7909667973929461],
+    ],
+    "distance_case03": [
+        [0, 1.588487779411067, -3.67010774355174],
+        [0, 3.955759379861008, -0.3015865267167031],
+    ],
 }
+"""Positions at 1 s and 5 s, by the name of the case: that of its file in ``scenes/adams``."""
 
-
-SPRINGS = {
-    "revolute_with_a_spring": {
-        "type": "rotational_spring_damper",
-        "joint": "joint",
-        "stiffness": 200,
-        "damping": 10,
-    }
-}
-"""What acts on a joint, by the name of the case."""
-
-SAMPLES = {
-    "revolute": "revolute_case01",
-    "revolute_turned": "revolute_case02",
-    "revolute_with_a_spring": "rotspring_case01",
-    "spherical": "spherical_case01",
-    "spherical_turned": "spherical_case02",
-    "cylindrical": "cylindrical_case03",
-    "prismatic": "prismatic_case02",
-    "universal_about_x": "universal_case01",
-    "universal_about_y": "universal_case02",
-    "universal_about_two_axes": "universal_case03",
-    "rod_to_the_centre": "distance_case01",
-    "rod_to_the_side": "distance_case02",
-    "rod_to_an_end": "distance_case03",
-}
-"""Names of the cases in ``adams_samples.json``."""
+SPRING = "rotspring_case01"
 
 LOOSE = ("spherical_case01", "universal_case01", "universal_case02", "universal_case03")
 """Those that ADAMS integrated with an error of 7e-4 m after 4 s."""
@@ -193,49 +88,40 @@ LOOSE_LIMITS = {
 """How far what ADAMS prints is from these motions: lengths in m, forces in N."""
 
 
-def scene_of(name: str) -> Scene:
-    """Return the scene of a case."""
-    position, joint, body, _ = CASES[name]
-    return scene_from_dict(
-        {
-            "name": name,
-            "unit": "m",
-            "gravity": [0, 0, -9.80665],
-            "bodies": {"body": {"position": position, "mass": 1, **body}},
-            "joints": {"joint": {"bodies": ["ground", "body"], **joint}},
-            "forces": {"spring": SPRINGS[name]} if name in SPRINGS else {},
-            "coordinates": {"angle": {"joint": "joint"}} if name in SPRINGS else {},
-        }
-    )
+def solver_of(mover: Callable[..., DynamicsSolver], case: str) -> DynamicsSolver:
+    """Return the solver of a case, for the outputs that its scene wants; each is generated once."""
+    scene = read_scene(SCENES / "adams" / f"{case}.toml")
+    return mover(scene, outputs=scene.outputs)
 
 
 @pytest.fixture
 def motion(mover: Callable[..., DynamicsSolver], request: pytest.FixtureRequest) -> Motion:
-    """Return the motion of a case at the times of the samples; each is generated once."""
-    outputs = ("reactions", "coordinates") if request.param in SPRINGS else ("reactions",)
-    solver = mover(scene_of(request.param), outputs=outputs)
-    assert solver.target.name == "c"
-    return solver.simulate(times=[0.0, *TIMES], tolerance=1e-12)
+    """Return the motion of a case at the times of the samples."""
+    return solver_of(mover, request.param).simulate(times=[0.0, *TIMES], tolerance=1e-12)
 
 
-@pytest.mark.parametrize(("motion", "name"), [(name, name) for name in CASES], indirect=["motion"])
-def test_a_body_on_a_joint_moves_as_minimal_coordinates_do(motion: Motion, name: str) -> None:
-    expected = np.array(CASES[name][-1])
+cases = pytest.mark.parametrize(
+    ("motion", "case"), [(name, name) for name in CASES], indirect=["motion"]
+)
+
+
+@cases
+def test_a_body_on_a_joint_moves_as_minimal_coordinates_do(motion: Motion, case: str) -> None:
+    expected = np.array(CASES[case])
     assert motion.position["body"][[2, 6]] == pytest.approx(expected, abs=1e-10)
 
 
-def as_adams_prints(motion: Motion, row: int, name: str) -> Tree:
+def as_adams_prints(motion: Motion, row: int, case: str) -> dict[str, Any]:
     """Return a row as ADAMS prints it: global components, forces on the ground by the body.
 
     The point of a torque is that of the ground, and the torque of a spring is part of it.
     """
     p, force = motion.orientation["body"][row], motion.force["joint"][row]
     torque = motion.torque["joint"][row]
-    _, joint, _, _ = CASES[name]
-    if joint["type"] in {"cylindrical", "prismatic"}:
+    if case.startswith(("cylindrical", "prismatic")):
         moved = motion.position["body"][row] - turned_point(motion, row)
         torque = torque + np.cross(moved, force)
-    if name in SPRINGS:
+    if case == SPRING:
         angle, rate = (table["angle"][row] for table in (motion.coordinate, motion.coordinate_rate))
         torque = torque - (200 * angle + 10 * rate) * np.array([0, 1, 0])
     return {
@@ -256,16 +142,13 @@ def turned_point(motion: Motion, row: int) -> Any:
     return np.array([1, 2, 3]) + rotated(motion.orientation["body"][[row]], own)[0]
 
 
-@pytest.mark.parametrize(
-    ("motion", "name"), [(name, name) for name in SAMPLES], indirect=["motion"]
-)
+@cases
 def test_a_body_on_a_joint_moves_as_adams_prints_it(
-    motion: Motion, name: str, adams_samples: Tree
+    motion: Motion, case: str, adams_samples: dict[str, Any]
 ) -> None:
-    case = SAMPLES[name]
     for row, time in enumerate(TIMES, 1):
         sample = adams_samples[case][f"{time:g}"]
-        found = as_adams_prints(motion, row, name)
+        found = as_adams_prints(motion, row, case)
         limits = LOOSE_LIMITS if case in LOOSE and time > 0.5 else LIMITS
         for key, limit in limits.items():
             own, printed = found[key], np.array(sample[key])
@@ -278,12 +161,11 @@ def test_a_body_on_a_joint_moves_as_adams_prints_it(
 
 
 def test_reactions_of_a_hinge_do_not_hold_the_torque_of_its_spring(
-    mover: Callable[..., DynamicsSolver], adams_samples: Tree
+    mover: Callable[..., DynamicsSolver], adams_samples: dict[str, Any]
 ) -> None:
-    solver = mover(scene_of("revolute_with_a_spring"), outputs=("reactions", "coordinates"))
-    motion = solver.simulate(times=[0.0, 0.5], tolerance=1e-12)
+    motion = solver_of(mover, SPRING).simulate(times=[0.0, 0.5], tolerance=1e-12)
     assert np.abs(motion.torque["joint"]).max() < 1e-12
-    printed = adams_samples["rotspring_case01"]["0.5"]["Rtorque"]
+    printed = adams_samples[SPRING]["0.5"]["Rtorque"]
     angle, rate = (table["angle"][1] for table in (motion.coordinate, motion.coordinate_rate))
     assert printed[1] == pytest.approx(200 * angle + 10 * rate, abs=1e-3)
     assert printed[1] > 29.0
