@@ -3,8 +3,8 @@
 Where what is, in the order of :mod:`~kousoku.codegen.dynamics.generate`, which calls all of it:
 
 positions and velocities that fit
-    ``assembly``, ``nearest``, ``rough``, ``pose``, ``residuals``, ``driver_laws``, ``turns``,
-    ``least``, ``block_factors``, ``fixed_points``, ``violations``
+    ``assembly``, ``nearest``, ``rough``, ``pose``, ``residuals``, ``jacobian``, ``driver_laws``,
+    ``turns``, ``least``, ``block_factors``, ``fixed_points``, ``violations``
 fewer bodies and columns
     ``merge``, ``rigid_groups``, ``composite``, ``resting_energy``; ``planar``, ``turned``,
     ``forces_plane``; ``weights``
@@ -12,9 +12,10 @@ which rows depend on others
     ``freedom``, ``loops``, ``branch``, ``rank``, ``driven``, ``unmoved``, ``left_out``,
     ``out_of_plane``
 operations, which one task each computes
-    ``operations``, ``forces``, ``forces_along``, ``formulas``, ``elimination``, ``sums``
+    ``operations``, ``coordinates``, ``forces``, ``forces_along``, ``formulas``, ``elimination``,
+    ``sums``
 the program, segment by segment
-    ``compose``, ``bodies``, ``joints``, ``joint_tasks``, ``coordinates``, ``combinations``,
+    ``compose``, ``bodies``, ``joints``, ``joint_tasks``, ``coordinate_tasks``, ``combinations``,
     ``auxiliary``, ``force_tasks``, ``schur``, ``ordering``, ``reactions``, ``least_norm``,
     ``momentum``, ``length``
 what operations are recorded on

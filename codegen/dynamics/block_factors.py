@@ -13,8 +13,9 @@ from kousoku.codegen.dynamics.ordering import minimum_degree
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kousoku.codegen.dynamics.jacobian import Places
     from kousoku.codegen.dynamics.rank import Array
-    from kousoku.codegen.dynamics.residuals import Places, Residuals
+    from kousoku.codegen.dynamics.residuals import Residuals
 
 #: Rows are independent where no pivot is below this part of the largest element.
 REGULAR = 1e-9

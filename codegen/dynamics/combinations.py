@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
+    from kousoku.codegen.dynamics.coordinate_tasks import CoordinateTasks
     from kousoku.codegen.dynamics.recorder import Block, Recorder
     from kousoku.codegen.dynamics.traces import Trace
     from kousoku.model.mechanism import Instance
@@ -94,7 +94,7 @@ class Combinations:
     ----------
     recorder : Recorder
         Where they are recorded.
-    coordinates : CoordinateBlocks
+    coordinates : CoordinateTasks
         What is combined.
     time, parameters : Block
         What laws depend on.
@@ -103,7 +103,7 @@ class Combinations:
     """
 
     recorder: Recorder
-    coordinates: CoordinateBlocks
+    coordinates: CoordinateTasks
     time: Block
     parameters: Block
     names: tuple[str, ...]

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.bodies import (
     sizes,
 )
 from kousoku.codegen.dynamics.combinations import Combinations
-from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
+from kousoku.codegen.dynamics.coordinate_tasks import CoordinateTasks
 from kousoku.codegen.dynamics.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.formulas import Names
 from kousoku.codegen.dynamics.joint_tasks import JointTasks
@@ -131,9 +131,7 @@ class _Composer:
         self.dv = region("dv", velocities)
         self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
         self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
-        self.coordinates = CoordinateBlocks(
-            system, self.recorder, self.body, self.auxiliary, self.q
-        )
+        self.coordinates = CoordinateTasks(system, self.recorder, self.body, self.auxiliary, self.q)
         rates, fixed = self._by_body(self.v), (self.time, self.parameters)
         names = Names(system, self.recorder, self.coordinates, fixed, rates)
         self.forces = ForceTasks(self.recorder, self.body, self.coordinates, names, rates)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.rank import TAKES_PART
 from kousoku.codegen.dynamics.violations import key_of
 from kousoku.model.errors import SceneError
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.rank import Array, Factors
     from kousoku.model.mechanism import System
 
-#: What is smaller in a unit vector of a dependence does not take part in it.
-TAKES_PART = 1e-7
 #: Joints and drivers that a message names.
 SHOWN = 6
 

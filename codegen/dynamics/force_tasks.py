@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
+    from kousoku.codegen.dynamics.coordinate_tasks import CoordinateTasks
     from kousoku.codegen.dynamics.formulas import Names
     from kousoku.codegen.dynamics.recorder import Recorder
     from kousoku.model.mechanism import ForceElement, System
@@ -34,7 +34,7 @@ class ForceTasks:
         The program.
     body : callable
         Returns the blocks of a body, or of the ground, by its index.
-    coordinates : CoordinateBlocks
+    coordinates : CoordinateTasks
         What forces along coordinates need.
     names : Names
         What formulas may depend on.
@@ -46,7 +46,7 @@ class ForceTasks:
         self,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
-        coordinates: CoordinateBlocks,
+        coordinates: CoordinateTasks,
         names: Names,
         by_body: Sequence[Block],
     ) -> None:

@@ -14,7 +14,7 @@ from kousoku.model.formulas import RATE, TIME, WORD, used_names
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.dynamics.coordinates import CoordinateBlocks
+    from kousoku.codegen.dynamics.coordinate_tasks import CoordinateTasks
     from kousoku.codegen.dynamics.recorder import Block, Recorder
     from kousoku.codegen.dynamics.traces import Trace
     from kousoku.model.mechanism import System
@@ -96,7 +96,7 @@ class Names(Mapping[str, "Meaning"]):
         The scene.
     recorder : Recorder
         The program.
-    coordinates : CoordinateBlocks
+    coordinates : CoordinateTasks
         Its coordinates.
     given : (Block, Block)
         Where time and parameters are.
@@ -108,7 +108,7 @@ class Names(Mapping[str, "Meaning"]):
         self,
         system: System,
         recorder: Recorder,
-        coordinates: CoordinateBlocks,
+        coordinates: CoordinateTasks,
         given: tuple[Block, Block],
         by_body: Sequence[Block],
     ) -> None:

@@ -23,7 +23,7 @@ from kousoku.codegen.dynamics.driven import Drivers
 from kousoku.codegen.dynamics.least import Metric
 from kousoku.codegen.dynamics.loops import loops_of
 from kousoku.codegen.dynamics.operations import COLUMNS
-from kousoku.codegen.dynamics.rank import rows_to_leave
+from kousoku.codegen.dynamics.rank import TAKES_PART, rows_to_leave
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 MOST_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 POSITIONS, ROWS_AND_POSITIONS = 24, 6000
-#: What is smaller in a unit vector of a dependence does not take part in it.
-TAKES_PART = 1e-7
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,8 @@ from kousoku.model.errors import AssemblyError
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.residuals import Array, Jacobian, Residuals
+    from kousoku.codegen.dynamics.jacobian import Array, Jacobian
+    from kousoku.codegen.dynamics.residuals import Residuals
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
     from kousoku.model.precise import High
 

@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.freedom import TAKES_PART
 from kousoku.codegen.dynamics.loops import loops_of
 from kousoku.codegen.dynamics.operations import COLUMNS
-from kousoku.codegen.dynamics.rank import factorise
+from kousoku.codegen.dynamics.rank import TAKES_PART, factorise
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.points import Stream

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: What is left of a row that depends on others, as a part of the largest row, is below this.
 DEPENDENT = 1e-8
+#: What is smaller in a unit vector of a dependence does not take part in it.
+TAKES_PART = 1e-7
 #: Rows whose sizes differ by less are equally good.
 EQUAL = 1e-6
 
@@ -37,9 +39,6 @@ class Factors:
         Qᵀ: the space of the rows.
     others : (rows − rank, rank)
         The other rows in this basis.
-    least, noise : float
-        The smallest pivot that was taken and what was left of the largest other row, as parts of
-        the largest row.
     """
 
     taken: tuple[int, ...]
@@ -47,8 +46,6 @@ class Factors:
     lower: Array
     basis: Array
     others: Array
-    least: float
-    noise: float
 
     @property
     def rank(self) -> int:
@@ -91,7 +88,7 @@ def factorise(matrix: Array) -> Factors:
     rest = np.ascontiguousarray(matrix.T)
     columns, rows = rest.shape
     parts, basis = np.zeros((rows, 0)), np.zeros((columns, 0))
-    largest = least = noise = 0.0
+    largest = 0.0
     taken: list[int] = []
     found_parts: list[Array] = []
     found_basis: list[Array] = []
@@ -101,7 +98,6 @@ def factorise(matrix: Array) -> Factors:
         size = best**0.5
         largest = largest or size
         if size <= DEPENDENT * largest or len(taken) == columns:
-            noise = size / largest if largest else 0.0
             break
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         size = float(squares[row]) ** 0.5
@@ -109,15 +105,14 @@ def factorise(matrix: Array) -> Factors:
         part = _products(rest, direction)
         rest -= direction[:, None] * part
         rest[:, row] = 0.0
-        least = size / largest
         taken.append(row)
         found_parts.append(part)
         found_basis.append(direction)
     if taken:
         parts, basis = np.array(found_parts).T, np.array(found_basis).T
-    left = tuple(row for row in range(rows) if row not in set(taken))
+    left = tuple(sorted(set(range(rows)).difference(taken)))
     lower = np.tril(parts[taken])
-    return Factors(tuple(taken), left, lower, basis, parts[list(left)], least, noise)
+    return Factors(tuple(taken), left, lower, basis, parts[list(left)])
 
 
 def rows_to_leave(dependences: Sequence[Array]) -> tuple[tuple[int, ...], float]:

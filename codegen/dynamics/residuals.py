@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.driver_laws import law_at_start
+from kousoku.codegen.dynamics.jacobian import Jacobian
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
 from kousoku.model import precise
@@ -23,58 +24,14 @@ from kousoku.model.mechanism import COMBINATION
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from kousoku.codegen.dynamics.jacobian import Array, Places
     from kousoku.codegen.dynamics.pose import Pose
     from kousoku.codegen.kernel import Kernel
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
     from kousoku.model.precise import High
 
-    Array = np.ndarray[Any, np.dtype[np.float64]]
-    Places = np.ndarray[Any, np.dtype[np.int64]]
 
 WIDTH = 2 * COLUMNS
-
-
-class Jacobian:
-    """C_q of a system in 50 digits, by its elements that are not zero.
-
-    Parameters
-    ----------
-    elements : sequence of (int, int, number)
-        Row, column (six for each body) and value; those of one place are added.
-    shape : (int, int)
-        Rows and columns.
-    """
-
-    def __init__(self, elements: Sequence[tuple[int, int, High]], shape: tuple[int, int]) -> None:
-        self._elements = elements
-        self._shape = shape
-
-    def elements(self) -> tuple[Places, Places, Array]:
-        """Return rows, columns and values of the elements in doubles; those of one place add up."""
-        rows = np.array([row for row, _, _ in self._elements], int)
-        columns = np.array([column for _, column, _ in self._elements], int)
-        return rows, columns, np.array([float(value) for _, _, value in self._elements])
-
-    def dense(self) -> Array:
-        """Return the matrix in doubles."""
-        matrix = np.zeros(self._shape)
-        rows, columns, values = self.elements()
-        np.add.at(matrix, (rows, columns), values)
-        return matrix
-
-    def times(self, v: Sequence[High]) -> list[High]:
-        """Return C_q v."""
-        product = [precise.ZERO[0]] * self._shape[0]
-        for row, column, value in self._elements:
-            product[row] += value * v[column]
-        return product
-
-    def transposed_times(self, lam: Sequence[High]) -> list[High]:
-        """Return C_qᵀ λ."""
-        product = [precise.ZERO[0]] * self._shape[1]
-        for row, column, value in self._elements:
-            product[column] += value * lam[row]
-        return product
 
 
 @dataclass(frozen=True, slots=True)
