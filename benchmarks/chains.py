@@ -145,6 +145,75 @@ def dense(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
     return np.linalg.solve(mass, right)
 
 
+def recursive(theta: np.ndarray, rate: np.ndarray) -> np.ndarray:
+    """Return θ̈ of all states by Featherstone's recursion: articulated inertias, in each bar.
+
+    Motions are (turning, shifting at the hinge), forces (moment about the hinge, force).
+    """
+    states, count = theta.shape
+    spatial = _inertia_at_the_hinge()
+    ups, biases, pushes = [], [], []
+    motion = np.zeros((states, 6))
+    for k in range(count):
+        axis = np.append(AXES[k % 2], np.zeros(3))
+        ups.append(_from_bar_before(theta[:, k], AXES[k % 2], ALONG * bool(k)))
+        joint = rate[:, k : k + 1] * axis
+        motion = np.einsum("sij,sj->si", ups[-1], motion) + joint
+        biases.append(np.einsum("sij,sj->si", _swept(motion), joint))
+        pushes.append(-np.einsum("sji,sj->si", _swept(motion), motion @ spatial))
+    inertia, push = np.zeros((states, 6, 6)), np.zeros((states, 6))
+    solved: list[tuple[np.ndarray, ...]] = []
+    for k in reversed(range(count)):
+        inertia, push, part = inertia + spatial, push + pushes[k], AXES[k % 2].argmax()
+        column, pivot = inertia[:, :, part], inertia[:, part, part]
+        solved.append((column / pivot[:, None], -push[:, part] / pivot))
+        along, right = solved[-1]
+        inertia = inertia - column[:, :, None] * along[:, None, :]
+        push = push + np.einsum("sij,sj->si", inertia, biases[k]) + column * right[:, None]
+        inertia = np.einsum("sji,sjk,skl->sil", ups[k], inertia, ups[k])
+        push = np.einsum("sji,sj->si", ups[k], push)
+    change = np.zeros_like(theta)
+    motion = np.tile(np.append(np.zeros(3), -GRAVITY), (states, 1))
+    for k, (along, right) in enumerate(reversed(solved)):
+        motion = np.einsum("sij,sj->si", ups[k], motion) + biases[k]
+        change[:, k] = right - np.einsum("si,si->s", along, motion)
+        motion[:, AXES[k % 2].argmax()] += change[:, k]
+    return change
+
+
+def _crossed(vector: np.ndarray) -> np.ndarray:
+    """Return the matrices that multiply as the vectors do crosswise."""
+    return np.cross(vector[..., None, :], np.eye(3)).swapaxes(-1, -2)
+
+
+def _swept(motion: np.ndarray) -> np.ndarray:
+    """Return the matrices of the product of motions; their transpose, negative, is for forces."""
+    found = np.zeros((len(motion), 6, 6))
+    found[:, :3, :3] = found[:, 3:, 3:] = _crossed(motion[:, :3])
+    found[:, 3:, :3] = _crossed(motion[:, 3:])
+    return found
+
+
+def _from_bar_before(theta: np.ndarray, axis: np.ndarray, arm: np.ndarray) -> np.ndarray:
+    """Return the matrices that take motions at the hinge before to those at this one."""
+    half = theta[:, None] / 2
+    turn = np.hstack([np.cos(half), -np.sin(half) * axis])
+    matrix = np.stack([rotated(turn, np.tile(e, (len(theta), 1))) for e in np.eye(3)], axis=2)
+    found = np.zeros((len(theta), 6, 6))
+    found[:, :3, :3] = found[:, 3:, 3:] = matrix
+    found[:, 3:, :3] = -matrix @ _crossed(arm)
+    return found
+
+
+def _inertia_at_the_hinge() -> np.ndarray:
+    """Return the inertia of a bar, (6, 6)."""
+    arm, found = _crossed(CENTRE), np.zeros((6, 6))
+    found[:3, :3] = np.diag(MOMENTS) - MASS * arm @ arm
+    found[:3, 3:], found[3:, :3] = MASS * arm, -MASS * arm
+    found[3:, 3:] = MASS * np.eye(3)
+    return found
+
+
 def reference(count: int) -> tuple[np.ndarray, np.ndarray]:
     """Return v̇ of the centres and ω̇′ by the dense matrices."""
     theta, rate = joint_states(count)

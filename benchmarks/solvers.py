@@ -32,6 +32,8 @@ ROUNDS = 15
 SLICE = 0.02
 FOUR_BAR_ROUNDS, FOUR_BAR_REPEATS = 3, 5
 CHAINS = (10, 100)
+#: Pinocchio's data hold tensors with the third power of this, 32 GB: its recursion stands for it.
+LONG_CHAIN = 1000
 #: Bars, and the most seconds from the scene to the first step.
 FIRST_STEPS = {10: 3.0, 100: 6.0, 1000: 20.0}
 GROWTH = 1.5
@@ -150,6 +152,19 @@ def accelerations(benchmark: Benchmark, folder: Path, peers: Peers) -> None:
         benchmark.judge(contest, "relative difference from Pinocchio", found, EQUAL)
 
 
+def long_chain(benchmark: Benchmark, folder: Path) -> None:
+    """Compare the accelerations of a long chain with Featherstone's recursion."""
+    place = folder / f"chain_{LONG_CHAIN}"
+    place.mkdir()
+    entry = chains.kousoku_accelerations(LONG_CHAIN, place)
+    entry.run(1)
+    theta, rate = chains.joint_states(LONG_CHAIN)
+    found = chains.bars(theta, rate, chains.recursive(theta, rate))
+    error = chains.difference(entry.results(), (found.a, found.alpha_b))
+    contest = f"accelerations of a chain of {LONG_CHAIN}"
+    benchmark.judge(contest, "relative difference from the recursion", error, EQUAL)
+
+
 def _ratio(
     times: dict[str, list[float]], single: dict[str, list[float]], count: int
 ) -> float | None:
@@ -255,6 +270,7 @@ def run_all() -> Benchmark:
         folder = Path(name)
         peers = find_peers(benchmark, folder)
         accelerations(benchmark, folder, peers)
+        long_chain(benchmark, folder)
         place = folder / "four_bars"
         place.mkdir()
         bars_of_40(benchmark, place, peers)

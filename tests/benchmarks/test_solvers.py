@@ -36,6 +36,22 @@ def test_the_accelerations_that_are_timed_are_those_of_dense_matrices(
     assert chains.difference(ours.results(), chains.reference(count)) < 1e-11
 
 
+def test_the_recursion_gives_what_dense_matrices_give(solvers: ModuleType) -> None:
+    theta, rate = solvers.chains.joint_states(10)
+    wanted = [solvers.chains.dense(*state) for state in zip(theta, rate, strict=True)]
+    assert solvers.chains.recursive(theta, rate) == pytest.approx(np.array(wanted), rel=1e-10)
+
+
+@pytest.mark.slow
+def test_the_accelerations_of_a_thousand_bars_are_those_of_the_recursion(
+    solvers: ModuleType, compiler: Toolchain, tmp_path: Path
+) -> None:
+    benchmark = solvers.Benchmark()
+    solvers.long_chain(benchmark, tmp_path)
+    (target,) = benchmark.targets
+    assert target.is_met and target.limit == 1e-9, target
+
+
 def test_the_dense_matrices_swing_a_bar_as_a_pendulum(solvers: ModuleType) -> None:
     """θ̈ = m g l cos θ / J about the hinge, θ downwards from the horizontal about y."""
     theta = np.array([0.3])
