@@ -23,7 +23,7 @@ what operations are recorded on
 running a program without its source
     ``run``, ``reference``, ``rounding``
 source
-    ``emit``, ``view``, ``numpy_view``, ``runge_kutta``, ``motion_data``
+    ``emit``, ``view``, ``view_numbers``, ``numpy_view``, ``runge_kutta``, ``motion_data``
 what is told of it
     ``explain``, ``counts``, ``structure``
 """

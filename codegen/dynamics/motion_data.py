@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.program import Coordinates, Place
 from kousoku.codegen.dynamics.reactions import ends_of
-from kousoku.codegen.dynamics.view import is_driven
+from kousoku.codegen.dynamics.view_numbers import is_driven
 from kousoku.model import precise
 
 if TYPE_CHECKING:

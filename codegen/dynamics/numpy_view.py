@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.program import SEGMENTS, levels
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
-from kousoku.codegen.dynamics.view import floors, in_lines, shift_slots, turn_slots
+from kousoku.codegen.dynamics.view import in_lines
+from kousoku.codegen.dynamics.view_numbers import floors, shift_slots, turn_slots
 from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line

@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.motion_data import GIVEN
 from kousoku.codegen.dynamics.rounding import run_and_keep, units
 from kousoku.codegen.dynamics.run import Workspace
-from kousoku.codegen.dynamics.view import shift_slots
+from kousoku.codegen.dynamics.view_numbers import shift_slots
 from kousoku.codegen.graph import EXACT_OPS, Op
 from kousoku.codegen.interpret import HIGH
 from kousoku.codegen.jsontext import to_text

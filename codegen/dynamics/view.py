@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.auxiliary import WORK
 from kousoku.codegen.dynamics.program import REGIONS, SEGMENTS
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
+from kousoku.codegen.dynamics.view_numbers import (
+    floors,
+    has_drivers,
+    has_fallback,
+    is_driven,
+    shift_slots,
+    sizes,
+    slots,
+    turn_slots,
+    weights,
+)
 from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
 from kousoku.codegen.view_body import layout, output_text, straight_line
@@ -21,12 +30,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.program import Program, Task
     from kousoku.codegen.kernel import Kernel
     from kousoku.model.mechanism import System
-
-#: An error that is compared with this counts as none.
-IGNORED = 1e300
-
-#: Rows up to which all of them are solved for at once.
-MOST_DENSE = 200
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,7 +208,7 @@ def kernel_text(number: int, kernel: Kernel) -> KernelText:
         operations=kernel.operations.total(),
         statements=tuple((s.name, s.text) for s in statements),
         results=tuple(results),
-        call=in_lines(f"w + s[{k}]," for k in range(len(names))).rstrip(","),
+        call=in_lines((f"w + s[{k}]," for k in range(len(names))), 76).rstrip(","),
         slots=len(names),
         unused=tuple(q.name for q in kernel.inputs if f"{q.name}[" not in written),
     )
@@ -238,23 +241,13 @@ def dynamics_view(
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
-    sizes = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
-    counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
-    sizes += [(name, program.region(region).size) for name, region in counts.items()]
-    sizes.append(("NCHECK", len(program.rows) + len(program.left_out)))
-    sizes += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
-    works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
-    sizes.append(("WORKS", works))
-    sizes.append(("MOMENTA", sum(one.count for one in program.kept)))
-    sizes += parameter_sizes(program)
-    sizes.append(("W_SIZE", program.size))
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
     shifts, turns = shift_slots(program), turn_slots(program)
     lengths = {k for pair in shifts for k in pair}
-    q, v = (_slots(program, name) for name in ("q", "v"))
+    q, v = (slots(program, name) for name in ("q", "v"))
     return DynamicsView(
         name=program.name,
-        sizes=tuple(sizes),
+        sizes=tuple(sizes(program, parts)),
         kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(program.kernels)),
         segments=tuple(
             SegmentText(name, SEGMENTS[name], _numbers(table), len(table))
@@ -279,77 +272,6 @@ def dynamics_view(
         has_fallback=has_fallback(program, system),
         weights=_numbers(map(repr, weights(program, system))),
     )
-
-
-def parameter_sizes(program: Program) -> list[tuple[str, int]]:
-    """Return how many parameters there are, and where they are if there is no region of them."""
-    for region in program.regions:
-        if region.name == "parameters":
-            return [("N_PARAMETERS", region.size)]
-    return [("W_PARAMETERS", 0), ("N_PARAMETERS", 0)]
-
-
-def has_drivers(system: System) -> bool:
-    """Return whether constraints depend on time."""
-    return any(instance.is_driver for instance in system.constraints)
-
-
-def has_fallback(program: Program, system: System) -> bool:
-    """Return whether rows that are left out take over where those that are kept lose rank.
-
-    Not of drivers: their work is that of the rows that are kept.
-    """
-    count = len(program.rows) + len(program.left_out)
-    return bool(program.left_out) and count <= MOST_DENSE and not has_drivers(system)
-
-
-def weights(program: Program, system: System) -> list[float]:
-    """Return the diagonal of M⁻¹ in the order of v; zero where there is no mass."""
-    found = [0.0] * program.region("v").size
-    base = program.region("v").base
-    for body, places in zip(system.bodies, program.bodies, strict=True):
-        masses = (*(body.mass,) * 3, *body.inertia)
-        for place, mass in zip((*places.v, *places.omega_b), masses, strict=True):
-            if place.slot >= 0:
-                found[place.slot - base] = float(1 / Fraction(mass)) if mass else 0.0
-    return found
-
-
-def is_driven(program: Program, system: System) -> bool:
-    """Return whether drivers and joints leave no freedom, so that the motion is kinematics."""
-    return has_drivers(system) and len(program.rows) == program.region("v").size
-
-
-def _slots(program: Program, name: str) -> range:
-    region = program.region(name)
-    return range(region.base, region.base + region.size)
-
-
-def floors(program: Program, length: float) -> list[float]:
-    """Return for each component of the state what its error is compared with when it is zero."""
-    lengths = {slot for pair in shift_slots(program) for slot in pair}
-    slots = (*_slots(program, "q"), *_slots(program, "v"))
-    ignored = {one.place.slot for one in program.auxiliary}
-    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in slots]
-
-
-def shift_slots(program: Program) -> list[tuple[int, int]]:
-    """Return the slots of each length that changes, in q and in v."""
-    pairs = (
-        (r.slot, v.slot) for body in program.bodies for r, v in zip(body.r, body.v, strict=True)
-    )
-    return [(r, v) for r, v in pairs if v >= 0]
-
-
-def turn_slots(program: Program) -> list[tuple[int, int, int]]:
-    """Return the first slot of Euler parameters, that of the turn, and how many parameters vary."""
-    found = []
-    for body in program.bodies:
-        p = [place.slot for place in body.p if place.slot >= 0]
-        omega = [place.slot for place in body.omega_b if place.slot >= 0]
-        if p:
-            found.append((p[0], omega[0], len(p)))
-    return found
 
 
 def _method(method: Method) -> MethodText:

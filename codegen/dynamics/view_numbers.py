@@ -1,0 +1,115 @@
+"""The numbers that the solver of a program has in any language: sizes, places, weights."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.auxiliary import WORK
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.program import Program
+    from kousoku.model.mechanism import System
+
+#: An error that is compared with this counts as none.
+IGNORED = 1e300
+
+#: Rows up to which all of them are solved for at once.
+MOST_DENSE = 200
+
+
+def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
+    """Return what a solver is laid out by: where its regions are, and how large what it has is.
+
+    Parameters
+    ----------
+    program : Program
+        Task lists, or what inlining made of them.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
+    """
+    found = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
+    counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
+    found += [(name, program.region(region).size) for name, region in counts.items()]
+    found.append(("NCHECK", len(program.rows) + len(program.left_out)))
+    found += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
+    works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
+    found.append(("WORKS", works))
+    found.append(("MOMENTA", sum(one.count for one in program.kept)))
+    found += _parameter_sizes(program)
+    found.append(("W_SIZE", program.size))
+    return found
+
+
+def _parameter_sizes(program: Program) -> list[tuple[str, int]]:
+    """Return how many parameters there are, and where they are if there is no region of them."""
+    for region in program.regions:
+        if region.name == "parameters":
+            return [("N_PARAMETERS", region.size)]
+    return [("W_PARAMETERS", 0), ("N_PARAMETERS", 0)]
+
+
+def has_drivers(system: System) -> bool:
+    """Return whether constraints depend on time."""
+    return any(instance.is_driver for instance in system.constraints)
+
+
+def has_fallback(program: Program, system: System) -> bool:
+    """Return whether rows that are left out take over where those that are kept lose rank.
+
+    Not of drivers: their work is that of the rows that are kept.
+    """
+    count = len(program.rows) + len(program.left_out)
+    return bool(program.left_out) and count <= MOST_DENSE and not has_drivers(system)
+
+
+def weights(program: Program, system: System) -> list[float]:
+    """Return the diagonal of M⁻¹ in the order of v; zero where there is no mass."""
+    found = [0.0] * program.region("v").size
+    base = program.region("v").base
+    for body, places in zip(system.bodies, program.bodies, strict=True):
+        masses = (*(body.mass,) * 3, *body.inertia)
+        for place, mass in zip((*places.v, *places.omega_b), masses, strict=True):
+            if place.slot >= 0:
+                found[place.slot - base] = float(1 / Fraction(mass)) if mass else 0.0
+    return found
+
+
+def is_driven(program: Program, system: System) -> bool:
+    """Return whether drivers and joints leave no freedom, so that the motion is kinematics."""
+    return has_drivers(system) and len(program.rows) == program.region("v").size
+
+
+def slots(program: Program, name: str) -> range:
+    """Return the slots of a region."""
+    region = program.region(name)
+    return range(region.base, region.base + region.size)
+
+
+def floors(program: Program, length: float) -> list[float]:
+    """Return for each component of the state what its error is compared with when it is zero."""
+    lengths = {slot for pair in shift_slots(program) for slot in pair}
+    own = (*slots(program, "q"), *slots(program, "v"))
+    ignored = {one.place.slot for one in program.auxiliary}
+    return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in own]
+
+
+def shift_slots(program: Program) -> list[tuple[int, int]]:
+    """Return the slots of each length that changes, in q and in v."""
+    pairs = (
+        (r.slot, v.slot) for body in program.bodies for r, v in zip(body.r, body.v, strict=True)
+    )
+    return [(r, v) for r, v in pairs if v >= 0]
+
+
+def turn_slots(program: Program) -> list[tuple[int, int, int]]:
+    """Return the first slot of Euler parameters, that of the turn, and how many parameters vary."""
+    found = []
+    for body in program.bodies:
+        p = [place.slot for place in body.p if place.slot >= 0]
+        omega = [place.slot for place in body.omega_b if place.slot >= 0]
+        if p:
+            found.append((p[0], omega[0], len(p)))
+    return found
