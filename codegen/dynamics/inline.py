@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 LIMIT = 2_500
 #: Statements in one function.
 STATEMENTS = 500
+#: Segments after the geometry that every stage of a step runs; the others run for rows.
+OFTEN = frozenset({"position", "velocity", "acceleration"})
 
 
 def inline(program: Program, *, limit: int = LIMIT, statements: int = STATEMENTS) -> Program:
@@ -135,15 +137,24 @@ class _Inliner:
         }
 
     def _passed(self, wanted: Mapping[str, Mapping[int, int]], shared: int) -> dict[int, int]:
-        """Return slots for what the geometry computes and the segments after it need."""
+        """Return slots for what the geometry computes and the segments after it need.
+
+        What rows alone need, such as the matrix of a momentum, their segments compute themselves.
+        """
+        found: dict[int, None] = {}
+        often = (wanted[name].values() for name in wanted if name in OFTEN)
+        rows = (wanted[name].values() for name in wanted if name in AFTER_GEOMETRY - OFTEN)
+        for outputs in often:
+            order = self._order(outputs, lambda x: self._is_passed(x, shared))
+            found |= dict.fromkeys(node for node in order if self._is_passed(node, shared))
         stored = set(wanted["geometry"].values())
-        slots: dict[int, int] = {}
-        for name, outputs in wanted.items():
-            if name in AFTER_GEOMETRY:
-                for node in self._order(outputs.values(), lambda x: self._is_passed(x, shared)):
-                    if self._is_passed(node, shared) and node not in stored | slots.keys():
-                        slots[node] = self._slot()
-        return slots
+        computed = set(self._order((*stored, *found), lambda _: False))
+        for outputs in rows:
+            order = self._order(outputs, lambda x: x in computed and self._is_passed(x, shared))
+            found |= dict.fromkeys(
+                node for node in order if node in computed and self._is_passed(node, shared)
+            )
+        return {node: self._slot() for node in found if node not in stored}
 
     def _is_passed(self, node: int, shared: int) -> bool:
         """Whether a node is read where it is needed: the geometry computed it; signs are free."""
@@ -213,6 +224,8 @@ class _Inliner:
             if start == places[-1]:
                 own = set(work)
                 written |= {slot: node for slot, node in outputs.items() if node not in own}
+            if not written:
+                continue
             tasks.append(self._function(f"{name}_{number}", chunk, written, slots))
             slots |= {node: targets[node][0] for node in chunk if node in targets}
         self.scratch = base

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 #: Slots of constants are counted from here while the rest of the workspace grows.
 CONSTANTS = 1 << 40
+#: The kernel of a call that computes nothing.
+NOTHING = -1
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +222,8 @@ class Recorder:
         trace = Trace(lengths)
         results = operation(trace, *(trace.matrix(*block) for block in pattern))
         kernel, used, fresh, codes = traced_kernel(trace, operation.title, results, pinned)
-        return _Traced(self._kernel_id(kernel), used, fresh, codes)
+        number = self._kernel_id(kernel) if kernel.outputs else NOTHING
+        return _Traced(number, used, fresh, codes)
 
     def _kernel_id(self, kernel: Kernel) -> int:
         key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)

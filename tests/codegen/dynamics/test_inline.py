@@ -82,6 +82,21 @@ def test_straight_line_code_has_fewer_operations_and_short_functions(
     assert straight.size < program.size
 
 
+def test_what_rows_alone_need_is_not_computed_with_every_stage(mechanisms: SimpleNamespace) -> None:
+    """A free body has momenta that should not change; its accelerations need no matrix."""
+    straight = inline(compose(mechanisms.star(0), ["energies", "checks"]))
+    counts = {
+        segment.name: sum(
+            straight.kernels[task.kernel].operations.total() for task in segment.tasks
+        )
+        for segment in straight.segments
+    }
+    assert counts["geometry"] == 0
+    assert counts["momentum"] > 20
+    assert all(kernel.outputs for kernel in straight.kernels)
+    assert not straight.segment("check").tasks
+
+
 def test_large_programs_stay_tasks(mechanisms: SimpleNamespace) -> None:
     program = compose(mechanisms.chain(3))
     assert inline(program, limit=operations(program) - 1) is program

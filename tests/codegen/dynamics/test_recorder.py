@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recorder import Block, Recorder, column
+from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.matrix import Matrix
@@ -38,6 +38,15 @@ def recorder() -> Recorder:
     fresh = Recorder()
     fresh.begin("geometry")
     return fresh
+
+
+def test_what_is_known_without_computing_leaves_no_kernel() -> None:
+    rec = recorder()
+    full = Block(rec.region("m", 4).entries, 2, 2)
+    assert rec.call(Product(), full, Block((1, 0, 0, 1), 2, 2)) == (full,)
+    assert rec.call(Product(), full, zeros(2, 1)) == (zeros(2, 1),)
+    assert rec.kernels == []
+    assert rec.segments == [("geometry", [])]
 
 
 def test_equal_patterns_share_a_kernel_and_other_zeros_do_not() -> None:
