@@ -14,9 +14,15 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.runtime.motion import BodyPlaces
+    from kousoku.runtime.places import BodyPlaces
 
     Array = npt.NDArray[np.float64]
+
+
+#: Numbers of one component that are computed together: more leave the fast part of the memory.
+TOGETHER = 8192
+#: The tables that are in the unit of the scene.
+LENGTHS = ("position", "velocity", "acceleration")
 
 
 def body_tables(
@@ -58,12 +64,6 @@ def body_tables(
     return found
 
 
-#: Numbers of one component that are computed together: more leave the fast part of the memory.
-TOGETHER = 8192
-#: The tables that are in the unit of the scene.
-LENGTHS = ("position", "velocity", "acceleration")
-
-
 def _of_points(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None
 ) -> dict[str, Array]:
@@ -89,15 +89,15 @@ def _of_rigid(
         for values in ([body.origin_b for body in bodies], [body.axes_b for body in bodies])
     )
     back = axes * np.array([1.0, -1.0, -1.0, -1.0])[:, np.newaxis, np.newaxis]
-    turn = _crossed(omega, arm)
-    found["position"] += _rotated(p, arm)
-    found["velocity"] += _rotated(p, turn)
-    found["orientation"] = _composed(p, axes)
-    found["angular_velocity"] = _rotated(back, omega)
+    turn = crossed(omega, arm)
+    found["position"] += rotated(p, arm)
+    found["velocity"] += rotated(p, turn)
+    found["orientation"] = composed(p, axes)
+    found["angular_velocity"] = rotated(back, omega)
     if v_dot is not None:
         alpha = _rates([body.omega_b for body in bodies], v_dot)
-        found["acceleration"] += _rotated(p, _crossed(alpha, arm) + _crossed(omega, turn))
-        found["angular_acceleration"] = _rotated(back, alpha)
+        found["acceleration"] += rotated(p, crossed(alpha, arm) + crossed(omega, turn))
+        found["angular_acceleration"] = rotated(back, alpha)
     return found
 
 
@@ -118,8 +118,8 @@ def _rates(places: Sequence[Sequence[int | float]], columns: Array) -> Array:
     return _taken([[k if isinstance(k, int) else 0.0 for k in own] for own in places], columns)
 
 
-def _crossed(a: Array, b: Array) -> Array:
-    """Return a × b."""
+def crossed(a: Array, b: Array) -> Array:
+    """Return a × b, components first."""
     return np.stack(
         [
             a[1] * b[2] - a[2] * b[1],
@@ -129,15 +129,15 @@ def _crossed(a: Array, b: Array) -> Array:
     )
 
 
-def _rotated(p: Array, v: Array) -> Array:
-    """Return A(p) v for Euler parameters of norm one."""
-    t = 2.0 * _crossed(p[1:], v)
-    turned: Array = v + p[0] * t + _crossed(p[1:], t)
+def rotated(p: Array, v: Array) -> Array:
+    """Return A(p) v for Euler parameters of norm one, components first."""
+    t = 2.0 * crossed(p[1:], v)
+    turned: Array = v + p[0] * t + crossed(p[1:], t)
     return turned
 
 
-def _composed(p: Array, q: Array) -> Array:
-    """Return p∘q, scalar first."""
+def composed(p: Array, q: Array) -> Array:
+    """Return p∘q of Euler parameters, components first, of these the scalar."""
     scalar = p[0] * q[0] - (p[1] * q[1] + p[2] * q[2] + p[3] * q[3])
-    vector = p[0] * q[1:] + q[0] * p[1:] + _crossed(p[1:], q[1:])
+    vector = p[0] * q[1:] + q[0] * p[1:] + crossed(p[1:], q[1:])
     return np.concatenate([scalar[np.newaxis], vector])

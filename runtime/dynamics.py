@@ -12,8 +12,8 @@ import numpy as np
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
-from kousoku.runtime.motion import BodyPlaces, CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.options import KINEMATICS, options_of, with_values
+from kousoku.runtime.places import BodyPlaces, CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.run import Run, SavedRun
 
 if TYPE_CHECKING:

@@ -1,0 +1,103 @@
+"""Which number of a row belongs to which body, joint and coordinate, as ``motion.json`` says."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+@dataclass(frozen=True, slots=True)
+class BodyPlaces:
+    """Where a body stands in q and v; a number that never changes stands in place of an index.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    r, p, v, omega_b : tuple of int or float
+        For each component its index in q or v, or its value: r and v in frame O [m, m/s], p the
+        Euler parameters of the principal frame, omega_b in the principal frame [rad/s]. A point
+        has no p and no omega_b.
+    origin_b : (3,) [m]
+        Origin of the user's body frame, in the principal frame.
+    axes_b : (4,)
+        Euler parameters that take components in the user's frame to the principal frame.
+    """
+
+    name: str
+    r: tuple[int | float, ...]
+    p: tuple[int | float, ...]
+    v: tuple[int | float, ...]
+    omega_b: tuple[int | float, ...]
+    origin_b: tuple[float, ...]
+    axes_b: tuple[float, ...]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> BodyPlaces:
+        """Return what ``motion.json`` says of a body."""
+        places = {name: tuple(data[name]) for name in ("r", "p", "v", "omega_b")}
+        return cls(
+            data["name"],
+            **places,
+            origin_b=tuple(data["origin_b"]),
+            axes_b=tuple(data["axes_b"]),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class ReactionPlaces:
+    """Where the force and torque of a joint stand among the reactions of a row.
+
+    Parameters
+    ----------
+    joint : str
+        As in the scene.
+    body : int
+        The body that they act on, at its centre of mass.
+    j : int
+        Body j of the joint, -1 for the ground; if it is the ground they act on body i.
+    point_b : (3,) [m]
+        The joint's point in the principal frame of body j, or in frame O.
+    columns : (6,) tuple of int
+        Places of force (frame O) and torque (principal frame), -1 where there is no coordinate.
+    """
+
+    joint: str
+    body: int
+    j: int
+    point_b: tuple[float, ...]
+    columns: tuple[int, ...]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> ReactionPlaces:
+        """Return what ``motion.json`` says of a joint."""
+        return cls(
+            data["joint"], data["body"], data["j"], tuple(data["point_b"]), tuple(data["columns"])
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class CoordinatePlaces:
+    """Where a coordinate stands among the coordinates of a row.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    is_length : bool
+        Whether it is a length; else it has no unit of length.
+    columns : tuple of int
+        Places of value, rate and, where accelerations are wanted, second derivative.
+    """
+
+    name: str
+    is_length: bool
+    columns: tuple[int, ...]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> CoordinatePlaces:
+        """Return what ``motion.json`` says of a coordinate."""
+        return cls(data["name"], data["is_length"], tuple(data["columns"]))
