@@ -66,12 +66,7 @@ def check_along(scene: Scene, force: Force, key: str) -> None:
             "is missing; wanted the coordinate that it acts along", key=f"{key}.coordinate"
         )
     _coordinate(scene, force, key)
-    if force.force is None or isinstance(force.force, tuple):
-        problem = "is missing" if force.force is None else "has components"
-        raise SceneError(
-            f"{problem}; wanted one number or formula, that increases {force.coordinate}",
-            key=f"{key}.force",
-        )
+    _require_one(force.force, f"{key}.force", f", that increases {force.coordinate}")
 
 
 def check_friction(scene: Scene, force: Force, key: str) -> None:
@@ -89,9 +84,13 @@ def check_friction(scene: Scene, force: Force, key: str) -> None:
         leaves = leaves_of(scene.joints[force.joint].type)
         of = leaves[0] if leaves else None
     check_leaves(scene, force.joint, of, key)
-    if force.damping is None or isinstance(force.damping, tuple):
-        problem = "is missing" if force.damping is None else "has components"
-        raise SceneError(f"{problem}; wanted one number or formula", key=f"{key}.damping")
+    _require_one(force.damping, f"{key}.damping")
+
+
+def _require_one(value: object, key: str, which: str = "") -> None:
+    if value is None or isinstance(value, tuple):
+        problem = "is missing" if value is None else "has components"
+        raise SceneError(f"{problem}; wanted one number or formula{which}", key=key)
 
 
 def check_bushing(scene: Scene, force: Force, key: str) -> None:

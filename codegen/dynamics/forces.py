@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 SPRING = "spring_damper"
 #: Names of the constants of a spring, in their order.
 ENDS, LAW = ("s_i_b", "s_j_b"), ("stiffness", "damping", "free_length")
-#: What a law of a spring depends on first: elongation, and the rate of the length.
+#: What the law of a spring depends on first: how far it is beyond what is free, and the rate.
 ELONGATION = LAW_NAMES[:2]
 #: Kinds of loads that act at a point.
 POINTED = ("force", "force_b")

@@ -9,15 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.forces import ELONGATION
 from kousoku.codegen.dynamics.formulas import formula_node
 from kousoku.codegen.dynamics.matrix import Matrix
-from kousoku.model.mechanism import LAW_NAMES
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.traces import Trace
-
-#: What a law depends on first: the value beyond the free one, and its rate.
-ELONGATION = LAW_NAMES[:2]
 
 
 @dataclass(frozen=True, slots=True)
