@@ -10,6 +10,7 @@ from itertools import count
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.auxiliary import drivers_of
 from kousoku.codegen.dynamics.bodies import gyroscopic_ratios, thickened
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.counts import counts, operations
@@ -18,7 +19,7 @@ from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reaction
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.rigid_groups import fixed_joints
-from kousoku.codegen.dynamics.structure import structure_of
+from kousoku.codegen.dynamics.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.weights import weighted
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
@@ -37,8 +38,6 @@ if TYPE_CHECKING:
 
 #: Everything that can be computed.
 ALL = (*LEDGER, "reactions")
-#: Multiples of it, less whole numbers, stand for zeros and ones: neither, and no two are equal.
-GENERIC = 0.6180339887498949
 BYTES = 8
 
 
@@ -147,7 +146,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
             f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
             for row in freedom.dropped
         ),
-        drivers=_drivers(system),
+        drivers=drivers_of(system),
         is_planar=program.is_planar,
     )
 
@@ -240,7 +239,7 @@ def _generic(system: System) -> System:
 
 
 def _without_zeros(constants: Constants) -> Constants:
-    numbers = (GENERIC * k % 1.0 for k in count(1))
+    numbers = (GOLDEN * k % 1.0 for k in count(1))
     return tuple(
         (name, tuple(next(numbers) if x in {-1.0, 0.0, 1.0} else x for x in values))
         for name, values in constants
@@ -265,13 +264,9 @@ def _of_moments(system: System) -> str:
     return f"{gone} of {3 * len(ratios)} are zero in space: equal moments of inertia"
 
 
-def _drivers(system: System) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(one.joint for one in system.constraints if one.is_driver))
-
-
 def _of_coordinates(system: System, freedom: Freedom) -> list[Step]:
     """Return what is not done: it would change how a scene is solved, not only what it costs."""
-    drivers = _drivers(system)
+    drivers = drivers_of(system)
     prescribed = "no driver"
     if drivers:
         prescribed = f"not done: rows hold {', '.join(drivers)}, and their bodies are integrated"

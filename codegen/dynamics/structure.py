@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.codegen.dynamics.freedom import columns_of
 from kousoku.codegen.dynamics.ordering import minimum_degree
 from kousoku.codegen.dynamics.residuals import Residuals
@@ -18,8 +19,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.program import Place, Program
     from kousoku.model.mechanism import System
 
-#: A position without a pattern: what is smaller there is zero everywhere.
+#: What is smaller at a position without a pattern is zero everywhere.
 ZERO = 1e-13
+#: Multiples of it, less whole numbers, have no pattern: none is 0 or 1, and no two are equal.
 GOLDEN = 0.6180339887498949
 
 
@@ -103,23 +105,12 @@ def _coupled(ends: Sequence[tuple[int, ...]]) -> list[tuple[int, int]]:
 
 def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
     """Return how many groups of bodies joints make, the ground aside."""
-    beside: list[list[int]] = [[] for _ in range(count)]
+    together = DisjointSets(range(count))
     for bodies in ends:
         first, *others = [body for body in bodies if body != GROUND_INDEX] or [GROUND_INDEX]
         for other in others:
-            beside[first].append(other)
-            beside[other].append(first)
-    seen = [False] * count
-    parts = 0
-    for body in range(count):
-        parts += not seen[body]
-        waiting = [body]
-        while waiting:
-            here = waiting.pop()
-            if not seen[here]:
-                seen[here] = True
-                waiting += beside[here]
-    return parts
+            together.join(first, other)
+    return len(together.sets())
 
 
 def _elements(system: System, program: Program) -> int:
