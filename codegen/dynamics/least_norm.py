@@ -118,25 +118,17 @@ class Wrench:
         """Return them row by row, (n, 6); (n, 3) in the plane."""
         jacobian, orientation, r, orientation_j, s, weight = blocks
         graph = trace.graph
-        arm = (r - orientation_j @ s).flat
+        arm = r - orientation_j @ s
         rows = []
         for row in jacobian.rows:
             full = [graph.const(0)] * 6
             for place, entry in zip(self.columns, row, strict=True):
                 full[place] = entry
-            force = full[:3]
-            own = (orientation @ Matrix(graph, tuple((x,) for x in full[3:]), 1)).flat
-            torque = [
-                graph.add(
-                    own[k],
-                    graph.sub(
-                        graph.mul(arm[(k + 1) % 3], force[(k + 2) % 3]),
-                        graph.mul(arm[(k + 2) % 3], force[(k + 1) % 3]),
-                    ),
-                )
-                for k in range(3)
-            ]
-            rows.append((*force, *(graph.mul(weight.flat[0], x) for x in torque)))
+            force, own = (
+                Matrix(graph, tuple((x,) for x in part), 1) for part in (full[:3], full[3:])
+            )
+            torque = orientation @ own + arm.cross(force)
+            rows.append((*force.flat, *(torque @ weight).flat))
         found = Matrix(graph, tuple(rows), 6)
         return (found.columns(IN_PLANE) if self.is_in_plane else found,)
 

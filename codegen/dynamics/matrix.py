@@ -73,6 +73,15 @@ class Matrix:
         rows = tuple(tuple(self.graph.neg(a) for a in row) for row in self.rows)
         return Matrix(self.graph, rows, self.width)
 
+    def cross(self, other: Matrix) -> Matrix:
+        """Return self × other; both are columns of three."""
+        graph, a, b = self.graph, self.flat, other.flat
+        rows = []
+        for k in range(3):
+            m, n = (k + 1) % 3, (k + 2) % 3
+            rows.append((graph.sub(graph.mul(a[m], b[n]), graph.mul(a[n], b[m])),))
+        return Matrix(graph, tuple(rows), 1)
+
     def scaled(self, factors: Matrix) -> Matrix:
         """Return self · diag(factors); the factors are one row."""
         mul, diagonal = self.graph.mul, factors.flat

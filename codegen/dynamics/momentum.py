@@ -136,7 +136,7 @@ class Share:
             tuple((mul(a, b),) for a, b in zip(moments.flat, omega.flat, strict=True)),
             1,
         )
-        spin = _cross(arm, second) + orientation @ own
+        spin = arm.cross(second) + orientation @ own
         rows = (*momentum.rows, *first.rows, *second.rows, *spin.rows)
         return (Matrix(trace.graph, rows, 1),)
 
@@ -158,21 +158,12 @@ class Along:
         """Return p·n, then L·n with L = Σ(ρ × m u + A I ω′) − (Σ m ρ) × (Σ m u)/Σ m."""
         total, inverse, *directions = blocks
         momentum, first, second, spin = (total.select(range(k, k + 3)) for k in (0, 3, 6, 9))
-        angular = spin - _cross(first, second) @ inverse
+        angular = spin - first.cross(second) @ inverse
         rows = [
             (one.T @ (momentum if k < self.linear else angular)).rows[0]
             for k, one in enumerate(directions)
         ]
         return (Matrix(trace.graph, tuple(rows), 1),)
-
-
-def _cross(a: Matrix, b: Matrix) -> Matrix:
-    graph, x, y = a.graph, a.flat, b.flat
-    rows = []
-    for k in range(3):
-        m, n = (k + 1) % 3, (k + 2) % 3
-        rows.append((graph.sub(graph.mul(x[m], y[n]), graph.mul(x[n], y[m])),))
-    return Matrix(graph, tuple(rows), 1)
 
 
 def record_momenta(
