@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
 VARIATIONS = tuple(column.delta for column in COLUMNS)
 
-VARIATIONS = tuple(column.delta for column in COLUMNS)
-
 
 @dataclass(frozen=True, slots=True)
 class Plain:
