@@ -18,6 +18,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.program import Auxiliary, Place
+from kousoku.codegen.dynamics.recorder import slot_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -77,7 +78,7 @@ class Auxiliaries:
     def placed(self, q: Block) -> tuple[Auxiliary, ...]:
         """Return the entries with their slots, for those who run the program."""
         return tuple(
-            replace(one, place=replace(one.place, slot=q.entries[self.first + k] - 2))
+            replace(one, place=replace(one.place, slot=slot_of(q.entries[self.first + k])))
             for k, one in enumerate(self.entries)
         )
 

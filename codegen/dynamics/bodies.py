@@ -7,7 +7,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.program import Coordinates, Place
-from kousoku.codegen.dynamics.recorder import Block, column
+from kousoku.codegen.dynamics.recorder import Block, column, slot_of
 from kousoku.model.errors import Problem, SceneError
 
 if TYPE_CHECKING:
@@ -199,7 +199,7 @@ def coordinates(body: MovingBody, blocks: BodyBlocks) -> Coordinates:
 
     def places(block: Block, first: int, kept: Sequence[int], values: Sequence[float]) -> Places:
         return tuple(
-            Place(entry - 2 if first + k in kept else -1, values[first + k])
+            Place(slot_of(entry) if first + k in kept else -1, values[first + k])
             for k, entry in enumerate(block.entries)
         )
 

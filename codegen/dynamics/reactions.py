@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.least_norm import LeastNorm, merged
-from kousoku.codegen.dynamics.recorder import column, zeros
+from kousoku.codegen.dynamics.recorder import zeros
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -107,8 +107,7 @@ def record_reactions(
     found = reactions_of(joints, left_out)
     widths = [len(body(end).columns) for one in found for end in one.ends]
     target = recorder.region("reactions", sum(widths))
-    region = next(one for one in recorder.regions if one.name == "lam")
-    lam = column(range(region.base + 2, region.base + region.size + 2))
+    lam = recorder.known("lam")
     recorder.begin("reaction")
     for one in found:
         if one.kept:

@@ -70,6 +70,15 @@ def zeros(height: int, width: int) -> Block:
     return Block((0,) * (height * width), height, width)
 
 
+def slot_of(entry: int) -> int:
+    """Return the slot that an entry stands for: it is neither 0 nor ±1."""
+    return entry - 2
+
+
+def _slots(base: int, size: int) -> Block:
+    return column(range(base + 2, base + size + 2))
+
+
 class Operation(Protocol):
     """What can be traced: hashable, so that equal operations share their kernels."""
 
@@ -109,7 +118,12 @@ class Recorder:
         """Set aside a named part of the workspace; return it as a column."""
         base = self._allocate(size)
         self.regions.append(Region(name, base, size))
-        return column(range(base + 2, base + size + 2))
+        return _slots(base, size)
+
+    def known(self, name: str) -> Block:
+        """Return a region that was set aside."""
+        base, size = next((one.base, one.size) for one in self.regions if one.name == name)
+        return _slots(base, size)
 
     def begin(self, name: str) -> None:
         """Begin a segment; tasks are recorded into it from now on."""
@@ -167,7 +181,9 @@ class Recorder:
             known = self._traced[key] = self._trace(operation, pattern, lengths, pinned)
         base = self._allocate(known.fresh)
         outputs = [base] if known.fresh else []
-        outputs += [block.entries[0] - 2 for block in into if block is not None and block.entries]
+        outputs += [
+            slot_of(block.entries[0]) for block in into if block is not None and block.entries
+        ]
         if outputs:
             inputs = tuple(bases[run] for run in known.used)
             self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs)))
