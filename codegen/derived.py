@@ -37,6 +37,7 @@ SOURCES = (
     "codegen/reference.py",
     "codegen/unit.py",
     "codegen/store.py",
+    "codegen/stream.py",
     "codegen/tape.py",
     "model/quantity.py",
     "model/rows.py",

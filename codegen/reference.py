@@ -17,12 +17,12 @@ from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
     Point,
-    Stream,
     finite_points,
     infinite_points,
     ordinary,
     scattered,
 )
+from kousoku.codegen.stream import Stream
 from kousoku.codegen.tape import record, run
 from kousoku.codegen.unit import columns
 from kousoku.model.errors import DerivationError

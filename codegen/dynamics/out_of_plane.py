@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.rank import TAKES_PART, factorise
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.codegen.dynamics.run import Workspace
-from kousoku.codegen.points import Stream
+from kousoku.codegen.stream import Stream
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.view_numbers import shift_slots
 from kousoku.codegen.graph import EXACT_OPS, Op
 from kousoku.codegen.interpret import HIGH
 from kousoku.codegen.jsontext import to_text
-from kousoku.codegen.points import Stream
+from kousoku.codegen.stream import Stream
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

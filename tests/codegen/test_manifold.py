@@ -5,7 +5,8 @@ import math
 import sympy
 
 from kousoku.codegen.manifold import solve_constraint
-from kousoku.codegen.points import Stream, ordinary
+from kousoku.codegen.points import ordinary
+from kousoku.codegen.stream import Stream
 from kousoku.codegen.tape import record, run
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive

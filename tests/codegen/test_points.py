@@ -5,7 +5,8 @@ import math
 import pytest
 from sympy import ImmutableDenseMatrix, S
 
-from kousoku.codegen.points import Stream, finite_points, infinite_points, ordinary
+from kousoku.codegen.points import finite_points, infinite_points, ordinary
+from kousoku.codegen.stream import Stream
 from kousoku.codegen.tape import Tape, record, run
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
