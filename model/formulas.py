@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
+from math import isfinite
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import ExpressionError, Problem
 from kousoku.model.expression import parse_expression
+from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection, Iterator, Mapping
 
     from kousoku.model.scene import Scene
 
@@ -42,7 +44,14 @@ def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(name for name in WORD.findall(formula) if name in names))
 
 
-def formula_problems(value: object, names: Collection[str], key: str) -> Iterator[Problem]:
+def values_at_start(scene: Scene) -> dict[str, float]:
+    """Return the values that are known before the scene is put together: parameters, and t = 0."""
+    return {**scene.parameters, TIME: 0.0}
+
+
+def formula_problems(
+    value: object, names: Collection[str], key: str, start: Mapping[str, float]
+) -> Iterator[Problem]:
     """Yield what is wrong with the formulas of a value.
 
     Parameters
@@ -53,12 +62,18 @@ def formula_problems(value: object, names: Collection[str], key: str) -> Iterato
         What its formulas may depend on.
     key : str
         Its dotted key.
+    start : mapping of str to float
+        What is known at the start: a formula of nothing else must have a finite value there.
     """
     if isinstance(value, tuple):
         for index, one in enumerate(value):
-            yield from formula_problems(one, names, f"{key}[{index}]")
+            yield from formula_problems(one, names, f"{key}[{index}]", start)
     elif isinstance(value, str):
         try:
-            parse_expression(value, names)
+            formula = parse_expression(value, names)
         except ExpressionError as error:
             yield Problem(str(error), key)
+            return
+        is_known = all(name in start for name in used_names(value, names))
+        if is_known and not isfinite(value_of(formula, start)):
+            yield Problem("has no finite value at t = 0; wanted one", key)

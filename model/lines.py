@@ -22,6 +22,7 @@ _BASIC = re.compile(r'"(?:[^"\\]|\\.)*"')
 _LITERAL = re.compile(r"'[^']*'")
 _LONG_BASIC = re.compile(r'"""(?:[^\\]|\\.)*?"""(?:"{0,2})', re.DOTALL)
 _LONG_LITERAL = re.compile(r"'''.*?'''(?:'{0,2})", re.DOTALL)
+_TOKEN = re.compile(r""""(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)|[A-Za-z0-9_-]+|[ \t]+|.""")
 _OTHER = re.compile(r"[^,\]}#\n]*")
 
 
@@ -41,6 +42,29 @@ def key_lines(text: str) -> Mapping[Path, int]:
     scanner = _Scanner(text)
     scanner.document()
     return scanner.lines
+
+
+def deep_key_line(text: str, parts: int) -> int:
+    """Return the first line with a key of more than some parts between dots, 0 if there is none.
+
+    It takes a time that grows linearly with the text, which need not be TOML.
+    """
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.count(".") >= parts and _longest_key(line) > parts:
+            return number
+    return 0
+
+
+def _longest_key(line: str) -> int:
+    longest = parts = 0
+    follows = False
+    for token in _TOKEN.finditer(line):
+        word = token.group()
+        if word[0] in "\"'" or _BARE.match(word):
+            parts = parts + 1 if follows else 1
+            longest = max(longest, parts)
+        follows = word == "." or (follows and word.isspace())
+    return longest
 
 
 class _Scanner:

@@ -45,10 +45,11 @@ C_LIBRARY = _words(
 """Names of <math.h> and of the few other headers that emitted programs include."""
 
 FOLDERS = frozenset(
-    ["kinds", "con", "prn", "aux", "nul"]
+    ["kinds", "kousoku", "numpy", "con", "prn", "aux", "nul"]
     + [f"{device}{number}" for device in ("com", "lpt") for number in range(1, 10)]
 )
-"""Scene names that cannot be a folder: the shipped kinds, and the devices of Windows."""
+"""Scene names that cannot be a folder: the shipped kinds, what a solver imports from beside its own
+folder, and the devices of Windows."""
 
 
 def name_problem(name: str) -> str | None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import decode_parts, join
 from kousoku.model.errors import Problem, SceneError
-from kousoku.model.lines import key_lines
+from kousoku.model.lines import deep_key_line, key_lines
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
 from kousoku.model.validate import check_parts
@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 
 LARGEST_FILE = 4 * 2**20
 """Bytes of the largest scene file that is read."""
+
+
+DEEPEST_KEY = 32
+"""Parts of the longest key; a parser takes hours for one of a hundred thousand."""
 
 
 def read_scene(path: str | Path) -> Scene:
@@ -64,6 +68,9 @@ def scene_from_toml(text: str, *, file: str = "") -> Scene:
     file : str
         The file that messages name.
     """
+    if line := deep_key_line(text, DEEPEST_KEY):
+        problem = Problem(f"has a key of more than {DEEPEST_KEY} parts", line=line)
+        raise SceneError.of([problem], file=file)
     try:
         tree = tomllib.loads(text)
     except RecursionError:

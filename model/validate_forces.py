@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, unknown
 from kousoku.model.errors import SceneError
-from kousoku.model.formulas import fixed_names, formula_problems
+from kousoku.model.formulas import fixed_names, formula_problems, values_at_start
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinate_forces import (
@@ -99,7 +99,8 @@ def check_gravity(scene: Scene) -> None:
     SceneError
         All of them.
     """
-    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity")):
+    start = values_at_start(scene)
+    if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
         raise SceneError.of(found)
 
 
@@ -172,13 +173,13 @@ def _check_spring(scene: Scene, force: Force, key: str) -> None:
 
 def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]) -> None:
     """Refuse texts that are no formulas, all of them."""
-    fixed = fixed_names(scene)
+    fixed, start = fixed_names(scene), values_at_start(scene)
     may_name = dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), fixed)
     may_name |= dict.fromkeys(("tension", "moment"), fixed.union(LAW_NAMES))
     found = [
         problem
         for name, known in (may_name | dict.fromkeys(OF_MOTION, names)).items()
-        for problem in formula_problems(getattr(force, name), known, f"{key}.{name}")
+        for problem in formula_problems(getattr(force, name), known, f"{key}.{name}", start)
     ]
     if found:
         raise SceneError.of(found)

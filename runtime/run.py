@@ -33,7 +33,7 @@ MESSAGES = {
     " fast, or the tolerance is too tight for doubles",
     NOT_PROJECTED: "the constraints cannot be met between two steps",
     NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
-    " motion there",
+    " motion there, or a formula of a force has no finite value there",
     BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     WRONG_STATE: "the state belongs to another solver",
 }

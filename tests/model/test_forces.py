@@ -180,6 +180,14 @@ def test_every_formula_that_is_wrong_is_reported_at_once() -> None:
     assert [one.key for one in caught.value.problems] == ["forces.f.force[0]", "forces.f.force[2]"]
 
 
+@pytest.mark.parametrize("formula", ["log(0)", "1/t", "sqrt(-c)", "asin(2 + t)", "exp(exp(9))"])
+def test_a_force_without_a_value_at_the_start_is_refused(formula: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(scene(type="force", body="bar", force=[0, formula, 0]))
+    assert caught.value.key == "forces.f.force[1]"
+    assert "has no finite value at t = 0" in caught.value.problem
+
+
 def test_the_line_of_a_formula_is_named() -> None:
     text = to_toml(scene_from_dict(scene(type="force", body="bar", force=["c", 1, "t"])))
     wrong = text.replace('"t"', '"t*"')

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kousoku.model.lines import key_lines
+from kousoku.model.lines import deep_key_line, key_lines
 
 ROOT = Path(__file__).parents[2]
 SCENES = [*sorted((ROOT / "scenes").glob("*.toml")), *(ROOT / "tests/scenes").rglob("*.toml")]
@@ -221,3 +221,24 @@ def test_lists_may_be_nested_deeper_than_calls_of_functions() -> None:
 
 def test_line_ends_of_every_system_count_as_one() -> None:
     assert key_lines("a = 1\r\nb = 2\r\n")["b",] == 2
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        ".".join("a" * 50),
+        " . ".join(["a-b_1"] * 50),
+        ".".join(['"a \\" b"'] * 50),
+        "[" + ".".join(["'a.'"] * 50) + "]",
+    ],
+)
+def test_a_key_of_many_parts_is_found_before_a_parser_meets_it(key: str) -> None:
+    assert deep_key_line(f"x = 1\n{key} = 1\n", 32) == 2
+    assert deep_key_line(f"x = 1\n{key} = 1\n", 50) == 0
+
+
+@pytest.mark.parametrize(
+    "line", [f"x = [{'1.5, ' * 99}]", f'x = "{"a." * 99}"', "# " + "... " * 99]
+)
+def test_dots_that_join_no_keys_are_no_long_key(line: str) -> None:
+    assert deep_key_line(line, 32) == 0

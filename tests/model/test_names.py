@@ -49,7 +49,7 @@ def test_names_are_as_long_as_c_promises_to_tell_apart() -> None:
     assert len(problem) < 200
 
 
-@pytest.mark.parametrize("name", ["kinds", "con", "NUL", "com1"])
+@pytest.mark.parametrize("name", ["kinds", "numpy", "con", "NUL", "com1"])
 def test_a_scene_is_not_named_as_a_folder_that_cannot_be(name: str) -> None:
     assert name_problem(name) is None
     assert "folder" in (scene_name_problem(name) or "")

@@ -112,3 +112,8 @@ def test_a_file_that_never_ends_is_refused(tmp_path: Path) -> None:
 def test_what_is_no_table_is_no_scene(tree: object) -> None:
     with pytest.raises(SceneError, match="stands where a table is wanted"):
         scene_from_dict(tree)
+
+
+def test_a_key_of_a_hundred_thousand_parts_is_refused_before_it_is_parsed() -> None:
+    with pytest.raises(SceneError, match="line 2: has a key of more than 32 parts"):
+        scene_from_toml('name = "x"\n' + ".".join("a" * 100_000) + " = 1\n")
