@@ -67,6 +67,9 @@ class BodyFrame:
 GROUND_FRAME = BodyFrame(GROUND_INDEX, ZERO, IDENTITY, ZERO, IDENTITY, is_point=False)
 """Frame O."""
 
+DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+"""Its axes by their letters."""
+
 
 def joint_points(joint: Joint, ends: tuple[BodyFrame, BodyFrame]) -> tuple[Triple, Triple]:
     """Return the point of a joint in the two body frames; of a point body it is the body itself."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.frames import GROUND_FRAME, joint_vectors, to_vector
+from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
 from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant
@@ -21,8 +21,6 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body
 
-AXES = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
-
 
 def held_of(
     name: str, body: Body, frame: BodyFrame, unit: High
@@ -35,7 +33,7 @@ def held_of(
     if not body.hold:
         return [], []
     key = f"bodies.{name}.hold"
-    places = {axis: _coordinate(key, axis, frame, unit) for axis in AXES}
+    places = {axis: _coordinate(key, axis, frame, unit) for axis in DIRECTIONS}
     turning = _orientation(key, frame) if TURNS & set(body.hold) else []
     positions = [places[held] for held in body.hold if held in places]
     rates: list[Instance] = []
@@ -53,7 +51,7 @@ TURNS = {"orientation", "angular_velocity"}
 
 def _coordinate(key: str, axis: str, frame: BodyFrame, unit: High) -> Instance:
     constants = (
-        ("a_i_b", AXES[axis]),
+        ("a_i_b", DIRECTIONS[axis]),
         ("s_i_b", to_vector(precise.scale(unit, frame.position))),
         ("s_j_b", frame.point(ZERO, unit)),
     )

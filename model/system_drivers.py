@@ -9,6 +9,7 @@ from kousoku.model.coordinates import place_measure
 from kousoku.model.drivers import drivers_of, text_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
+from kousoku.model.frames import DIRECTIONS
 from kousoku.model.joints import DISPLACEMENT, sort_of
 from kousoku.model.mechanism import COMBINATION, Instance, Term
 from kousoku.model.values import value_of
@@ -20,8 +21,6 @@ if TYPE_CHECKING:
     from kousoku.model.frames import BodyFrame
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Value
-
-DIRECTIONS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
 
 def start_values(scene: Scene, coordinates: CoordinateList) -> None:
