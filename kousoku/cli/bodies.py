@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from kousoku.cli.console import print_json, print_table
+from kousoku.cli.console import at_one_glance, print_json, print_table
 from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.read import located
 
@@ -22,9 +22,6 @@ if TYPE_CHECKING:
     from kousoku.cli.console import Target
     from kousoku.model.scene import Scene
     from kousoku.runtime.motion import Motion
-
-#: Rows of the table for people; a file holds all of them.
-SHOWN = 13
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,8 +182,7 @@ def _print_rows(motion: Motion, body: str) -> None:
     """Print the motion of one body, thinned to a table that is read at one glance."""
     columns = motion.columns()
     names = ["time", *(name for name in columns if name.startswith(f"{body}."))][:8]
-    step = max(1, -(-(len(motion) - 1) // (SHOWN - 1)))
-    rows = [[f"{columns[name][k]:z.9f}" for name in names] for k in range(0, len(motion), step)]
+    rows = [[f"{columns[name][k]:z.9f}" for name in names] for k in at_one_glance(len(motion))]
     print_table(names, rows, title=f"{motion.name}: {body}", numbers=True)
 
 

@@ -95,6 +95,12 @@ def _finite(data: Any) -> Any:
             return data
 
 
+def at_one_glance(rows: int) -> list[int]:
+    """Return the places of at most 13 of so many rows, the last of them too; a file holds all."""
+    step = max(1, -(-(rows - 1) // 12))
+    return sorted({*range(0, rows, step), *range(rows)[-1:]})
+
+
 def print_table(
     columns: Sequence[str],
     rows: Sequence[Sequence[str]],

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from kousoku.cli.console import AsJson, Target, print_json, print_table
+from kousoku.cli.console import AsJson, Target, at_one_glance, print_json, print_table
 from kousoku.model.errors import MotionError, SolveError
 
 if TYPE_CHECKING:
     from kousoku.runtime.linkage import Trajectory
-
-#: Rows of the table for people; a file holds all of them.
-SHOWN = 13
 
 
 class Method(StrEnum):
@@ -122,8 +119,7 @@ def _print_rows(motion: "Trajectory", node: str) -> None:
     columns = motion.columns()
     inputs = list(columns)[: len(motion.inputs)]
     names = inputs + [name for name in columns if name.startswith(f"{node}.")]
-    step = max(1, -(-(len(motion) - 1) // (SHOWN - 1)))
-    rows = [[f"{columns[name][k]:z.9f}" for name in names] for k in range(0, len(motion), step)]
+    rows = [[f"{columns[name][k]:z.9f}" for name in names] for k in at_one_glance(len(motion))]
     title = f"{motion.name}: {node}, {motion.unit}, rad and s"
     print_table(names, rows, title=title, numbers=True)
 

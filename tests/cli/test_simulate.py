@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import signal
 import sys
 from pathlib import Path
@@ -48,6 +49,17 @@ def test_ledger_of_the_run_is_printed_below_the_rows(run: Run) -> None:
         *PHASES,
     ):
         assert text in out
+
+
+@pytest.mark.parametrize("samples", [2, 13, 14, 102])
+def test_the_table_has_at_most_13_rows_and_the_last_of_them(run: Run, samples: int) -> None:
+    code, out, _ = run("simulate", PENDULUM, "--end", 2, "--samples", samples)
+    lines = out.splitlines()
+    head = next(k for k, line in enumerate(lines) if line.split()[:1] == ["time"])
+    numbers = [line for line in lines[head + 1 :] if re.match(r" *\d+\.\d{9} ", line)]
+    assert code == 0
+    assert len(numbers) == {2: 2, 13: 13, 14: 8, 102: 13}[samples]
+    assert float(numbers[-1].split()[0]) == 2.0
 
 
 def test_json_has_the_ledger(run: Run) -> None:
