@@ -17,7 +17,7 @@ from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.reference import REFERENCE_FILE, Expected
 from kousoku.runtime.report import Report, Row
-from kousoku.runtime.run_ledger import key_of
+from kousoku.runtime.run_stop import key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

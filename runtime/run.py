@@ -13,7 +13,8 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.motion import motion_of
 from kousoku.runtime.options import KINEMATICS
-from kousoku.runtime.run_ledger import COUNTERS, joints_at_stop, ledger_of
+from kousoku.runtime.run_ledger import COUNTERS, ledger_of
+from kousoku.runtime.run_stop import joints_at_stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable

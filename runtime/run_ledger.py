@@ -10,6 +10,7 @@ import numpy as np
 
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
+from kousoku.runtime.run_stop import SHOWN, key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -35,18 +36,10 @@ COUNTS = (
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
-#: Joints or forces that a text names.
-SHOWN = 3
 #: Works that the ledger prints, the largest first.
 MOST_WORKS = 12
-#: A joint is open when its residual is larger, in metres or radians.
-OPEN = 1e-9
 #: A row that was left out is no longer met when its residual is larger, relative to a length.
 RELEASED = 1e-6
-#: Below this pivot ratio the rows of joints count as dependent.
-DEPENDENT = 1e-10
-#: Pivots up to this multiple of the smallest are named with it.
-NEAR = 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -323,40 +316,3 @@ def _released(worst: Array, left_out: Sequence[tuple[str, str]], length: float) 
         if not size <= limit
     ]
     return tuple(dict.fromkeys(open_rows))
-
-
-def key_of(name: str) -> str:
-    """Return the key in the scene of what rows are named after; that of a driver is its name."""
-    return name if "." in name else f"joints.{name}"
-
-
-def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:
-    """Return the end of a message: the joints that are open, and those whose rows are dependent.
-
-    Parameters
-    ----------
-    rows : sequence of (str, str)
-        Joint and unit of each constraint.
-    residuals : array
-        What is left of each where they were evaluated last.
-    pivots : array
-        Of the factorisation at the last good state; those after one that is zero are no numbers.
-    """
-    if not rows:
-        return ""
-    parts = []
-    sizes = np.abs(residuals)
-    left = [k for k in np.argsort(-sizes).tolist() if sizes[k] > OPEN]
-    if left:
-        worst = {rows[k][0]: k for k in reversed(left)}
-        shown = sorted(worst.items(), key=lambda item: -sizes[item[1]])[:SHOWN]
-        texts = [f"{key_of(name)} by {sizes[k]:.3g} {rows[k][1]}" for name, k in shown]
-        parts.append(f"open: {', '.join(texts)}")
-    known = np.where(np.isfinite(pivots), pivots, np.inf)
-    most = pivots.max(where=np.isfinite(pivots), initial=0.0)
-    ratio = known.min() / most if most > 0.0 else 0.0
-    order = np.argsort(known).tolist()
-    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= NEAR * known.min())
-    names = ", ".join(map(key_of, list(weak)[:SHOWN]))
-    dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
-    return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"

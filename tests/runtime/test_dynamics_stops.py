@@ -13,7 +13,8 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import Motion
-from kousoku.runtime.run_ledger import COUNTERS, joints_at_stop
+from kousoku.runtime.run_ledger import COUNTERS
+from kousoku.runtime.run_stop import joints_at_stop
 
 if TYPE_CHECKING:
     from collections.abc import Callable
