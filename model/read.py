@@ -18,7 +18,7 @@ from kousoku.model.validate import check_parts
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-LARGEST_FILE = 4 * 2**20
+LARGEST_FILE = 8 * 2**20
 """Bytes of the largest scene file that is read."""
 
 

@@ -10,6 +10,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.formulas import state_names
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.orientation import check_orientation
+from kousoku.model.planar import Method
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinates import check_coordinates
 from kousoku.model.validate_couplings import check_coupling
@@ -48,6 +49,11 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
                 "belongs to a planar linkage; wanted either nodes and links, or bodies and joints"
             )
             problems.add(problem, table, breaks=table)
+    if scene.method != Method():
+        problem = (
+            "belongs to a planar linkage; of bodies a run says it, as kousoku simulate --method"
+        )
+        problems.add(problem, "method")
     if not scene.bodies and not problems.touches("bodies"):
         problems.add("is missing; joints need bodies to connect", "bodies", breaks="bodies")
     if GROUND in scene.bodies:

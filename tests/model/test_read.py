@@ -104,7 +104,7 @@ def test_tables_nested_too_deeply_are_refused() -> None:
 def test_a_file_that_never_ends_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "large.toml"
     path.write_bytes(b"#" * (LARGEST_FILE + 1))
-    with pytest.raises(SceneError, match="is too large: a scene file has at most 4 MiB"):
+    with pytest.raises(SceneError, match="is too large: a scene file has at most 8 MiB"):
         read_scene(path)
 
 

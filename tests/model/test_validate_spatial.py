@@ -175,6 +175,10 @@ def test_a_hundred_thousand_bodies_are_refused_at_once(bar: Tree) -> None:
     refused(bar, "bodies", "has 100000 elements; the limit is 20000")
 
 
+def test_a_method_of_linkages_is_refused_of_bodies(bar: Tree) -> None:
+    refused(put(bar, "method.scheme", "paper"), "method", "belongs to a planar linkage")
+
+
 def test_what_is_wrong_with_a_body_hides_no_problem_of_joints_and_forces(bar: Tree) -> None:
     tree = put(bar, "bodies.bar.mass", -1)
     tree = put(tree, "bodies.bar.orientation", {"rotation_vector": [0, 0, 0], "angle": 1})
