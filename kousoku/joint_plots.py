@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyArrowPatch, Polygon
 from matplotlib.path import Path
 
+from kousoku.coupling_shapes import COUPLED
 from kousoku.joint_shapes import SHAPES, Ball, Box, Cylinder
 from kousoku.plots import save
 
@@ -183,9 +184,9 @@ def _middle(solid: Solid) -> tuple[Array, float]:
 
 
 def main(folder: str) -> None:
-    """Write the pictures of all joints into a folder."""
+    """Write the pictures of all joints and couplings into a folder."""
     FilePath(folder).mkdir(parents=True, exist_ok=True)
-    for name, shape in SHAPES.items():
+    for name, shape in (SHAPES | COUPLED).items():
         save(draw_joint(shape), FilePath(folder) / f"{name}.svg")
 
 

@@ -18,8 +18,9 @@ from kousoku.model.system import system_of
 
 matplotlib = pytest.importorskip("matplotlib")
 
+from kousoku.coupling_shapes import COUPLED  # noqa: E402
 from kousoku.joint_plots import draw_joint  # noqa: E402
-from kousoku.joint_shapes import SHAPES  # noqa: E402
+from kousoku.joint_shapes import SHAPES, Box, Cylinder  # noqa: E402
 from kousoku.plots import to_svg  # noqa: E402
 
 if TYPE_CHECKING:
@@ -152,13 +153,27 @@ def test_couplings_are_in_their_table(name: str) -> None:
 
 def test_the_document_shows_the_joints_of_the_code_and_no_others() -> None:
     pictures = {path.stem for path in (ROOT / "docs" / "joints").iterdir()}
-    assert pictures == set(JOINTS) == set(SHAPES)
+    assert set(JOINTS) == set(SHAPES)
+    assert pictures == set(JOINTS) | set(COUPLED)
 
 
-@pytest.mark.parametrize("joint", JOINTS)
+def test_couplings_have_pictures_in_which_wheels_touch() -> None:
+    assert set(COUPLED) == set(COUPLINGS) - {"linear"}
+    assert all(f"](joints/{name}.svg)" in TEXT for name in COUPLED)
+    small, large = sorted(COUPLED["gear"].solids, key=lambda wheel: getattr(wheel, "radius", 0.0))
+    assert isinstance(small, Cylinder) and isinstance(large, Cylinder)
+    assert large.start[0] - small.start[0] == pytest.approx(small.radius + large.radius)
+    ratio = re.search(r'type = "gear"\n.*\nratio = (.*)\n', TEXT)
+    assert ratio is not None and float(ratio[1]) == -small.radius / large.radius
+    rack, pinion = COUPLED["rack_and_pinion"].solids
+    assert isinstance(rack, Box) and isinstance(pinion, Cylinder)
+    assert pinion.start[2] - pinion.radius == pytest.approx(rack.high[2])
+
+
+@pytest.mark.parametrize("joint", [*JOINTS, *COUPLED])
 def test_the_committed_picture_is_the_one_that_is_drawn(joint: str) -> None:
     committed = (ROOT / "docs" / "joints" / f"{joint}.svg").read_text(encoding="utf-8")
-    drawn = to_svg(draw_joint(SHAPES[joint]))
+    drawn = to_svg(draw_joint((SHAPES | COUPLED)[joint]))
     version = f"Matplotlib v{matplotlib.__version__},"
     if version in committed:
         assert drawn == committed
