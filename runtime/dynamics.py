@@ -12,7 +12,7 @@ import numpy as np
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
-from kousoku.runtime.options import KINEMATICS, options_of, with_values
+from kousoku.runtime.options import KINEMATICS, options_of, require_numbers, with_values
 from kousoku.runtime.places import BodyPlaces, CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.run import Run, SavedRun
 
@@ -218,13 +218,18 @@ class DynamicsSolver:
         if (end is None) == (times is None):
             raise SolveError(f"{self.name}: give either end or times")
         if times is None:
+            require_numbers(self.name, end=end)
+            require_numbers(self.name, is_whole=True, samples=samples)
             if end is None or not (0.0 < end < np.inf and samples >= 2):
                 raise SolveError(
                     f"{self.name}: end {end!r} with {samples} samples; wanted an end above 0 and"
                     " 2 samples or more"
                 )
             return np.linspace(0.0, end, samples)
-        chosen = np.ascontiguousarray(times, dtype=np.float64)
+        try:
+            chosen = np.ascontiguousarray(times, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise SolveError(f"{self.name}: times {times!r}; wanted a row of numbers") from None
         is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
         if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
             raise SolveError(f"{self.name}: times must ascend from 0 or later, one row of numbers")

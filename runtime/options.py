@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import math
 from dataclasses import dataclass
+from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -113,6 +114,10 @@ def options_of(
     SolveError
         An option is not possible.
     """
+    require_numbers(solver.name, tolerance=tolerance, largest_step=largest_step)
+    require_numbers(solver.name, is_whole=True, most_steps=most_steps)
+    if step is not None:
+        require_numbers(solver.name, step=step)
     if step is not None and not 0.0 < step < math.inf:
         raise SolveError(f"{solver.name}: step {step!r}; wanted seconds, above 0")
     name = solver.method_for(tolerance) if method is None else method
@@ -124,6 +129,20 @@ def options_of(
         )
     values = with_values(solver, parameters or {})
     return Options(tolerance, largest_step, step, checks, name, most_steps, values)
+
+
+def require_numbers(scene: str, *, is_whole: bool = False, **given: object) -> None:
+    """Refuse what is no number, or no whole one.
+
+    Raises
+    ------
+    SolveError
+        An option is something else, such as a text.
+    """
+    wanted = "a whole number" if is_whole else "a number"
+    for name, value in given.items():
+        if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
+            raise SolveError(f"{scene}: {name.replace('_', ' ')} {value!r}; wanted {wanted}")
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:
