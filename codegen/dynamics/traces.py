@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import copy_node, substitute
+from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -18,6 +21,21 @@ if TYPE_CHECKING:
     #: For each entry of a result what it is: a ``number`` 0 or ±1, a ``leaf`` or a ``fresh`` slot;
     #: of the last two ±(place + 1). And the shape of the result.
     Codes = tuple[tuple[tuple[str, int], ...], int, int]
+
+
+#: What a kernel adds to a divisor that may be zero: its inverse is infinite, and 0 · ∞ no number.
+ADDED = Fraction(SMALLEST_SUBNORMAL)
+#: What is added here, where factors are taken out: its inverse is finite, and it changes no sum
+#: with a length above 10⁻²⁸⁵.
+ADDED_HERE = Fraction(1, 2**1000)
+
+
+def with_finite_quotients(kernel: Kernel) -> Kernel:
+    """Return a kernel whose divisors have an inverse, also where they are zero."""
+    if all(node.value != ADDED for node in kernel.nodes):
+        return kernel
+    nodes = (replace(x, value=ADDED_HERE) if x.value == ADDED else x for x in kernel.nodes)
+    return replace(kernel, nodes=tuple(nodes))
 
 
 class Trace:
@@ -55,7 +73,7 @@ class Trace:
 
     def inline(self, kernel: Kernel, inputs: Mapping[str, Sequence[int]]) -> dict[str, list[int]]:
         """Rebuild a frozen kernel here; return the nodes of its outputs, row by row."""
-        return substitute(self.graph, kernel, inputs)
+        return substitute(self.graph, with_finite_quotients(kernel), inputs)
 
     def is_known(self, nodes: Iterable[int], leaves: Iterable[int]) -> None:
         """State that ``nodes`` were computed before: they are read, not computed again."""

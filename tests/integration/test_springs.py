@@ -234,3 +234,23 @@ def test_a_torque_spins_a_free_body(mover: Callable[..., DynamicsSolver]) -> Non
     }
     motion = mover(scene_from_dict(tree)).simulate(times=[0.0, 0.5])
     np.testing.assert_allclose(motion.angular_velocity["wheel"][1], [0, 0, 4], rtol=0, atol=1e-12)
+
+
+def test_a_spring_whose_ends_coincide_has_no_force_and_no_torque(
+    mover: Callable[..., DynamicsSolver],
+) -> None:
+    bodies: Any = {
+        name: {"position": [x, 0, 0], "mass": 1, "inertia": {"xx": 1, "yy": 1.1, "zz": 1.2}}
+        for name, x in (("one", 0), ("two", 1))
+    }
+    bodies["one"]["angular_velocity"] = [0.1, 0.2, 0.3]
+    ends = {"bodies": ["one", "two"], "points": [[1, 0, 0], [0, 0, 0]]}
+    spring = {"type": "spring_damper", **ends, "stiffness": 5, "free_length": 0.3}
+    tree = {"name": "touching", "unit": "m", "bodies": bodies, "forces": {"spring": spring}}
+    solver = mover(scene_from_dict(tree))
+    freely = mover(scene_from_dict({**tree, "name": "apart", "forces": {}}))
+
+    here, there = solver.evaluate(), freely.evaluate()
+
+    np.testing.assert_allclose(here["v_dot"], there["v_dot"], rtol=0, atol=1e-15)
+    assert here["energies"][1] == pytest.approx(0.5 * 5 * 0.3**2, rel=1e-15)
