@@ -96,7 +96,7 @@ class RunLedger:
         rows were not checked, both where drivers move bodies without mass.
     works : mapping of str to float [J]
         Work at the end of what has no potential energy: drivers, dampers, springs with a formula,
-        torques, forces that change or turn with a body.
+        torques, forces that change or turn with a body; empty where ``kinematics`` was not checked.
     momenta : tuple of Momentum
         Largest change of momentum that nothing should change, part by part: bodies that nothing
         connects with the ground; empty where rows were not checked.
