@@ -10,12 +10,15 @@ from collections.abc import Mapping
 from functools import cache
 from math import inf
 from types import UnionType
-from typing import Any, Literal, TypeVar, Union, cast, get_args, get_origin
+from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, get_origin
 
 import msgspec
 
 from kousoku.model.errors import SceneError
 from kousoku.model.problems import Problems
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
 
 S = TypeVar("S", bound=msgspec.Struct)
 
@@ -122,6 +125,31 @@ def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
         return f"unknown {what}; did you mean {near[0]!r}?"
     listed = ", ".join(known[:12]) + (", …" if len(known) > 12 else "")
     return f"unknown {what}; known here: {listed or 'none'}"
+
+
+def require_known(what: str, name: str, known: Collection[str], key: str, *also: str) -> None:
+    """Refuse a name of something that is not there.
+
+    Parameters
+    ----------
+    what : str
+        What is named, such as ``body``.
+    name : str
+        Its name.
+    known : collection of str
+        The names that there are.
+    key : str
+        The dotted key where it stands.
+    *also : str
+        What may stand there, too, such as the ground.
+
+    Raises
+    ------
+    SceneError
+        There is none of that name; the message says which is nearest.
+    """
+    if name not in known and name not in also:
+        raise SceneError(unknown(f"{what} {name[:40]!r}", name, (*known, *also)), key=key)
 
 
 def join(key: str, name: str) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, unknown
+from kousoku.model.decode import LARGEST, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import ANGLE, DISPLACEMENT, SECOND_ANGLE, leaves_of, sort_of
 from kousoku.model.validate_coordinates import check_leaves
@@ -156,9 +156,7 @@ def check_law(force: Force, name: str, key: str) -> None:
 
 def _coordinate(scene: Scene, force: Force, key: str) -> str:
     name = force.coordinate or ""
-    if name not in scene.coordinates:
-        problem = unknown(f"coordinate {name[:40]!r}", name, tuple(scene.coordinates))
-        raise SceneError(problem, key=f"{key}.coordinate")
+    require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
     return name
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, join, unknown
+from kousoku.model.decode import LARGEST, join, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
 from kousoku.model.formulas import RATE, TIME
@@ -110,9 +110,7 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
     SceneError
         There is no such joint, or it does not leave that free, or leaves two free.
     """
-    if name not in scene.joints:
-        problem = unknown(f"joint {name[:40]!r}", name, tuple(scene.joints))
-        raise SceneError(problem, key=f"{key}.joint")
+    require_known("joint", name, scene.joints, f"{key}.joint")
     kind = scene.joints[name].type
     leaves = leaves_of(kind)
     if not leaves:
@@ -165,7 +163,7 @@ def _check_distance(scene: Scene, given: Coordinate, key: str) -> None:
         raise SceneError("is missing; wanted a point in each body", key=f"{key}.points")
     for index, (body, point) in enumerate(zip(bodies, given.points, strict=True)):
         if body != GROUND:
-            _check_body(scene, body, f"{key}.bodies[{index}]", (*scene.bodies, GROUND))
+            require_known("body", body, scene.bodies, f"{key}.bodies[{index}]", GROUND)
             _check_only_point(scene, body, point, f"{key}.points[{index}]")
     if len(set(bodies)) == 1:
         raise SceneError(
@@ -182,13 +180,8 @@ def check_place(scene: Scene, body: str | None, point: Vector | None, key: str) 
         There is no such body, or it is a point and has no other one.
     """
     assert body is not None
-    _check_body(scene, body, f"{key}.body", tuple(scene.bodies))
+    require_known("body", body, scene.bodies, f"{key}.body")
     _check_only_point(scene, body, point, f"{key}.point")
-
-
-def _check_body(scene: Scene, body: str, key: str, known: tuple[str, ...]) -> None:
-    if body not in scene.bodies:
-        raise SceneError(unknown(f"body {body[:40]!r}", body, known), key=key)
 
 
 def _check_only_point(scene: Scene, body: str, point: Vector | None, key: str) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import unknown
+from kousoku.model.decode import require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import COUPLINGS, NAMES, leaves_of
 from kousoku.model.spatial import GROUND
@@ -73,9 +73,7 @@ def _check_joints(scene: Scene, joint: Joint, key: str) -> None:
     wanted = COUPLINGS[NAMES[joint.type]].couples
     for index, (name, sort) in enumerate(zip(coupled, wanted, strict=True)):
         place = f"{key}.joints[{index}]"
-        if name not in scene.joints:
-            problem = unknown(f"joint {name[:40]!r}", name, tuple(scene.joints))
-            raise SceneError(problem, key=place)
+        require_known("joint", name, scene.joints, place)
         kind = scene.joints[name].type
         if sort not in leaves_of(kind):
             raise SceneError(
@@ -100,9 +98,7 @@ def _check_coordinates(scene: Scene, joint: Joint, key: str) -> None:
         )
     for index, name in enumerate(names):
         place = f"{key}.coordinates[{index}]"
-        if name not in scene.coordinates:
-            problem = unknown(f"coordinate {name[:40]!r}", name, tuple(scene.coordinates))
-            raise SceneError(problem, key=place)
+        require_known("coordinate", name, scene.coordinates, place)
         if name in names[:index]:
             raise SceneError(f"{name} stands there twice; leave one out", key=place)
     for index, factor in enumerate(factors):

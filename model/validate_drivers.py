@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite, pi
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, unknown
+from kousoku.model.decode import join, require_known
 from kousoku.model.derivative import derivative
 from kousoku.model.drivers import text_of
 from kousoku.model.errors import ExpressionError, SceneError
@@ -108,9 +108,7 @@ def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
         yield driver.joint, check_leaves(scene, driver.joint, driver.of, key)
         return
     name = driver.coordinate or ""
-    if name not in scene.coordinates:
-        problem = unknown(f"coordinate {name[:40]!r}", name, tuple(scene.coordinates))
-        raise SceneError(problem, key=f"{key}.coordinate")
+    require_known("coordinate", name, scene.coordinates, f"{key}.coordinate")
     given = scene.coordinates[name]
     if given.hold:
         raise SceneError(

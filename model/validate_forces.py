@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, unknown
+from kousoku.model.decode import join, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import fixed_names, formula_problems, values_at_start
 from kousoku.model.mechanism import LAW_NAMES
@@ -78,10 +78,7 @@ def check_force(
 
 def _check_keys(scene: Scene, force: Force, key: str) -> None:
     """Refuse keys that do not belong to the type, bodies that are not there, and lost points."""
-    if force.type not in KEYS:
-        raise SceneError(
-            unknown(f"force {force.type[:40]!r}", force.type, tuple(KEYS)), key=f"{key}.type"
-        )
+    require_known("force", force.type, KEYS, f"{key}.type")
     own = KEYS[force.type]
     for name in dict.fromkeys(name for names in KEYS.values() for name in names):
         if name not in own and getattr(force, name) is not None:
@@ -107,9 +104,7 @@ def check_gravity(scene: Scene) -> None:
 def _check_load(scene: Scene, force: Force, key: str) -> None:
     if force.body is None:
         raise SceneError("is missing; wanted the body that it acts on", key=f"{key}.body")
-    if force.body not in scene.bodies:
-        problem = unknown(f"body {force.body[:40]!r}", force.body, tuple(scene.bodies))
-        raise SceneError(problem, key=f"{key}.body")
+    require_known("body", force.body, scene.bodies, f"{key}.body")
     fixed, turning = (getattr(force, name) for name in (force.type, f"{force.type}_b"))
     if fixed is None and turning is None:
         raise SceneError(
@@ -147,9 +142,7 @@ def _check_ends(scene: Scene, force: Force, key: str) -> None:
         raise SceneError("is missing; wanted the two bodies", key=f"{key}.bodies")
     bodies = force.bodies
     for index, name in enumerate(bodies):
-        if name != GROUND and name not in scene.bodies:
-            problem = unknown(f"body {name[:40]!r}", name, (*scene.bodies, GROUND))
-            raise SceneError(problem, key=f"{key}.bodies[{index}]")
+        require_known("body", name, scene.bodies, f"{key}.bodies[{index}]", GROUND)
     if len(set(bodies)) == 1:
         raise SceneError(
             f"connects {bodies[0]} to itself; wanted two different bodies", key=f"{key}.bodies"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import isfinite, isnan, tau
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import join, unknown
+from kousoku.model.decode import join, require_known
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import leaves_of
@@ -69,10 +69,7 @@ def _target(scene: Scene, given: Input, key: str) -> tuple[str, str]:
         raise SceneError(f"wanted one of link, slider and joint, got {got}", key=key)
     (target,) = targets
     driven: str = getattr(given, target)
-    known = tuple(getattr(scene, f"{target}s"))
-    if driven not in known:
-        problem = unknown(f"{target} {driven[:40]!r}", driven, known)
-        raise SceneError(problem, key=f"{key}.{target}")
+    require_known(target, driven, getattr(scene, f"{target}s"), f"{key}.{target}")
     return target, driven
 
 

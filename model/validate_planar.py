@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot, isfinite
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, join, unknown
+from kousoku.model.decode import LARGEST, join, require_known, unknown
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
@@ -166,9 +166,7 @@ def _check_sliders(scene: Scene, problems: Problems) -> None:
 
 def _check_sliding(scene: Scene, name: str, on: dict[str, str]) -> None:
     slider, key = scene.sliders[name], join("sliders", name)
-    if slider.node not in scene.nodes:
-        problem = unknown(f"node {slider.node[:40]!r}", slider.node, tuple(scene.nodes))
-        raise SceneError(problem, key=f"{key}.node")
+    require_known("node", slider.node, scene.nodes, f"{key}.node")
     if scene.nodes[slider.node].fixed:
         raise SceneError(f"the node {slider.node} is fixed and cannot slide", key=f"{key}.node")
     other = on.setdefault(slider.node, name)
@@ -188,15 +186,12 @@ def _check_line(slider: Slider, key: str) -> None:
 
 
 def _check_rigid(scene: Scene, rigid: Rigid, key: str) -> None:
-    if rigid.at not in scene.nodes:
-        problem = unknown(f"node {rigid.at[:40]!r}", rigid.at, tuple(scene.nodes))
-        raise SceneError(problem, key=f"{key}.at")
+    require_known("node", rigid.at, scene.nodes, f"{key}.at")
     if len(rigid.links) < 2:
         raise SceneError("wanted two links or more", key=f"{key}.links")
     for index, name in enumerate(rigid.links):
         place = f"{key}.links[{index}]"
-        if name not in scene.links:
-            raise SceneError(unknown(f"link {name[:40]!r}", name, tuple(scene.links)), key=place)
+        require_known("link", name, scene.links, place)
         if name in rigid.links[:index]:
             raise SceneError(f"the link {name} stands there twice", key=place)
         if rigid.at not in scene.links[name].nodes:

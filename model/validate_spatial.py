@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, join, unknown
+from kousoku.model.decode import LARGEST, join, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import state_names
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
@@ -131,11 +131,7 @@ def _check_two_bodies(joint: Joint, key: str) -> None:
 
 def _check_known_bodies(scene: Scene, joint: Joint, key: str) -> None:
     for index, body in enumerate(joint.bodies or ()):
-        if body != GROUND and body not in scene.bodies:
-            known = (*scene.bodies, GROUND)
-            raise SceneError(
-                unknown(f"body {body[:40]!r}", body, known), key=f"{key}.bodies[{index}]"
-            )
+        require_known("body", body, scene.bodies, f"{key}.bodies[{index}]", GROUND)
 
 
 def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:
@@ -156,10 +152,8 @@ def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -
 
 
 def _kind(joint: Joint, key: str) -> JointKind:
-    name = joint.type
-    if name not in NAMES:
-        raise SceneError(unknown(f"joint {name[:40]!r}", name, tuple(NAMES)), key=f"{key}.type")
-    return JOINTS[NAMES[name]]
+    require_known("joint", joint.type, NAMES, f"{key}.type")
+    return JOINTS[NAMES[joint.type]]
 
 
 def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
