@@ -38,5 +38,6 @@ def test_what_is_no_number_is_refused_by_name(
 
 def test_numbers_of_numpy_are_numbers(bodies_folder: Callable[..., Path]) -> None:
     solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
-    motion = solver.simulate(np.float64(0.01), samples=np.int64(2), tolerance=np.float32(1e-3))
+    count: Any = np.int64(2)
+    motion = solver.simulate(np.float64(0.01), samples=count, tolerance=np.float32(1e-3))
     assert len(motion) == 2
