@@ -44,21 +44,21 @@ def derive(_: str) -> Derivation:
 
 
 def _gamma(rate: Matrix, curved: Matrix) -> Matrix:
-    """Return γ = ((u/l)² − z)/l, u = d·ḋ and z what d·ḋ has as its rate without accelerations."""
-    along = Named("x", mul(INVERSE, Named("u", rate)))
+    """Return γ = ((h/l)² − z)/l, h = d·ḋ and z what d·ḋ has as its rate without accelerations."""
+    along = Named("x", mul(INVERSE, Named("h", rate)))
     return mul(INVERSE, add(mul(along, along), neg(Named("z", curved))))
 
 
 def _lines() -> tuple[Step, ...]:
     rate = mul(transpose(D), RATES[0])
     curved = add(mul(transpose(RATES[0]), RATES[0]), mul(transpose(D), RATES[1]))
-    u, z, gamma = (MatrixSymbol(name, 1, 1) for name in ("u", "z", "gamma"))
+    h, z, gamma = (MatrixSymbol(name, 1, 1) for name in ("h", "z", "gamma"))
     return (
-        Step(u, rate, "abbreviation: l dl/dt", ""),
-        Step(u, half_square_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
-        Step(z, curved, "abbreviation: the rate of u without accelerations", ""),
+        Step(h, rate, "abbreviation: l dl/dt", ""),
+        Step(h, half_square_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
+        Step(z, curved, "abbreviation: the rate of h without accelerations", ""),
         Step(z, half_square_curvature(), GAMMA_RULE, "7.15"),
-        Step(gamma, _gamma(rate, curved), "d²l/dt² = (du/dt − (dl/dt)²)/l", ""),
+        Step(gamma, _gamma(rate, curved), "d²l/dt² = (dh/dt − (dl/dt)²)/l", ""),
     )
 
 
@@ -93,6 +93,6 @@ def _length() -> Constraint:
         components=(sympy.sqrt(dot(d, d)),),
         names=(D, *RATES),
         rule=own_point_drops,
-        gamma=Step(MatrixSymbol("gamma", 1, 1), closed.plain.gamma, "u and z as above", ""),
+        gamma=Step(MatrixSymbol("gamma", 1, 1), closed.plain.gamma, "h and z as above", ""),
         closed=closed,
     )
