@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.program import REGIONS, SEGMENTS
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
 from kousoku.codegen.dynamics.view_numbers import (
+    driver_places,
     floors,
     has_drivers,
     has_fallback,
@@ -140,6 +141,10 @@ class DynamicsView:
         Whether rows that are left out take over where those that are kept lose rank.
     weights : str
         The diagonal of M⁻¹, in lines.
+    drivers : str
+        Rows of indices: of each row of a driver, and of its work in q.
+    driver_count : int
+        How many rows.
     """
 
     name: str
@@ -164,6 +169,8 @@ class DynamicsView:
     is_driven: bool
     has_fallback: bool
     weights: str
+    drivers: str
+    driver_count: int
 
     @property
     def accelerates(self) -> bool:
@@ -244,6 +251,7 @@ def dynamics_view(
     tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
     shifts, turns = shift_slots(program), turn_slots(program)
     lengths = {k for pair in shifts for k in pair}
+    drivers = driver_places(program, system)
     q, v = (slots(program, name) for name in ("q", "v"))
     return DynamicsView(
         name=program.name,
@@ -269,8 +277,10 @@ def dynamics_view(
         parameter_names=tuple(name for name, _ in system.parameters),
         has_drivers=has_drivers(system),
         is_driven=is_driven(program, system),
-        has_fallback=has_fallback(program, system),
+        has_fallback=has_fallback(program),
         weights=_numbers(map(repr, weights(program, system))),
+        drivers=_rows(drivers),
+        driver_count=len(drivers),
     )
 
 

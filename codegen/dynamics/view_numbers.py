@@ -56,13 +56,18 @@ def has_drivers(system: System) -> bool:
     return any(instance.is_driver for instance in system.constraints)
 
 
-def has_fallback(program: Program, system: System) -> bool:
-    """Return whether rows that are left out take over where those that are kept lose rank.
-
-    Not of drivers: their work is that of the rows that are kept.
-    """
+def has_fallback(program: Program) -> bool:
+    """Return whether rows that are left out take over where those that are kept lose rank."""
     count = len(program.rows) + len(program.left_out)
-    return bool(program.left_out) and count <= MOST_DENSE and not has_drivers(system)
+    return bool(program.left_out) and count <= MOST_DENSE
+
+
+def driver_places(program: Program, system: System) -> list[tuple[int, int]]:
+    """Return for each row of a driver which row it is, and where its work is in q."""
+    base = program.region("q").base
+    works = {one.name: one.place.slot - base for one in program.auxiliary if one.kind == WORK}
+    owners = (system.constraints[row.instance] for row in program.rows)
+    return [(k, works[one.joint]) for k, one in enumerate(owners) if one.is_driver]
 
 
 def weights(program: Program, system: System) -> list[float]:
