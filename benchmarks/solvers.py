@@ -266,6 +266,7 @@ def find_peers(benchmark: Benchmark, folder: Path) -> Peers:
 def run_all() -> Benchmark:
     """Run every contest."""
     benchmark = Benchmark()
+    first_steps(benchmark)  # each a process: before this one fills memory with peers
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         peers = find_peers(benchmark, folder)
@@ -274,7 +275,6 @@ def run_all() -> Benchmark:
         place = folder / "four_bars"
         place.mkdir()
         bars_of_40(benchmark, place, peers)
-    first_steps(benchmark)
     return benchmark
 
 
