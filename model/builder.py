@@ -28,8 +28,8 @@ class SceneBuilder:
         Length unit of all that follows.
     title : str
         One line for people.
-    divisions : int
-        Steps from the first to the last value of the inputs.
+    divisions : int, optional
+        Steps from the first to the last value of the inputs; 60 when left out.
 
     Examples
     --------
@@ -49,13 +49,12 @@ class SceneBuilder:
     80.0
     """
 
-    def __init__(self, name: str, *, unit: str, title: str = "", divisions: int = 60) -> None:
-        self._tree: dict[str, Any] = {
-            "name": name,
-            "title": title,
-            "unit": unit,
-            "divisions": divisions,
-        }
+    def __init__(
+        self, name: str, *, unit: str, title: str = "", divisions: int | None = None
+    ) -> None:
+        self._tree: dict[str, Any] = _plain(
+            {"name": name, "title": title, "unit": unit, "divisions": divisions}
+        )
 
     def node(self, name: str, *, at: Coordinates, fixed: bool = False) -> Self:
         """Add a node, see :class:`kousoku.model.planar.Node`."""

@@ -81,7 +81,12 @@ class SceneError(KousokuError):
         where = self.file
         if one.line:
             where = f"{self.file}:{one.line}" if self.file else f"line {one.line}"
-        return ": ".join(part for part in (where, one.key, one.problem) if part)
+        return printable(": ".join(part for part in (where, one.key, one.problem) if part))
+
+
+def printable(text: str) -> str:
+    """Return a text as one line: marks that cannot be printed, such as in names, are escaped."""
+    return "".join(mark if mark.isprintable() else repr(mark)[1:-1] for mark in text)
 
 
 class ExpressionError(KousokuError):

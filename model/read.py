@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ from kousoku.model.scene import Scene
 from kousoku.model.validate import check_parts
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
 LARGEST_FILE = 8 * 2**20
 """Bytes of the largest scene file that is read."""
@@ -125,7 +126,8 @@ def _scene(tree: object, text: str, file: str) -> Scene:
         scene = decode_parts(tree, Scene, {"name": "unnamed", "unit": "m"}, problems)
     except SceneError as error:
         raise SceneError.of(error.problems, file=file) from None
-    check_parts(scene, problems)
+    assert isinstance(tree, Mapping)  # else nothing could be decoded
+    check_parts(scene, problems, list(tree))
     if problems.found:
         raise SceneError.of(_with_lines(problems.found, text), file=file)
     return scene

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from kousoku.model.decode import join
 from kousoku.model.errors import SceneError
 from kousoku.model.grashof import check_closure
@@ -15,8 +17,11 @@ from kousoku.model.validate_drivers import check_drivers
 from kousoku.model.validate_inputs import check_inputs
 from kousoku.model.validate_planar import check_planar
 from kousoku.model.validate_spatial import check_spatial
+from kousoku.model.validate_unused import check_unused
 
 if TYPE_CHECKING:
+    from collections.abc import Collection
+
     from kousoku.model.scene import Scene
 
 MOST_DIVISIONS = 10_000_000
@@ -46,12 +51,14 @@ def check(scene: Scene) -> tuple[str, ...]:
         All problems that are found, each with its dotted key.
     """
     problems = Problems()
-    notes = check_parts(scene, problems)
+    fields = msgspec.structs.fields(scene)
+    given = [field.name for field in fields if getattr(scene, field.name) != field.default]
+    notes = check_parts(scene, problems, given)
     problems.settle()
     return notes
 
 
-def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
+def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tuple[str, ...]:
     """Check what there is of a scene; what concerns it as a whole only when all parts are right.
 
     Parameters
@@ -60,6 +67,8 @@ def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
         What could be built of it.
     problems : Problems
         What is broken in it, and where to note what else is wrong.
+    given : collection of str
+        The keys of the scene that are written, defaults included.
 
     Returns
     -------
@@ -85,6 +94,7 @@ def check_parts(scene: Scene, problems: Problems) -> tuple[str, ...]:
     check_inputs(scene, problems)
     if is_spatial:
         check_drivers(scene, problems)
+        check_unused(scene, given, problems)
     if is_spatial or problems.found:
         return ()
     problems.check("inputs", (), check_mobility, scene)

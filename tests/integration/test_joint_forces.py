@@ -50,7 +50,9 @@ def test_a_spring_that_is_wound_up_counts_the_turns(
     mover: Callable[..., DynamicsSolver], keys: Tree, free: float
 ) -> None:
     tree = wheel(HINGE, {"spring": spring(**keys)}, body={"angular_velocity": [0, 0, 60]})
-    given = {"coordinates": {"theta": {"joint": "joint"}}, "parameters": {"k": 16}}
+    given: Tree = {"coordinates": {"theta": {"joint": "joint"}}}
+    if "k/2" in f"{keys}":
+        given["parameters"] = {"k": 16}
     solver = mover(scene_from_dict(tree | given), outputs=("coordinates", "energies"))
     motion = solver.simulate(times=TIMES, tolerance=1e-13)
     rate = math.sqrt(8 / 0.5)

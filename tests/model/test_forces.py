@@ -43,6 +43,7 @@ def scene(**force: Any) -> Tree:
         "name": "loaded",
         "unit": "mm",
         "parameters": {"c": 3},
+        "gravity": [0, 0, "-c"],
         "joints": {
             "hinge": {"type": "hinge", "bodies": ["ground", "bar"], **PLACE},
             "tube": {"type": "cylindrical", "bodies": ["ground", "bar"], **PLACE},

@@ -259,3 +259,14 @@ def test_a_check_of_what_is_broken_is_left_out_and_breaks_what_it_checks() -> No
     assert not problems.is_broken("links.b")
     problems.break_("links")
     assert problems.is_broken("links.b")
+
+
+def test_a_problem_is_one_line_whatever_marks_a_name_has() -> None:
+    joint = {"type": "ball", "bodies": ["a\x1f\n", "a\x1f\n"], "at": [0, 0, 0]}
+    tree = {"name": "x", "unit": "m", "bodies": {"b": {"position": [0, 0, 0]}}, "joints": {}}
+    tree["joints"] = {"j": joint}
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+    first, *_ = str(caught.value).split("\n")
+    assert first == "joints.j.bodies: connects a\\x1f\\n to itself; wanted two different bodies"
+    assert len(str(caught.value).split("\n")) == len(caught.value.problems)

@@ -64,9 +64,11 @@ def four_bar(rocker: float = ROCKER, joint: str = "a", law: str = "rate*t") -> S
     ):
         joints += f'{name} = {{ type = "revolute", bodies = [{pair}], points = [{points}], '
         joints += "axes = [[0, 0, 1], [0, 0, 1]] }\n"
+    known = {"rate": RATE, "phase": 0}
+    parameters = "".join(f"{name} = {known[name]}\n" for name in known if name in law)
     return scene_from_toml(
         'name = "bars"\nunit = "m"\ngravity = [0, -9.81, 0]\n'
-        f"[parameters]\nrate = {RATE}\nphase = 0\n{bodies}"
+        f"[parameters]\n{parameters}{bodies}"
         f'[joints]\n{joints}[drivers]\nmotor = {{ joint = "{joint}", value = "{law}" }}\n'
     )
 

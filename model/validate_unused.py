@@ -1,0 +1,128 @@
+"""Refuse what a scene of bodies gives without effect: nothing is dropped silently."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from kousoku.model.decode import join
+from kousoku.model.formulas import used_names
+from kousoku.model.planar import Method
+from kousoku.model.spatial import SOLIDS
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Iterator
+
+    from kousoku.model.loads import Force
+    from kousoku.model.problems import Problems
+    from kousoku.model.scene import Scene
+
+SPRINGS = {
+    "spring_damper": ("free_length", "tension"),
+    "rotational_spring_damper": ("free_angle", "moment"),
+}
+"""Forces that count from where they are free: its key, and that of their own law."""
+
+WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "gravity")
+"""Where a formula may stand."""
+
+
+def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> None:
+    """Note each key of a scene of bodies that changes nothing.
+
+    What may depend on a part that is wrong is not looked at: the part may need it.
+
+    Parameters
+    ----------
+    scene : Scene
+        What could be built of it.
+    given : collection of str
+        The keys of the scene that are written, defaults included.
+    problems : Problems
+        What is broken in it, and where to note what else is wrong.
+    """
+    if "divisions" in given and not (scene.inputs or problems.touches("inputs", "divisions")):
+        problem = (
+            "divides the way of inputs, and there are none; leave it out: a run says its times, as "
+            "kousoku simulate --end and --samples"
+        )
+        problems.add(problem, "divisions")
+    if "method" in given and scene.method == Method() and not problems.is_broken("method"):
+        problems.add("belongs to a planar linkage; leave it out", "method")
+    _check_outputs(scene, problems)
+    if not problems.touches(*WITH_FORMULAS, "parameters"):
+        _check_parameters(scene, problems)
+    _check_masses(scene, problems)
+    for name, body in scene.bodies.items():
+        for index, held in enumerate(body.hold):
+            if held in body.hold[:index]:
+                key = f"{join('bodies', name)}.hold[{index}]"
+                problems.add(f"{held!r} stands there twice; leave one out", key)
+    for name, force in scene.forces.items():
+        key = join("forces", name)
+        if not problems.is_broken(key):
+            _check_free(force, key, problems)
+
+
+def _check_outputs(scene: Scene, problems: Problems) -> None:
+    """Refuse outputs of what the scene has none of."""
+    sources = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
+    for index, output in enumerate(scene.outputs):
+        tables = sources.get(output, ())
+        if tables and not any(getattr(scene, table) or problems.touches(table) for table in tables):
+            problem = f"the scene has no {' and no '.join(tables)}; leave it out"
+            problems.add(problem, f"outputs[{index}]")
+
+
+def _check_parameters(scene: Scene, problems: Problems) -> None:
+    """Refuse parameters that stand in no formula: a run that sets one would change nothing."""
+    texts = " ".join(text for part in WITH_FORMULAS for text in _texts(getattr(scene, part)))
+    used = used_names(texts, scene.parameters)
+    for name in scene.parameters:
+        if name not in used:
+            problem = "no formula has this parameter; name it in one, or leave it out"
+            problems.add(problem, join("parameters", name))
+
+
+def _texts(value: object) -> Iterator[str]:
+    """Yield all texts in a part of a scene, names of elements among them."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, msgspec.Struct):
+        for name in value.__struct_fields__:
+            yield from _texts(getattr(value, name))
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _texts(item)
+    elif hasattr(value, "values"):
+        for item in value.values():
+            yield from _texts(item)
+
+
+def _check_masses(scene: Scene, problems: Problems) -> None:
+    """Refuse gravity and forces where there is no mass that they could move."""
+    if not scene.bodies or problems.touches("bodies"):
+        return
+    if any(getattr(body, key) for body in scene.bodies.values() for key in ("mass", *SOLIDS)):
+        return
+    problem = "{} nothing, since no body has a mass; give the bodies masses, or leave {} out"
+    if any(scene.gravity) and not problems.is_broken("gravity"):
+        problems.add(problem.format("moves", "it"), "gravity")
+    if scene.forces:
+        problems.add(problem.format("move", "them"), "forces")
+
+
+def _check_free(force: Force, key: str, problems: Problems) -> None:
+    """Refuse a free length or angle where no force depends on the elongation; and a lost 'of'."""
+    if force.type not in SPRINGS:
+        return
+    free, law = SPRINGS[force.type]
+    formula = getattr(force, law)
+    counts = force.stiffness is not None if formula is None else bool(used_names(formula, "x"))
+    if getattr(force, free) is not None and not counts:
+        missing = "it has no stiffness" if formula is None else f"its {law} does not depend on x"
+        problems.add(f"changes nothing, since {missing}; leave it out", f"{key}.{free}")
+    if force.coordinate is not None and force.of is not None:
+        problem = "belongs to 'joint'; the coordinate says which angle it is, leave it out"
+        problems.add(problem, f"{key}.of")
