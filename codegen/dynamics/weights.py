@@ -36,10 +36,13 @@ class Weighted:
         The scene.
     missing : tuple of str
         Keys of what bodies lack and their motion may depend on.
+    thin : tuple of str
+        Those of them that belong to bodies whose mass lies on a line: one moment is zero.
     """
 
     system: System
     missing: tuple[str, ...] = ()
+    thin: tuple[str, ...] = ()
 
 
 def weighted(system: System) -> Weighted:
@@ -56,7 +59,9 @@ def weighted(system: System) -> Weighted:
         return Weighted(system)
     length = characteristic_length(system)
     bodies = tuple(_filled(body, length) for body in system.bodies)
-    return Weighted(replace(system, bodies=bodies), missing)
+    keys = (f"bodies.{body.name}.inertia" for body in system.bodies if max(body.inertia) > 0)
+    thin = tuple(key for key in keys if key in missing)
+    return Weighted(replace(system, bodies=bodies), missing, thin)
 
 
 def require_driven(found: Weighted, freedom: Freedom, wanted: Collection[str]) -> None:
@@ -71,17 +76,21 @@ def require_driven(found: Weighted, freedom: Freedom, wanted: Collection[str]) -
     if not found.missing:
         return
     key = found.missing[0]
-    more = f" ({len(found.missing)} such numbers are missing)" if len(found.missing) > 1 else ""
+    lack, give = "is missing", "give it"
+    if key in found.thin:
+        lack = "has a moment of zero, as of a rod without thickness, about an axis of turning"
+        give = "give the body some thickness, as of a cylinder"
+    more = f" (one of {len(found.missing)} such)" if len(found.missing) > 1 else ""
     if freedom.degrees > 0:
         raise SceneError(
-            f"is missing, and drivers leave {freedom.degrees} of the freedoms, whose motion"
-            f" depends on it{more}; give it, or drive them",
+            f"{lack}, and drivers leave {freedom.degrees} of the freedoms, whose motion"
+            f" depends on it{more}; {give}, or drive them",
             key=key,
         )
     for name in DEPEND:
         if name in wanted:
             raise SceneError(
-                f"asks for {name}, which depend on {key}, and it is missing{more}; give it, or"
+                f"asks for {name}, which depend on {key}, and it {lack}{more}; {give}, or"
                 f" leave {name} out: positions, velocities and accelerations need no mass here",
                 key="outputs",
             )

@@ -102,3 +102,37 @@ def test_freedoms_that_drivers_leave_need_masses() -> None:
 
     with pytest.raises(SceneError, match=r"^bodies\.one\.mass: is missing, and drivers leave 1 of"):
         generate_dynamics(scene)
+
+
+@pytest.mark.parametrize(
+    ("drivers", "says"),
+    [
+        (("a", "b"), r"^outputs: asks for reactions, .* bodies\.rod\.inertia, and it has a moment"),
+        (("a",), r"^bodies\.rod\.inertia: has a moment of zero, as of a rod .* leave 1 of"),
+    ],
+)
+def test_a_rod_without_thickness_is_not_said_to_lack_its_inertia(
+    drivers: tuple[str, ...], says: str
+) -> None:
+    rods = {"rods": [{"mass": 1, "ends": [[0, 0, 0], [1, 0, 0]]}]}
+    scene = scene_from_dict(
+        {
+            **{"name": "wrist", "unit": "m", "outputs": ["reactions"], "gravity": [0, 0, -9]},
+            "bodies": {
+                "arm": {"position": [0, 0, 0], **HEAVY},
+                "rod": {"position": [0, 1, 0], **rods},
+            },
+            "joints": {
+                "a": {"type": "hinge", "bodies": ["ground", "arm"], "at": [0, 0, 0]}
+                | {"axis": [0, 0, 1]},
+                "b": {"type": "hinge", "bodies": ["arm", "rod"], "at": [0, 1, 0]}
+                | {"axis": [1, 0, 0]},
+            },
+            "drivers": {f"of_{joint}": {"joint": joint, "value": "t"} for joint in drivers},
+        }
+    )
+
+    with pytest.raises(SceneError, match=says) as caught:
+        generate_dynamics(scene)
+    assert "missing" not in str(caught.value)
+    assert "thickness, as of a cylinder" in str(caught.value)
