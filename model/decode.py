@@ -18,7 +18,9 @@ from kousoku.model.errors import SceneError
 from kousoku.model.problems import Problems
 
 if TYPE_CHECKING:
-    from collections.abc import Collection
+    from collections.abc import Callable, Collection, Sequence
+
+    from kousoku.model.errors import Problem
 
 S = TypeVar("S", bound=msgspec.Struct)
 
@@ -127,6 +129,36 @@ def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
     return f"unknown {what}; known here: {listed or 'none'}"
 
 
+class UnknownNameError(SceneError):
+    """Something is named that is not there; the message says which name is nearest.
+
+    Parameters
+    ----------
+    what : str
+        What is named, such as ``body``.
+    name : str
+        Its name.
+    known : tuple of str
+        The names that there are.
+    key : str
+        The dotted key where it stands.
+    """
+
+    def __init__(self, what: str, name: str, known: tuple[str, ...], key: str) -> None:
+        self.what, self.name, self.known = what, name, known
+        super().__init__(unknown(f"{what} {name[:40]!r}", name, known), key=key)
+
+    def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
+        """Return the problem with the names of elements among the known ones that are wrong."""
+        if self.key.endswith(".type"):  # no name of an element
+            return self.problems
+        also = broken({"body": "bodies"}.get(self.what, f"{self.what}s"))
+        if self.name in also:
+            return ()
+        known = tuple(dict.fromkeys((*self.known, *also)))
+        return UnknownNameError(self.what, self.name, known, self.key).problems
+
+
 def require_known(what: str, name: str, known: Collection[str], key: str, *also: str) -> None:
     """Refuse a name of something that is not there.
 
@@ -149,7 +181,7 @@ def require_known(what: str, name: str, known: Collection[str], key: str, *also:
         There is none of that name; the message says which is nearest.
     """
     if name not in known and name not in also:
-        raise SceneError(unknown(f"{what} {name[:40]!r}", name, (*known, *also)), key=key)
+        raise UnknownNameError(what, name, (*known, *also), key)
 
 
 def join(key: str, name: str) -> str:

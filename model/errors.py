@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
     from typing import Self
 
 MOST_SHOWN = 20
@@ -76,6 +76,17 @@ class SceneError(KousokuError):
     def of(cls, problems: Sequence[Problem], *, file: str = "") -> Self:
         """Return the error of one problem or more."""
         return cls(problems[0].problem, file=file, key=problems[0].key, problems=problems)
+
+    def problems_beside(self, broken: Callable[[str], Sequence[str]]) -> Sequence[Problem]:
+        """Return the problems, where it is known which elements cannot be used.
+
+        Parameters
+        ----------
+        broken : callable
+            Returns the names of those elements of a table.
+        """
+        del broken  # a class of errors may depend on it
+        return self.problems
 
     def _line(self, one: Problem) -> str:
         where = self.file

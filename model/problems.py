@@ -74,9 +74,14 @@ class Problems:
         try:
             return function(*a, **k)
         except SceneError as error:
-            self.found.extend(error.problems)
+            self.found.extend(error.problems_beside(self.broken))
             self.break_(key)
             return None
+
+    def broken(self, table: str) -> list[str]:
+        """Return the names of the elements of a table that cannot be used."""
+        paths = (key.split(".") for key in self._broken)
+        return list(dict.fromkeys(path[1] for path in paths if path[0] == table and path[1:]))
 
     def settle(self, file: str = "") -> None:
         """Raise what was found, if anything was.

@@ -72,7 +72,8 @@ def _check_links(scene: Scene, problems: Problems) -> None:
         for node, place in zip(link.nodes, uses, strict=True):
             is_known = node in scene.nodes or problems.is_broken(place, key)
             if not is_known and not problems.is_full:
-                problem = unknown(f"node {node[:40]!r}", node, known)
+                also = problems.broken("nodes")
+                problem = unknown(f"node {node[:40]!r}", node, (*known, *also))
                 problems.add(problem, f"{key}.nodes", breaks=key)
         problems.check(key, [key, *uses], _check_ends, scene, name, seen)
         problems.check(key, [], _check_length, link, key)

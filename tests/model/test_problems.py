@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any, NamedTuple
 
 import pytest
@@ -270,3 +271,32 @@ def test_a_problem_is_one_line_whatever_marks_a_name_has() -> None:
     first, *_ = str(caught.value).split("\n")
     assert first == "joints.j.bodies: connects a\\x1f\\n to itself; wanted two different bodies"
     assert len(str(caught.value).split("\n")) == len(caught.value.problems)
+
+
+@pytest.mark.parametrize("table", ["joints", "forces", "coordinates"])
+def test_a_name_that_is_nearly_that_of_a_broken_element_is_found(table: str) -> None:
+    """The crank has two components of its place; it is there nevertheless, and not named twice."""
+    tree: dict[str, Any] = {
+        "name": "x",
+        "unit": "m",
+        "bodies": {"crank": {"position": [0, 0]}, "rod": {"position": [0, 0, 0]}},
+    }
+    uses: dict[str, dict[str, Any]] = {
+        "joints": {"type": "ball", "bodies": ["{}", "rod"], "at": [0, 0, 0]},
+        "forces": {"type": "force", "body": "{}", "force": [0, 0, 1]},
+        "coordinates": {"body": "{}", "along": [0, 0, 1]},
+    }
+    text = json.dumps(uses[table])
+    for name, found in (("crnk", 2), ("crank", 1)):
+        with pytest.raises(SceneError) as caught:
+            scene_from_dict(tree | {table: {"a": json.loads(text.replace("{}", name))}})
+        problems = [one.problem for one in caught.value.problems]
+        assert len(problems) == found
+        assert problems[1:] in ([], ["unknown body 'crnk'; did you mean 'crank'?"])
+
+
+def test_the_names_of_broken_elements_are_listed() -> None:
+    nodes = {"A": {"at": [0, 0], "fixed": True}, "B": {"at": [0]}}
+    tree = {"name": "x", "unit": "m", "nodes": nodes, "links": {"l": {"nodes": ["A", "Q"]}}}
+    with pytest.raises(SceneError, match=r"links\.l\.nodes: unknown node 'Q'; known here: A, B$"):
+        scene_from_dict(tree)
