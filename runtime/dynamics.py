@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -10,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
+from kousoku.runtime.given import numbers_of, require_callable, require_numbers, shown
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
-from kousoku.runtime.options import KINEMATICS, options_of, require_numbers, with_values
+from kousoku.runtime.options import KINEMATICS, options_of, require_options, with_values
 from kousoku.runtime.places import BodyPlaces, CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.run import Run, SavedRun
 
@@ -29,6 +31,8 @@ if TYPE_CHECKING:
 
 #: What a scene's folder tells about its bodies.
 MOTION_FILE = "motion.json"
+#: Times that a motion may have; more rows fit into no memory.
+MOST_ROWS = 10**9
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +141,8 @@ class DynamicsSolver:
         Interrupted
             The user pressed Ctrl-C; the exception has what was computed.
         """
+        require_options(self.name, options, "end", "times", "samples", "progress")
+        require_callable(self.name, progress)
         return self.begin(self._times(end, times, samples), **options).finish(progress)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
@@ -155,6 +161,7 @@ class DynamicsSolver:
         SolveError
             An option is not possible, or the start is not.
         """
+        require_options(self.name, options, "times")
         chosen = options_of(self, **options)
         return Run(self, self._times(None, times, 0), chosen)
 
@@ -190,10 +197,11 @@ class DynamicsSolver:
         SolveError
             A number is not finite, or there are too many or too few of them.
         """
-        values = np.array([value for _, value in with_values(self, parameters or {})])
+        values = np.array([value for _, value in with_values(self, parameters)])
+        require_numbers(self.name, time=time)
         state = []
         for name, given, start in (("q", q, self.q), ("v", v, self.v)):
-            array = np.ascontiguousarray(start if given is None else given, dtype=np.float64)
+            array = numbers_of(self.name, name, start if given is None else given)
             if array.shape != start.shape:
                 raise SolveError(
                     f"{self.name}: {name} has the shape {array.shape}, wanted {start.shape}"
@@ -210,8 +218,13 @@ class DynamicsSolver:
         Raises
         ------
         SolveError
-            It belongs to another solver.
+            It belongs to another solver, or is no saved run.
         """
+        if not isinstance(saved, SavedRun):
+            raise SolveError(
+                f"{self.name}: a run is resumed from {shown(saved)}; wanted what save() of a run"
+                " returned"
+            )
         return Run(self, saved.times, saved.options, saved)
 
     def _times(self, end: float | None, times: Any, samples: int) -> Array:
@@ -220,16 +233,13 @@ class DynamicsSolver:
         if times is None:
             require_numbers(self.name, end=end)
             require_numbers(self.name, is_whole=True, samples=samples)
-            if end is None or not (0.0 < end < np.inf and samples >= 2):
+            if end is None or not (0.0 < end < np.inf and 2 <= samples <= MOST_ROWS):
                 raise SolveError(
-                    f"{self.name}: end {end!r} with {samples} samples; wanted an end above 0 and"
-                    " 2 samples or more"
+                    f"{self.name}: end {shown(end)} with {shown(samples)} samples; wanted an end"
+                    f" above 0 and 2 to {MOST_ROWS} samples"
                 )
-            return np.linspace(0.0, end, samples)
-        try:
-            chosen = np.ascontiguousarray(times, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise SolveError(f"{self.name}: times {times!r}; wanted a row of numbers") from None
+            return np.linspace(0.0, float(end), samples)
+        chosen = numbers_of(self.name, "times", times)
         is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
         if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
             raise SolveError(f"{self.name}: times must ascend from 0 or later, one row of numbers")
@@ -260,6 +270,8 @@ def load_dynamics(
     """
     from kousoku.runtime.dynamics_targets import open_solver
 
+    if not isinstance(folder, str | os.PathLike):
+        raise LoadError(f"{shown(folder)} is no folder; wanted the path of one")
     folder = Path(folder).absolute()
     manifest = read_manifest(folder)
     files = read_files(folder, manifest)

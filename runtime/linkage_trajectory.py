@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from kousoku.runtime.tables import save_columns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
+    from pathlib import Path
 
     import numpy.typing as npt
 
@@ -101,7 +101,7 @@ class Trajectory:
 
     def save(self, path: str | Path) -> None:
         """Write the columns to a ``.csv`` or ``.npz`` file, as :func:`save_columns` does."""
-        save_columns(self.columns(), Path(path))
+        save_columns(self.columns(), path)
 
     def summary(self) -> dict[str, Any]:
         """Return what a program may want to know, ready for JSON."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -14,6 +13,7 @@ from kousoku.runtime.tables import save_columns
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from pathlib import Path
 
     import numpy.typing as npt
 
@@ -170,7 +170,7 @@ class Motion:
 
     def save(self, path: str | Path) -> None:
         """Write the columns to a ``.csv`` or ``.npz`` file, as :func:`save_columns` does."""
-        save_columns(self.columns(), Path(path))
+        save_columns(self.columns(), path)
 
 
 def motion_of(

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import ctypes
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
-from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.errors import SolveError
+from kousoku.runtime.given import require_numbers, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from kousoku.runtime.dynamics import DynamicsSolver
 
@@ -23,6 +24,8 @@ KINEMATICS = "kinematics"
 RUNGE_KUTTA = ("dopri5", "dop853")
 #: In the order of the solver's text; the last one is there only where drivers determine the motion.
 METHODS = (*RUNGE_KUTTA, KINEMATICS)
+#: All options of a run.
+OPTIONS = ("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters")
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
 
@@ -116,39 +119,54 @@ def options_of(
     """
     require_numbers(solver.name, tolerance=tolerance, largest_step=largest_step)
     require_numbers(solver.name, is_whole=True, most_steps=most_steps)
+    if not isinstance(checks, bool | np.bool_):
+        raise SolveError(f"{solver.name}: checks {shown(checks)}; wanted True or False")
     if step is not None:
         require_numbers(solver.name, step=step)
+        step = float(step)
     if step is not None and not 0.0 < step < math.inf:
         raise SolveError(f"{solver.name}: step {step!r}; wanted seconds, above 0")
     name = solver.method_for(tolerance) if method is None else method
     _require_method(solver, name, step)
     if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
         raise SolveError(
-            f"{solver.name}: tolerance {tolerance!r}, largest step {largest_step!r}, at most"
-            f" {most_steps!r} steps; wanted a tolerance from 1e-15 to 1 and the others above 0"
+            f"{solver.name}: tolerance {shown(tolerance)}, largest step {shown(largest_step)}, at"
+            f" most {shown(most_steps)} steps; wanted a tolerance from 1e-15 to 1 and the others"
+            " above 0"
         )
-    values = with_values(solver, parameters or {})
-    return Options(tolerance, largest_step, step, checks, name, most_steps, values)
+    values = with_values(solver, parameters)
+    numbers = float(tolerance), float(largest_step), step
+    return Options(*numbers, bool(checks), name, int(most_steps), values)
 
 
-def require_numbers(scene: str, *, is_whole: bool = False, **given: object) -> None:
-    """Refuse what is no number, or no whole one.
+def require_options(scene: str, given: Mapping[str, object], *also: str) -> None:
+    """Refuse options that there are not.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    given : mapping of str to object
+        The options.
+    *also : str
+        What else the call takes.
 
     Raises
     ------
     SolveError
-        An option is something else, such as a text.
+        The message says which name is nearest.
     """
-    wanted = "a whole number" if is_whole else "a number"
-    for name, value in given.items():
-        if isinstance(value, bool) or not isinstance(value, Integral if is_whole else Real):
-            raise SolveError(f"{scene}: {name.replace('_', ' ')} {value!r}; wanted {wanted}")
+    for name in given:
+        if name not in OPTIONS:
+            raise SolveError(f"{scene}: {_unknown('option', name, (*also, *OPTIONS))}")
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:
     possible = METHODS if solver.is_driven else RUNGE_KUTTA
     if name not in METHODS:
-        raise SolveError(f"{solver.name}: method {name!r}; wanted one of {', '.join(possible)}")
+        raise SolveError(
+            f"{solver.name}: method {shown(name)}; wanted one of {', '.join(possible)}"
+        )
     if name not in possible:
         raise SolveError(
             f"{solver.name}: method {name!r} is for scenes whose drivers take all freedoms; this"
@@ -162,14 +180,20 @@ def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> No
 
 
 def with_values(
-    solver: DynamicsSolver, given: Mapping[str, float]
+    solver: DynamicsSolver, given: Mapping[str, float] | None
 ) -> tuple[tuple[str, float], ...]:
     """Return all parameters, those that are given with their new values."""
+    if given is None:
+        return solver.parameters
+    if not isinstance(given, Mapping):
+        raise SolveError(
+            f"{solver.name}: parameters {shown(given)}; wanted a mapping of names to numbers"
+        )
     known = dict(solver.parameters)
-    problems = [_unknown(name, [*known]) for name in given if name not in known]
+    problems = [_unknown("parameter", name, [*known]) for name in given if name not in known]
     for name, value in given.items():
         if name in known and not _is_finite(value):
-            problems.append(f"parameter {name} is {value!r}, wanted a finite number")
+            problems.append(f"parameter {name} is {shown(value)}, wanted a finite number")
     if problems:
         raise SolveError(f"{solver.name}: {'; '.join(problems)}")
     return tuple((name, float(given.get(name, value))) for name, value in solver.parameters)
@@ -177,17 +201,18 @@ def with_values(
 
 def _is_finite(value: Any) -> bool:
     try:
-        return math.isfinite(value)
-    except TypeError:
+        return not isinstance(value, str) and math.isfinite(value)
+    except (TypeError, OverflowError):
         return False
 
 
-def _unknown(name: str, known: Sequence[str]) -> str:
-    """Say that there is no such parameter, and which ones there are."""
+def _unknown(what: str, name: object, known: Sequence[str]) -> str:
+    """Say that there is no such parameter or option, and which ones there are."""
     from difflib import get_close_matches
 
+    of = "the scene has" if what == "parameter" else "there are"
     if not known:
-        return f"no parameter {name!r}: the scene has none"
-    near = get_close_matches(name, known, n=1)
+        return f"no {what} {shown(name)}: {of} none"
+    near = get_close_matches(str(name), known, n=1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no parameter {name!r}: the scene has {', '.join(known)}{hint}"
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"

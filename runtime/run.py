@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -11,6 +12,7 @@ import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.dynamics_targets import Memory
+from kousoku.runtime.given import require_callable, require_numbers
 from kousoku.runtime.motion import motion_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_ledger import COUNTERS, ledger_of
@@ -107,7 +109,13 @@ class Run:
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status = PAUSED
         target = solver.target
-        self._rows = np.empty((len(times), target.row_size))
+        try:
+            self._rows = np.empty((len(times), target.row_size))
+        except MemoryError:
+            raise SolveError(
+                f"{solver.name}: no room for {len(times)} rows of {target.row_size} numbers; ask"
+                " for fewer times"
+            ) from None
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         if saved is None:
@@ -165,12 +173,19 @@ class Run:
         -------
         int
             ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
+
+        Raises
+        ------
+        SolveError
+            A count is no whole number, or below 1.
         """
+        counts = {"max_steps": max_steps, "max_rows": max_rows}
+        require_numbers(self.solver.name, is_whole=True, least=1, **counts)
         begin = time.perf_counter()
         settings = self.options.settings()
         place = self._rows[self.written :]
         self._status = self.solver.target.run(
-            settings, self.times, max_steps, self._memory, place[:max_rows]
+            settings, self.times, min(max_steps, sys.maxsize), self._memory, place[:max_rows]
         )
         self.seconds["run"] += time.perf_counter() - begin
         return self._status
@@ -190,6 +205,7 @@ class Run:
         Interrupted
             The user stopped it; so has the interrupt.
         """
+        require_callable(self.solver.name, progress)
         steps = STEPS
         try:
             while self.advance(min(steps, self._steps_left())) in (BUFFER_FULL, PAUSED):

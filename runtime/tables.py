@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import io
+import os
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.cache import write_atomically
 from kousoku.model.errors import SolveError
+from kousoku.runtime.given import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
 
     import numpy.typing as npt
 
@@ -22,7 +24,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".csv", ".npz")
 
 
-def save_columns(table: Mapping[str, Array], path: Path) -> None:
+def save_columns(table: Mapping[str, Array], path: str | Path) -> None:
     """Write columns to a ``.csv`` or ``.npz`` file, whole or not at all.
 
     A CSV file has one line of names, then one line a row with all digits of the doubles.
@@ -30,8 +32,11 @@ def save_columns(table: Mapping[str, Array], path: Path) -> None:
     Raises
     ------
     SolveError
-        The name ends otherwise, or the file cannot be written.
+        The name ends otherwise or is none, or the file cannot be written.
     """
+    if not isinstance(path, str | os.PathLike):
+        raise SolveError(f"{shown(path)} is no name of a file; wanted one")
+    path = Path(path)
     if path.suffix not in SUFFIXES:
         raise SolveError(f"{path}: results go to a file that ends in {' or '.join(SUFFIXES)}")
     try:

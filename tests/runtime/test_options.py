@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from decimal import Decimal
+from fractions import Fraction
+from inspect import signature
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
-from kousoku.model.errors import SolveError
+from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.families import chain
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.options import OPTIONS, options_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,6 +30,17 @@ if TYPE_CHECKING:
         ({"end": 1.0, "step": True}, "step True; wanted a number"),
         ({"end": 1.0, "most_steps": 2.5}, "most steps 2.5; wanted a whole number"),
         ({"times": "soon"}, "times 'soon'; wanted a row of numbers"),
+        ({"times": [0, 1j]}, r"times \[0, 1j\]; wanted a row of numbers"),
+        ({"end": Decimal("1")}, r"end Decimal\('1'\); wanted a number"),
+        ({"end": 10**400}, "end 10{59}…; wanted a number in the range of doubles"),
+        ({"end": 1.0, "tolerance": 10**5000}, "a int of very many digits; wanted a number in"),
+        ({"end": 1.0, "samples": 10**12}, "1000000000000 samples; wanted an end above 0 and 2 to"),
+        ({"end": 1.0, "checks": "no"}, "checks 'no'; wanted True or False"),
+        ({"end": 1.0, "progress": 3}, "progress 3; wanted a function of two times"),
+        ({"end": 1.0, "parameters": [("k", 3)]}, "wanted a mapping of names to numbers"),
+        ({"end": 1.0, "parameters": {3: 3}}, "no parameter 3: the scene has none"),
+        ({"end": 1.0, "tolerence": 3}, "no option 'tolerence'.*; did you mean 'tolerance'"),
+        ({"end": 1.0, "sample": 3}, "no option 'sample': there are end, .*did you mean 'samples'"),
     ],
 )
 def test_what_is_no_number_is_refused_by_name(
@@ -41,3 +56,48 @@ def test_numbers_of_numpy_are_numbers(bodies_folder: Callable[..., Path]) -> Non
     count: Any = np.int64(2)
     motion = solver.simulate(np.float64(0.01), samples=count, tolerance=np.float32(1e-3))
     assert len(motion) == 2
+
+
+def test_the_options_that_are_known_are_those_that_there_are() -> None:
+    solver, *options = signature(options_of).parameters
+    assert solver == "solver"
+    assert tuple(options) == OPTIONS
+
+
+def test_a_quotient_is_a_number_but_no_count(
+    bodies_folder: Callable[..., Path], backend: str
+) -> None:
+    target: Any = backend
+    solver = load_dynamics(bodies_folder(chain(2), ()), target=target)
+    part: Any = Fraction(1, 100)
+    motion = solver.simulate(part, samples=2, tolerance=Fraction(1, 1000), largest_step=part)
+    assert motion.time[-1] == 0.01
+    assert np.isfinite(solver.evaluate(part)["v_dot"]).all()
+    run = solver.begin([0.0, part])
+    assert isinstance(run.options.tolerance, float)
+    counts: tuple[Any, ...] = (Fraction(3), 3.0, "3", None, True, 0, -1)
+    for count in counts:
+        with pytest.raises(SolveError, match=r"max steps .*; wanted a whole number, 1 or more"):
+            run.advance(count)
+        with pytest.raises(SolveError, match=r"max rows .*; wanted a whole number, 1 or more"):
+            run.advance(3, count)
+    assert run.advance(10**30, 10**30) == 0
+
+
+def test_other_calls_say_what_they_want(bodies_folder: Callable[..., Path]) -> None:
+    solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
+    wrong: Any = 3
+    text: Any = "now"
+    imaginary: Any = solver.q * 1j
+    with pytest.raises(SolveError, match="resumed from 3; wanted what save"):
+        solver.resume(wrong)
+    with pytest.raises(SolveError, match="progress 3; wanted a function"):
+        solver.begin([0.0, 0.01]).finish(wrong)
+    with pytest.raises(SolveError, match="3 is no name of a file"):
+        solver.simulate(0.01, samples=2).save(wrong)
+    with pytest.raises(SolveError, match="time 'now'; wanted a number"):
+        solver.evaluate(text)
+    with pytest.raises(SolveError, match=r"q .*; wanted a row of numbers"):
+        solver.evaluate(0.0, q=imaginary)
+    with pytest.raises(LoadError, match="3 is no folder; wanted the path of one"):
+        load_dynamics(wrong)

@@ -1,0 +1,98 @@
+"""What a caller gives: refused in one line where it is not what is wanted."""
+
+from __future__ import annotations
+
+from numbers import Integral, Real
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from kousoku.model.errors import SolveError
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+#: Characters of a value that a message shows.
+LONGEST = 60
+
+
+def require_numbers(
+    scene: str, *, is_whole: bool = False, least: int | None = None, **given: object
+) -> None:
+    """Refuse what is no number, no whole one, or too large for a double.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    is_whole : bool
+        Whether they are counts.
+    least : int, optional
+        The smallest that is possible.
+    **given
+        The numbers by their names.
+
+    Raises
+    ------
+    SolveError
+        An option is something else, such as a text.
+    """
+    wanted = "a whole number" if is_whole else "a number"
+    if least is not None:
+        wanted += f", {least} or more"
+    for name, value in given.items():
+        is_number = isinstance(value, Integral if is_whole else Real)
+        is_good = is_number and not isinstance(value, bool)
+        if is_good and not is_whole:
+            is_good = _is_double(value)
+            wanted = wanted if is_good else "a number in the range of doubles"
+        if not is_good or (least is not None and cast(int, value) < least):
+            raise SolveError(f"{scene}: {name.replace('_', ' ')} {shown(value)}; wanted {wanted}")
+
+
+def numbers_of(scene: str, name: str, given: object) -> Array:
+    """Return numbers as an array.
+
+    Raises
+    ------
+    SolveError
+        They are something else, such as complex numbers.
+    """
+    try:
+        array = np.asarray(given)
+        if array.dtype.kind not in "iufO":
+            raise TypeError
+        return np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
+
+
+def require_callable(scene: str, progress: object) -> None:
+    """Refuse what cannot be called with the time reached and the last time.
+
+    Raises
+    ------
+    SolveError
+        It is something else.
+    """
+    if progress is not None and not callable(progress):
+        raise SolveError(f"{scene}: progress {shown(progress)}; wanted a function of two times")
+
+
+def _is_double(value: Any) -> bool:
+    try:
+        float(value)
+    except OverflowError:
+        return False
+    return True
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: in one line that is not too long."""
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # a whole number of thousands of digits
+        text = f"a {type(value).__name__} of very many digits"
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
