@@ -27,12 +27,12 @@ COUNTERS = (
     *("key", "time", "next step", "error", "next row", "time before"),
     *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
     *("growth", "growth time", "best growth", "energy", "energy error"),
-    *("corrections", "passed", "passed time", "fallbacks", "fallback time"),
+    *("corrections", "passed", "passed time", "fallbacks", "fallback time", "refinements", "ratio"),
 )
 #: Those that are counts, and fields of the ledger.
 COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
-    "fallbacks",
+    *("fallbacks", "refinements"),
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -91,6 +91,9 @@ class RunLedger:
     fallbacks, fallback_time : int, float or None [s]
         Factorisations of all rows, those too that were left out, where those that are kept are
         nearly dependent, and when the last of them was; there, too, forces of joints are NaN.
+    refinements : int
+        Accelerations that one step of iterative refinement brought nearer to C_q v̇ = γ, since the
+        pivots told that many digits were lost.
     energy, energy_error : float or None [J]
         Energy at the start, and the largest change since then that no work explains; None where
         rows were not checked, both where drivers move bodies without mass.
@@ -128,6 +131,7 @@ class RunLedger:
     passed_time: float | None
     fallbacks: int
     fallback_time: float | None
+    refinements: int
     energy: float | None
     energy_error: float | None
     works: Mapping[str, float]
@@ -191,7 +195,8 @@ class RunLedger:
             )
         yield (
             f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
-            f" {self.avoided} steps made shorter near such places"
+            f" {self.refinements} accelerations refined and {self.avoided} steps made shorter near"
+            " such places"
         )
 
     def __str__(self) -> str:

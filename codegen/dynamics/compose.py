@@ -29,6 +29,7 @@ from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_
 from kousoku.codegen.dynamics.least_norm import Scale, points_of
 from kousoku.codegen.dynamics.left_out import others, rows_of
 from kousoku.codegen.dynamics.length import characteristic_length
+from kousoku.codegen.dynamics.loops import loops_of
 from kousoku.codegen.dynamics.momentum import kept_of, record_momenta
 from kousoku.codegen.dynamics.operations import (
     Energy,
@@ -38,7 +39,7 @@ from kousoku.codegen.dynamics.operations import (
     Orientation,
 )
 from kousoku.codegen.dynamics.planar import plane_of
-from kousoku.codegen.dynamics.program import Program
+from kousoku.codegen.dynamics.program import ON_DEMAND, Program
 from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
@@ -170,12 +171,15 @@ class _Composer:
             record_momenta(self.recorder, self.system, kept, self.body)
         if "checks" in self.wanted:
             self._check()
+            if self.left_out or loops_of(self.system):
+                self._refinement()
         segments, regions, size = self.recorder.finish()
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         return Program(
             name=self.system.name,
             kernels=tuple(self.recorder.kernels),
-            segments=tuple(segments),
+            segments=tuple(one for one in segments if one.name not in ON_DEMAND),
+            on_demand=tuple(one for one in segments if one.name in ON_DEMAND),
             regions=tuple(regions),
             constants=tuple(self.recorder.constants),
             size=size,
@@ -336,6 +340,21 @@ class _Composer:
             self._rates(output, by_body, region)
             rest = region.part(self.rows, self.others.height)
             self._rates(output, by_body, rest, self.left_out)
+
+    def _refinement(self) -> None:
+        """Record the corrections that what is left of C_q v̇ = γ asks for."""
+        names, region = drivers_of(self.system), self.recorder.region
+        lam = region("more_lam", self.rows) if "reactions" in self.wanted else None
+        power = region("more_power", len(names)) if names else column(())
+        self.recorder.begin("refinement")
+        targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
+        rates = self._rates("gamma", self._by_body(self.v_dot))
+        multipliers = self.schur.solve(rates, targets)
+        self._pull(multipliers, None, self.dv)
+        powers = self.tasks.powers(self.joints, multipliers)
+        for k, name in enumerate(names):
+            more = powers.get(name, column((0,)))
+            self.recorder.call(Copy(), more, into=(power.part(k, 1),))
 
     def _energy(self) -> None:
         target = self.recorder.region("energies", 2)

@@ -11,7 +11,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.counts import operations
-from kousoku.codegen.dynamics.program import AFTER_GEOMETRY, Region, Segment, Task, writes
+from kousoku.codegen.dynamics.program import (
+    AFTER_GEOMETRY,
+    ON_DEMAND,
+    Region,
+    Segment,
+    Task,
+    writes,
+)
 from kousoku.codegen.graph import Graph, Op
 from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import copy_node, substitute
@@ -74,7 +81,7 @@ class _Inliner:
         self._expand("geometry", values)
         shared = len(self.graph.nodes)
         wanted["geometry"] = self._written("geometry", values)
-        for segment in self.old.segments:
+        for segment in (*self.old.segments, *self.old.on_demand):
             if segment.name != "geometry":
                 own = dict(values) if segment.name in AFTER_GEOMETRY else self._start()
                 self._expand(segment.name, own)
@@ -95,7 +102,8 @@ class _Inliner:
         return replace(
             self.old,
             kernels=tuple(kernels),
-            segments=tuple(segments),
+            segments=tuple(one for one in segments if one.name not in ON_DEMAND),
+            on_demand=tuple(one for one in segments if one.name in ON_DEMAND),
             regions=tuple(regions),
             constants=(),
             size=self.size,

@@ -8,7 +8,7 @@ from kousoku.codegen.dynamics.auxiliary import WORK
 from kousoku.codegen.dynamics.forces_plane import leaves_plane
 from kousoku.codegen.dynamics.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.length import characteristic_length
-from kousoku.codegen.dynamics.program import Coordinates, Place
+from kousoku.codegen.dynamics.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.reactions import ends_of
 from kousoku.codegen.dynamics.view_numbers import is_driven
 from kousoku.model import precise
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 #: Kinds whose residuals are lengths; those of the others are angles.
 LENGTHS = ("point", "distance", "length", "n2", "p2")
-#: Regions that hold what is given, not what is found.
-GIVEN = ("t", "parameters", "constants", "q", "v")
+#: Regions that hold what is given, or what no evaluation finds.
+GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)

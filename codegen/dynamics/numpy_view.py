@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.program import SEGMENTS, levels
+from kousoku.codegen.dynamics.program import ON_DEMAND, SEGMENTS, levels
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
 from kousoku.codegen.dynamics.view import in_lines
 from kousoku.codegen.dynamics.view_numbers import floors, shift_slots, turn_slots
@@ -82,11 +82,14 @@ class PythonSegment:
         As in ``SEGMENTS``.
     table : str
         The numbers, in lines.
+    is_on_demand : bool
+        Whether evaluations leave it out.
     """
 
     name: str
     meaning: str
     table: str
+    is_on_demand: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +145,9 @@ def numpy_view(program: Program, length: float) -> NumpyView:
     lengths = {slot for pair in shifts for slot in pair}
     return NumpyView(
         kernels=tuple(python_kernel(k, kernel) for k, kernel in enumerate(program.kernels)),
-        segments=tuple(_segment(program, segment) for segment in program.segments),
+        segments=tuple(
+            _segment(program, segment) for segment in (*program.segments, *program.on_demand)
+        ),
         methods=tuple(map(_method, METHODS.values())),
         constants=_table(map(literal, program.constants)),
         is_length=_table(int(v.base + k in lengths) for k in range(v.size)),
@@ -192,7 +197,9 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
             numbers += [kernel, len(places)]
             for place in places:
                 numbers += [*segment.tasks[place].inputs, *segment.tasks[place].outputs]
-    return PythonSegment(segment.name, SEGMENTS[segment.name], _table(numbers))
+    name = segment.name
+    meaning = (SEGMENTS | ON_DEMAND)[name]
+    return PythonSegment(name, meaning, _table(numbers), name in ON_DEMAND)
 
 
 def _method(method: Method) -> PythonMethod:

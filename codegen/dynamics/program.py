@@ -205,6 +205,8 @@ class Program:
         What stands in q after the coordinates of the bodies.
     kept : tuple of Kept
         The momenta of the region ``momenta``.
+    on_demand : tuple of Segment
+        What a run calls where it must: those of :data:`ON_DEMAND`.
     """
 
     name: str
@@ -222,6 +224,7 @@ class Program:
     not_unique: tuple[str, ...] = ()
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()
+    on_demand: tuple[Segment, ...] = ()
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""
@@ -233,10 +236,10 @@ class Program:
 
     def segment(self, name: str) -> Segment:
         """Return a segment by its name."""
-        for segment in self.segments:
+        for segment in (*self.segments, *self.on_demand):
             if segment.name == name:
                 return segment
-        known = ", ".join(segment.name for segment in self.segments)
+        known = ", ".join(segment.name for segment in (*self.segments, *self.on_demand))
         raise EmitError(f"the program of {self.name} has no segment {name}; it has {known}")
 
 
@@ -263,8 +266,13 @@ REGIONS = {
     "momenta": "linear and angular momenta that should not change, part by part: kg m/s, kg m^2/s",
     "C_dot": "C_q v - nu, in the order of C and C_left_out",
     "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
+    "more_lam": "correction of lam",
+    "more_power": "correction of the power of each driver",
     "constants": "the scene's numbers",
 }
+
+#: The regions that only segments of ``ON_DEMAND`` write.
+ON_DEMAND_REGIONS = ("more_lam", "more_power")
 
 #: What the segments read and write, in the order in which they can run.
 SEGMENTS = {
@@ -280,9 +288,17 @@ SEGMENTS = {
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
+#: What a run calls where the growth check finds that much was lost; no evaluation does.
+ON_DEMAND = {
+    "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
+}
+
 #: The segments that read what ``geometry`` left; the others need regions only.
 AFTER_GEOMETRY = frozenset(
-    {"position", "velocity", "acceleration", "reaction", "coordinate", "momentum", "check"}
+    {
+        *("position", "velocity", "acceleration", "reaction", "coordinate", "momentum", "check"),
+        "refinement",
+    }
 )
 
 

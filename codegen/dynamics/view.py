@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.program import REGIONS, SEGMENTS
+from kousoku.codegen.dynamics.program import ON_DEMAND, REGIONS, SEGMENTS
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
 from kousoku.codegen.dynamics.view_numbers import (
     driver_places,
@@ -28,7 +28,7 @@ from kousoku.codegen.view_names import Namer
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.program import Program, Task
+    from kousoku.codegen.dynamics.program import Program, Segment, Task
     from kousoku.codegen.kernel import Kernel
     from kousoku.model.mechanism import System
 
@@ -79,12 +79,15 @@ class SegmentText:
         The numbers, in lines.
     length : int
         Count of numbers.
+    is_on_demand : bool
+        Whether evaluations leave it out.
     """
 
     name: str
     meaning: str
     table: str
     length: int
+    is_on_demand: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +140,8 @@ class DynamicsView:
         Their names, in this order.
     has_drivers, is_driven : bool
         Whether there are drivers, and whether they determine the whole motion.
+    refines : bool
+        Whether there are loops, in which rows may become dependent.
     has_fallback : bool
         Whether rows that are left out take over where those that are kept lose rank.
     weights : str
@@ -167,6 +172,7 @@ class DynamicsView:
     parameter_names: tuple[str, ...]
     has_drivers: bool
     is_driven: bool
+    refines: bool
     has_fallback: bool
     weights: str
     drivers: str
@@ -248,7 +254,6 @@ def dynamics_view(
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
-    tables = {segment.name: task_table(segment.tasks) for segment in program.segments}
     shifts, turns = shift_slots(program), turn_slots(program)
     lengths = {k for pair in shifts for k in pair}
     drivers = driver_places(program, system)
@@ -257,10 +262,7 @@ def dynamics_view(
         name=program.name,
         sizes=tuple(sizes(program, parts)),
         kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(program.kernels)),
-        segments=tuple(
-            SegmentText(name, SEGMENTS[name], _numbers(table), len(table))
-            for name, table in tables.items()
-        ),
+        segments=tuple(map(_segment, (*program.segments, *program.on_demand))),
         methods=tuple(map(_method, METHODS.values())),
         constants=_numbers(literal(value) for value in program.constants),
         is_length=_numbers(int(slot in lengths) for slot in v),
@@ -277,11 +279,18 @@ def dynamics_view(
         parameter_names=tuple(name for name, _ in system.parameters),
         has_drivers=has_drivers(system),
         is_driven=is_driven(program, system),
+        refines=any(segment.name == "refinement" for segment in program.on_demand),
         has_fallback=has_fallback(program),
         weights=_numbers(map(repr, weights(program, system))),
         drivers=_rows(drivers),
         driver_count=len(drivers),
     )
+
+
+def _segment(segment: Segment) -> SegmentText:
+    name, table = segment.name, task_table(segment.tasks)
+    meaning = (SEGMENTS | ON_DEMAND)[name]
+    return SegmentText(name, meaning, _numbers(table), len(table), name in ON_DEMAND)
 
 
 def _method(method: Method) -> MethodText:

@@ -37,6 +37,7 @@ def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
     found += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
     works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
     found.append(("WORKS", works))
+    found += [("N_POWER", one.size) for one in program.regions if one.name == "more_power"]
     found.append(("MOMENTA", sum(one.count for one in program.kept)))
     found += _parameter_sizes(program)
     found.append(("W_SIZE", program.size))

@@ -1,0 +1,101 @@
+"""Runs refine accelerations where the pivots tell that many digits were lost, and there alone."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.generate import LEDGER, independent
+from kousoku.codegen.dynamics.run import Workspace
+from kousoku.codegen.interpret import HIGH
+from kousoku.model.families import chain, n_four_bar
+from kousoku.model.system import system_of
+from kousoku.runtime.dynamics import load_dynamics
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.run import Run
+
+OUTPUTS = ("accelerations", "reactions")
+#: Its cranks come to the line of the ground points, where the rank drops, within half a second.
+SCENE = n_four_bar(2, rate=-7.0)
+END = 0.5
+#: How far above the line the ends of the cranks are looked at [m].
+HEIGHTS = np.array([2e-4, 1.5e-4, 1e-4, 7e-5, 5e-5])
+
+
+@pytest.fixture
+def solver(backend: str, bodies_folder: Callable[..., Path]) -> DynamicsSolver:
+    target: Any = backend
+    return load_dynamics(bodies_folder(SCENE, OUTPUTS), target=target)
+
+
+def passed(solver: DynamicsSolver) -> Run:
+    """Return a run that has rows shortly before the line, and goes on behind it."""
+    motion = solver.simulate(END, samples=1001, tolerance=1e-10)
+    y, rate = motion.position["coupler_0"][:, 1], motion.velocity["coupler_0"][:, 1]
+    at = int(np.argmax(y < HEIGHTS[0]))
+    times = motion.time[at] + (HEIGHTS - y[at]) / rate[at]
+    run = solver.begin([0.0, *times, END], tolerance=1e-10)
+    run.finish()
+    return run
+
+
+def in_fifty_digits(q: Any, v: Any) -> dict[str, Any]:
+    program, _ = independent(assemble(system_of(SCENE, OUTPUTS)), (*LEDGER, *OUTPUTS))
+    work = Workspace(program, HIGH)
+    for name, values in (("q", q), ("v", v)):
+        work[name] = [HIGH.number(Fraction(x)) for x in values.tolist()]
+    work.run("geometry", "acceleration", "reaction")
+    return {name: np.array([float(x) for x in work[name]]) for name in ("v_dot", "reactions")}
+
+
+def worst(found: Any, wanted: Any) -> float:
+    """Return the largest error, relative to the largest number."""
+    return float(np.abs(found - wanted).max() / np.abs(wanted).max())
+
+
+def test_rows_near_a_position_of_lower_rank_have_the_accelerations_of_fifty_digits(
+    solver: DynamicsSolver,
+) -> None:
+    run = passed(solver)
+    nq, nv = len(solver.q), len(solver.v)
+    lost = {"v_dot": 0.0, "reactions": 0.0}
+    left = dict(lost)
+    for row in run.save().rows[1:-1]:
+        _, q, v, v_dot, reactions = np.split(row, np.cumsum([1, nq, nv, nv]))
+        exact, once = in_fifty_digits(q, v), solver.evaluate(0.0, q, v)
+        for name, found in (("v_dot", v_dot), ("reactions", reactions)):
+            lost[name] = max(lost[name], worst(once[name], exact[name]))
+            left[name] = max(left[name], worst(found, exact[name]))
+    assert lost["v_dot"] > 2e-10 > 20 * left["v_dot"]
+    assert lost["reactions"] > 1e-8 > 20 * left["reactions"]
+    ledger = run.motion().ledger
+    assert len(HEIGHTS) <= ledger.refinements < ledger.derivatives / 20
+    assert f"{ledger.refinements} accelerations refined" in str(ledger)
+    assert max(ledger.worst("acceleration")) < 1e-12
+
+
+def test_both_targets_refine_the_same_accelerations_to_the_same_bits(
+    compiler: object, bodies_folder: Callable[..., Path]
+) -> None:
+    one, other = (
+        passed(load_dynamics(bodies_folder(SCENE, OUTPUTS), target=target))
+        for target in ("c", "numpy")
+    )
+    assert one.motion().ledger.refinements > 0
+    np.testing.assert_array_equal(one.state, other.state)
+    np.testing.assert_array_equal(one.save().rows, other.save().rows)
+
+
+def test_chains_have_no_text_of_a_refinement(bodies_folder: Callable[..., Path]) -> None:
+    folder = bodies_folder(chain(3), OUTPUTS)
+    for name in ("solver.c", "solver.py"):
+        assert "refine(" not in (folder / name).read_text(encoding="utf-8")
