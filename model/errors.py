@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from typing import Self
 
 MOST_SHOWN = 20
@@ -158,7 +159,42 @@ class SolveError(KousokuError):
 
 
 class AssemblyError(SolveError):
-    """A linkage does not fit together; the message names the links and by how much."""
+    """A mechanism does not fit together; the message names its joints or links, and by how much.
+
+    Parameters
+    ----------
+    problem : str
+        What does not fit, by how much, and what to do.
+    keys : sequence of str, optional
+        The dotted keys of the joints and drivers that it names, the worst first.
+    """
+
+    def __init__(self, problem: str, keys: Sequence[str] = ()) -> None:
+        self.problem = problem
+        self.keys = tuple(keys)
+        super().__init__(problem)
+
+    def at(self, file: str, lines: Mapping[str, int]) -> AssemblyError:
+        """Return it with the file, the line of the worst joint, and that of each behind its key.
+
+        Parameters
+        ----------
+        file : str
+            The scene file.
+        lines : mapping of str to int
+            The lines of keys.
+        """
+        text = self.problem
+        for key in self.keys:
+            if key in lines:
+                text = re.sub(
+                    rf"(?<![\w.]){re.escape(key)}(?![\w.])",
+                    rf"\g<0> (line {lines[key]})",
+                    text,
+                    count=1,
+                )
+        first = next((f":{lines[key]}" for key in self.keys if key in lines), "")
+        return AssemblyError(f"{file}{first}: {text}", self.keys)
 
 
 class MotionError(SolveError):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import decode_parts, join
-from kousoku.model.errors import Problem, SceneError
+from kousoku.model.errors import AssemblyError, Problem, SceneError
 from kousoku.model.lines import deep_key_line, key_lines
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
@@ -101,23 +101,27 @@ def scene_from_dict(tree: object, *, file: str = "") -> Scene:
     return _scene(tree, "", file)
 
 
-def located(error: SceneError, path: str | Path) -> SceneError:
+def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError | AssemblyError:
     """Return an error of a scene that was read, with the name of its file and the lines.
 
     Parameters
     ----------
-    error : SceneError
+    error : SceneError or AssemblyError
         What was found when the scene was put together.
     path : str or Path
         The file that it was read from.
     """
-    if error.file:
+    if isinstance(error, SceneError) and error.file:
         return error
     try:
         text = Path(path).read_text(encoding="utf-8-sig")
     except (OSError, ValueError):  # it is gone, or no longer a text
         text = ""
-    return SceneError.of(_with_lines(error.problems, text), file=str(path))
+    if isinstance(error, SceneError):
+        return SceneError.of(_with_lines(error.problems, text), file=str(path))
+    lines = _lines(text)
+    inputs = {f"drivers.{key[7:]}": lines[key] for key in lines if key.startswith("inputs.")}
+    return error.at(str(path), inputs | lines)
 
 
 def _scene(tree: object, text: str, file: str) -> Scene:
@@ -140,11 +144,17 @@ def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
     """
     if not text:
         return problems
+    lines = _lines(text)
+    found = [replace(one, line=_line(lines, one.place or one.key)) for one in problems]
+    return sorted(found, key=lambda one: one.line)
+
+
+def _lines(text: str) -> dict[str, int]:
+    """Return the line of each dotted key."""
     lines: dict[str, int] = {}
     for path, line in key_lines(text).items():
         lines.setdefault(_dotted(path), line)
-    found = [replace(one, line=_line(lines, one.place or one.key)) for one in problems]
-    return sorted(found, key=lambda one: one.line)
+    return lines
 
 
 def _dotted(path: tuple[str | int, ...]) -> str:

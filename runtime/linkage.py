@@ -167,7 +167,8 @@ class LinkageSolver:
         nodes = ", ".join(dict.fromkeys(names))
         held = f"{nodes}, held by {', '.join(links)}"
         known = {link[0] for link in module.LINKS}
-        keys = ", ".join(f"links.{link}" for link in links if link in known)
+        named = [f"links.{link}" for link in links if link in known]
+        keys = ", ".join(named)
         driven = ", ".join(f"inputs.{key}" for key, _, _ in module.INPUTS)
         where = ", ".join(
             f"{key} = {value:.9g} {unit}"
@@ -176,11 +177,12 @@ class LinkageSolver:
         why = module.MESSAGES[rows.status]
         if rows.status == module.NOT_ASSEMBLED:
             misfit = self._misfit(rows.position[0], links)
-            return AssemblyError(f"{name}: {keys}: {why}: {held}, at {where}: {misfit}")
+            return AssemblyError(f"{name}: {keys}: {why}: {held}, at {where}: {misfit}", named)
         if rows.status in (module.ON_DEAD_CENTRE, module.OTHER_SIDE):
             return AssemblyError(
                 f"{name}: {keys}: {why}: {held}, at {where}; move the positions of these nodes to"
-                " the side that is wanted"
+                " the side that is wanted",
+                named,
             )
         advice = {
             module.DEAD_CENTRE: "shorten the way of the input, or drive another link",

@@ -162,5 +162,6 @@ def _check_velocities(
         )
         raise AssemblyError(
             f"{system.name}: no velocities near those of the scene keep its joints closed; as near "
-            f"as they come, these are torn: {listed(named, ('m/s', 'rad/s'))}; {advice}"
+            f"as they come, these are torn: {listed(named, ('m/s', 'rad/s'))}; {advice}",
+            [*named],
         )

@@ -76,7 +76,8 @@ def law_at_start(instance: Instance, parameters: Sequence[tuple[str, float]]) ->
         if number is None or not HIGH_CONTEXT.isfinite(number) or HIGH_CONTEXT.im(number):
             raise AssemblyError(
                 f"drivers.{instance.joint}: the {level} of {instance.law!r} is no number at t = 0;"
-                " give a formula with two derivatives by t there"
+                " give a formula with two derivatives by t there",
+                [f"drivers.{instance.joint}"],
             )
         found.append(unit * number if abs(number) > NOISE else precise.ZERO[0])
     return LawStart(*found)

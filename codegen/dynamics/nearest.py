@@ -79,7 +79,8 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
     if open_joints:
         raise AssemblyError(
             f"{system.name}: does not fit together near these positions; as near as it comes, "
-            f"these stay open: {listed(open_joints, ('m', 'rad'))}; {_advice(system, open_joints)}"
+            f"these stay open: {listed(open_joints, ('m', 'rad'))}; {_advice(system, open_joints)}",
+            [*open_joints],
         )
     return _polished(start, pose, search)
 

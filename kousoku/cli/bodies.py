@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from kousoku.cli.console import at_one_glance, print_json, print_table
-from kousoku.model.errors import SceneError, SolveError
+from kousoku.model.errors import AssemblyError, SceneError, SolveError
 from kousoku.model.read import located
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def move(scene: Scene, wish: Wish) -> None:
         solver, seconds = dynamics_of(scene, wish.target, wish.outputs)
         with _progress() as show:
             motion = solver.simulate(**wish.options, progress=show)
-    except SceneError as error:
+    except (SceneError, AssemblyError) as error:
         raise located(error, wish.file) from None
     except SolveError as error:
         kept = _save_partial(getattr(error, "trajectory", None), wish.out)

@@ -52,10 +52,8 @@ def naming(path: Path) -> Iterator[None]:
     """
     try:
         yield
-    except SceneError as error:
+    except (SceneError, AssemblyError) as error:
         raise located(error, path) from None
-    except AssemblyError as error:
-        raise AssemblyError(f"{path}: {error}") from None
 
 
 def committed_scenes() -> list[Path]:

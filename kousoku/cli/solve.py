@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from kousoku.cli.console import AsJson, Target, at_one_glance, print_json, print_table
-from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.errors import AssemblyError, MotionError, SolveError
 
 if TYPE_CHECKING:
     from kousoku.runtime.linkage import Trajectory
@@ -60,7 +60,7 @@ def solve(
     from kousoku.cli.bodies import Wish, solve_bodies
     from kousoku.cli.motion import check_destinations, draw, errors_of, node_to_show
     from kousoku.cli.scenes import solver_of
-    from kousoku.model.read import read_scene
+    from kousoku.model.read import located, read_scene
 
     scene = read_scene(scene_file)
     of_linkages = {
@@ -81,6 +81,8 @@ def solve(
     solver = solver_of(scene, target)
     try:
         motion = solver.solve(**{key: value for key, value in options.items() if value is not None})
+    except AssemblyError as error:
+        raise located(error, scene_file) from None
     except SolveError as error:
         kept = "" if out is None else _save_partial(error, out)
         raise SolveError(f"{scene_file}: {error}{kept}") from None

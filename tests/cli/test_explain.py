@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -146,14 +147,23 @@ def test_what_is_found_when_a_scene_is_put_together_has_its_file_and_lines(
     assert f"{file}:5: bodies.bob.inertia: has a principal moment of 0.0" in err
 
 
-def test_a_scene_that_does_not_fit_is_told_with_its_file(run: Run, tmp_path: Path) -> None:
+@pytest.mark.parametrize("command", [("explain",), ("simulate", "--end", 1)])
+def test_a_scene_that_does_not_fit_is_told_with_its_file_and_the_lines_of_its_joints(
+    run: Run, tmp_path: Path, command: tuple[object, ...]
+) -> None:
     file = tmp_path / "torn.toml"
-    file.write_text(TWICE.replace("one", "torn").replace("at = [2, 0, 0]", FAR))
+    text = TWICE.replace("one", "torn").replace("at = [2, 0, 0]", FAR)
+    file.write_text(text)
 
-    code, _, err = run("explain", file)
+    code, _, err = run(*command, file)
 
     assert code == 2
-    assert f"{file}: twice: does not fit together" in err
+    shown = re.findall(r"joints\.([a-z]+) \(line ([0-9]+)\) by [0-9.]+ m", err)
+    lines = [text.split("\n")[int(line) - 1] for _, line in shown]
+    assert len(lines) == 2
+    for (joint, _), line in zip(shown, lines, strict=True):
+        assert line.startswith(f"joints.{joint} = ")
+    assert f"{file}:{shown[0][1]}: twice: does not fit together" in err
 
 
 FAR = "points = [[9, 0, 0], [2, 0, 0]]"

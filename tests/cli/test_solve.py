@@ -233,3 +233,16 @@ def test_all_problems_of_a_scene_are_told_at_once_with_their_lines(
     assert (code, out) == (2, "")
     assert first.startswith(f"kousoku: {scene}:{unit}: unit: the text 'ells' stands where")
     assert second.startswith(f"{scene}:{alpha}: inputs.alpha.about: 'O3' is no end of it")
+
+
+def test_a_linkage_that_does_not_fit_is_told_with_the_lines_of_its_links(run: Run) -> None:
+    file = ROOT / "tests" / "scenes" / "second_loop_open.toml"
+    lines = file.read_text().splitlines()
+    at = {name: k for k, line in enumerate(lines, 1) for name in [line.partition(" =")[0]]}
+
+    code, _, err = run("solve", file)
+
+    assert code == 2
+    rod, rocker = at["rod2"], at["rocker"]
+    links = f"links.rod2 (line {rod}), links.rocker (line {rocker}): the linkage cannot be"
+    assert f"{file}:{rod}: second_loop_open: {links}" in err
