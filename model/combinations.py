@@ -10,7 +10,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.frames import joint_vectors
 from kousoku.model.joints import ANGLE, DISPLACEMENT, NAMES
 from kousoku.model.mechanism import COMBINATION, Instance, Term
-from kousoku.model.precise import CONTEXT, NOISE
+from kousoku.model.precise import CONTEXT, NOISE, Traced
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -123,8 +123,8 @@ def _as_written(
 ) -> Instance:
     """Return a combination that is zero at the positions as they are written."""
     parts = [factor * coordinates.value(place) for place, factor in terms]
-    offset = -CONTEXT.fsum(parts)
-    if abs(offset) <= NOISE * sum(map(abs, parts)):
+    offset = -precise.total(parts)
+    if not isinstance(offset, Traced) and abs(offset) <= NOISE * sum(map(abs, parts)):
         offset = CONTEXT.mpf(0)
     return _combination(name, terms, offset, coordinates)
 
@@ -141,8 +141,8 @@ def _combination(
         COMBINATION,
         first.i,
         first.j,
-        terms=tuple(Term(place, float(factor)) for place, factor in terms),
+        terms=tuple(Term(place, precise.double(factor)) for place, factor in terms),
         others=tuple(body for body in bodies if body not in (first.i, first.j)),
-        offset=float(offset),
+        offset=precise.double(offset),
         unit="m" if "m" in units else "rad",
     )

@@ -157,7 +157,7 @@ def scalars(given: Mapping[str, tuple[Any, High]]) -> tuple[Constants, Formulas]
         By name the value in the scene, and its unit.
     """
     constants = tuple(
-        (name, (float(unit * precise.number(1 if isinstance(value, str) else value)),))
+        (name, (precise.double(unit * precise.number(1 if isinstance(value, str) else value)),))
         for name, (value, unit) in given.items()
     )
     texts = ((name, value) for name, (value, _) in given.items() if isinstance(value, str))

@@ -9,7 +9,7 @@ from kousoku.model import precise
 from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
 from kousoku.model.joints import ANGLE, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
-from kousoku.model.precise import CONTEXT, NOISE, ZERO
+from kousoku.model.precise import CONTEXT, NOISE, ZERO, Traced, at_scene
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -58,7 +58,7 @@ class Measure:
         }
         if self.kind == "angle":
             sine = _clean(precise.dot(fixed["b_i_b"], fixed["a_j_b"]), 1)
-            return CONTEXT.atan2(sine, precise.dot(fixed["a_i_b"], fixed["a_j_b"]))
+            return precise.atan2(sine, precise.dot(fixed["a_i_b"], fixed["a_j_b"]))
         if self.kind == "n1":
             return _clean(precise.dot(fixed["a_i_b"], fixed["a_j_b"]), 1)
         assert self.points is not None
@@ -72,6 +72,8 @@ class Measure:
 
 def _clean(value: High, size: High) -> High:
     """Return a value, or zero where it is only rounding of numbers of that size."""
+    if isinstance(value, Traced):
+        return value
     return CONTEXT.mpf(0) if abs(value) <= NOISE * size else value
 
 
@@ -225,10 +227,13 @@ class CoordinateList:
         value, start = measure.value(), CONTEXT.mpf(0)
         if measure.kind == "angle":
             start = value if near is None else near
-            value += 2 * CONTEXT.pi * CONTEXT.nint((start - value) / (2 * CONTEXT.pi))
+            turns = CONTEXT.nint(at_scene(start - value) / (2 * CONTEXT.pi))
+            value += 2 * CONTEXT.pi * turns
         i, j = (end.index for end in measure.ends)
         constants = measure.constants(self.unit)
-        self._records.append(Coordinate(name, measure.kind, i, j, constants, float(start)))
+        self._records.append(
+            Coordinate(name, measure.kind, i, j, constants, float(at_scene(start)))
+        )
         self._values.append(value * self.unit_of(place)[1])
         return place
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, 
 
 import msgspec
 
+from kousoku.model.design import Design, Formula
 from kousoku.model.errors import SceneError
 from kousoku.model.problems import Problems
 
@@ -205,6 +206,8 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
         problems.break_(key)
         return FAILED
     kind = _without_none(kind)
+    if kind == Design and isinstance(value, str):
+        return Formula(value)
     wanted, kind = kind, _chosen(kind, value)
     origin, arguments = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
@@ -297,6 +300,8 @@ def _refusal(value: object, kind: Any) -> str:
 
 def _wanted(kind: Any) -> str:
     kind = _without_none(kind)
+    if kind == Design:
+        return "a number, or a formula of parameters,"
     if str in _choices(kind) and kind is not str:
         names = {float: "a number", str: "a formula"}
         return " or ".join(names.get(of) or _wanted(of) for of in _choices(kind))
@@ -310,7 +315,7 @@ def _wanted(kind: Any) -> str:
         return "a list"
     if origin is tuple:
         what = "numbers or formulas" if float in _choices(arguments[0]) else "lists"
-        what = {float: "numbers", str: "names"}.get(arguments[0], what)
+        what = {float: "numbers", Design: "numbers", str: "names"}.get(arguments[0], what)
         return f"a list of {len(arguments)} {what}"
     return "a table"
 

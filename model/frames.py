@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.precise import IDENTITY, NOISE, ZERO, High, Quadruple, Triple
+from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import Quaternion, Vector
@@ -148,6 +149,12 @@ def _frame_of(axis: Triple, across: Triple) -> dict[str, Triple]:
 def to_vector(values: Triple, size: High = 0) -> Vector:
     """Return a vector rounded to doubles, see :func:`kousoku.model.precise.rounded`."""
     x, y, z = precise.rounded(values, size)
+    return x, y, z
+
+
+def not_negative(moments: Vector) -> Vector:
+    """Return principal moments in which rounding left none below zero."""
+    x, y, z = (x if isinstance(x, Varying) else max(0.0, x) for x in moments)
     return x, y, z
 
 

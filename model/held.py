@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
-from kousoku.model.precise import ZERO
+from kousoku.model.precise import ZERO, at_scene
 from kousoku.model.rows import variant
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
             held.i,
             held.j,
             terms=(Term(place, 1.0),),
-            offset=0.0 - float(near),
+            offset=0.0 - float(at_scene(near)),
             unit=unit,
         )
 

@@ -3,7 +3,8 @@
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 import msgspec
 
-from kousoku.model.spatial import Components, Free, Value, Vector
+from kousoku.model.design import Place
+from kousoku.model.spatial import Components, Free, Value
 
 Six = tuple[Value, Value, Value, Value, Value, Value]
 """Along three directions, then about them."""
@@ -72,15 +73,15 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     type: str
     body: str | None = None
-    point: Vector | None = None
+    point: Place | None = None
     force: Value | Components | None = None
     force_b: Components | None = None
     torque: Components | None = None
     torque_b: Components | None = None
     bodies: tuple[str, str] | None = None
-    points: tuple[Vector, Vector] | None = None
-    at: Vector | None = None
-    axes: tuple[Vector, Vector] | None = None
+    points: tuple[Place, Place] | None = None
+    at: Place | None = None
+    axes: tuple[Place, Place] | None = None
     joint: str | None = None
     coordinate: str | None = None
     of: Free | None = None

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from msgspec import structs
 
 from kousoku.model import precise
-from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Triple
+from kousoku.model.errors import SceneError
+from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Traced, Triple, at_scene
 from kousoku.model.quaternions import quaternion
 
 if TYPE_CHECKING:
@@ -26,6 +27,11 @@ Part = tuple[High, Triple, Square]
 
 SAME = CONTEXT.mpf(2) ** -53
 """Elements of a tensor below this part of its largest moment are zero: doubles do not show them."""
+
+
+UNIT = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+PAIRS = ((0, 1), (0, 2), (1, 2))
+"""Elements off the diagonal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +57,16 @@ class MassProperties:
     axes: Quadruple
 
 
-def mass_properties(body: Body) -> MassProperties:
+def mass_properties(body: Body, key: str = "") -> MassProperties:
     """Return the mass properties of a body that was checked, summed over all that it is made of.
 
     The principal axes are those that are nearest to the axes of the body: where its tensor is
     diagonal they are the axes of the body themselves.
     """
-    return _properties(structs.replace(body, **ANYWHERE))
+    try:
+        return _properties(structs.replace(body, **ANYWHERE))
+    except SceneError as error:
+        raise SceneError(error.problems[0].problem, key=key) from None
 
 
 #: Where a body is, and how it moves, which its mass does not depend on.
@@ -105,6 +114,8 @@ def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
     Jacobi's method: each rotation by at most 45 degrees clears one element, so that zeros which
     keep an axis of the body a principal axis stay zeros.
     """
+    if any(isinstance(x, Traced) for row in tensor for x in row):
+        return traced_principal(tensor)
     a = [list(row) for row in tensor]
     axes = [[CONTEXT.mpf(int(i == j)) for j in range(3)] for i in range(3)]
     limit = SAME * max(abs(a[i][i]) for i in range(3))
@@ -120,12 +131,58 @@ def principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
     return (a[0][0], a[1][1], a[2][2]), precise.quaternion_of((x, y, z))
 
 
+def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
+    """Return principal moments and axes of a tensor that depends on parameters.
+
+    The axes are those of the scene where parameters do not turn them; else one element off the
+    diagonal is cleared in closed form.
+
+    Raises
+    ------
+    SceneError
+        Parameters turn the principal axes, and not about an axis of the body.
+    """
+    _, p = principal([[at_scene(x) for x in row] for row in tensor])
+    rows = [precise.rotate_back(p, precise.triple(row)) for row in UNIT]
+    x, y, z = ((row[0], row[1], row[2]) for row in tensor)
+    images = [(precise.dot(x, b), precise.dot(y, b), precise.dot(z, b)) for b in rows]
+    turned = [[precise.dot(a, image) for image in images] for a in rows]
+    off = [turned[i][j] for i, j in PAIRS]
+    limit = SAME * max(abs(at_scene(turned[i][i])) for i in range(3))
+    if not any(isinstance(x, Traced) or abs(x) > limit for x in off):
+        return (turned[0][0], turned[1][1], turned[2][2]), p
+    a = [list(row) for row in tensor]
+    axes = [[CONTEXT.mpf(int(i == j)) for j in range(3)] for i in range(3)]
+    pairs = [(i, j) for i, j in PAIRS if a[i][j]]
+    if len(pairs) != 1:
+        raise SceneError(
+            "has principal axes that parameters turn in space; wanted parts that keep an axis of"
+            " the body a principal axis, or numbers instead of the formulas",
+        )
+    _clear(a, axes, *pairs[0])
+    (x, y, z) = ((row[0], row[1], row[2]) for row in axes)
+    return (a[0][0], a[1][1], a[2][2]), precise.quaternion_of((x, y, z))
+
+
+def _tangent(less: High, element: High) -> High:
+    """Return the tangent of the turn that clears an element, given the difference of moments.
+
+    It is less than 45 degrees in the scene, and has a value where the element is zero.
+    """
+    root = precise.sqrt(less * less + 4 * element * element)
+    return 2 * element / (less + root if less >= 0 else less - root)
+
+
 def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
     """Turn rows and columns i and j of a, and rows of ``axes``, until a_ij is zero."""
-    theta = (a[j][j] - a[i][i]) / (2 * a[i][j])
-    root = abs(theta) + CONTEXT.sqrt(theta * theta + 1)
-    t = 1 / root if theta >= 0 else -1 / root
-    c = 1 / CONTEXT.sqrt(t * t + 1)
+    less, element = a[j][j] - a[i][i], a[i][j]
+    if isinstance(less, Traced) or isinstance(element, Traced):
+        t = _tangent(less, element)
+    else:
+        theta = less / (2 * element)
+        root = abs(theta) + CONTEXT.sqrt(theta * theta + 1)
+        t = 1 / root if theta >= 0 else -1 / root
+    c = 1 / precise.sqrt(t * t + 1)
     s = t * c
     for rows in (a, axes):
         first, second = rows[i], rows[j]
@@ -139,22 +196,22 @@ def _clear(a: list[list[High]], axes: list[list[High]], i: int, j: int) -> None:
 def _parts(body: Body) -> Iterator[Part]:
     """Yield all that a body is made of, in the order of its keys."""
     if body.mass is not None:
-        mass = CONTEXT.mpf(body.mass)
+        mass = precise.number(body.mass)
         center = ZERO if body.center is None else precise.triple(body.center)
         yield mass, center, _about_center(mass, center, body.inertia)
     for point in body.mass_points:
-        yield CONTEXT.mpf(point.mass), precise.triple(point.at), _diagonal(ZERO)
+        yield precise.number(point.mass), precise.triple(point.at), _diagonal(ZERO)
     for box in body.boxes:
-        yield CONTEXT.mpf(box.mass), precise.triple(box.at), _box(box)
+        yield precise.number(box.mass), precise.triple(box.at), _box(box)
     for rod in body.rods:
         start, end = map(precise.triple, rod.ends)
-        mass = CONTEXT.mpf(rod.mass)
+        mass = precise.number(rod.mass)
         yield mass, _middle(start, end), steiner(mass / 12, precise.subtract(end, start))
     for cylinder in body.cylinders:
         start, end = map(precise.triple, cylinder.ends)
-        yield CONTEXT.mpf(cylinder.mass), _middle(start, end), _cylinder(cylinder)
+        yield precise.number(cylinder.mass), _middle(start, end), _cylinder(cylinder)
     for sphere in body.spheres:
-        mass, radius = CONTEXT.mpf(sphere.mass), CONTEXT.mpf(sphere.radius)
+        mass, radius = precise.number(sphere.mass), precise.number(sphere.radius)
         moment = 2 * mass * radius**2 / 5
         yield mass, precise.triple(sphere.at), _diagonal((moment, moment, moment))
 
@@ -173,8 +230,8 @@ def _about_center(mass: High, center: Triple, inertia: Inertia | None) -> Square
 
 
 def _box(box: Box) -> Square:
-    mass = CONTEXT.mpf(box.mass)
-    a, b, c = (CONTEXT.mpf(edge) ** 2 for edge in box.size)
+    mass = precise.number(box.mass)
+    a, b, c = (precise.number(edge) ** 2 for edge in box.size)
     own = (mass * (b + c) / 12, mass * (c + a) / 12, mass * (a + b) / 12)
     if box.orientation is None:
         return _diagonal(own)
@@ -185,7 +242,7 @@ def _box(box: Box) -> Square:
 
 def _cylinder(cylinder: Cylinder) -> Square:
     """Return I_t I + (I_a − I_t) u uᵀ, with I_a = m R²/2, I_t = m (3 R² + L²)/12 and u = l/L."""
-    mass, square = CONTEXT.mpf(cylinder.mass), CONTEXT.mpf(cylinder.radius) ** 2
+    mass, square = precise.number(cylinder.mass), precise.number(cylinder.radius) ** 2
     start, end = map(precise.triple, cylinder.ends)
     along = precise.subtract(end, start)
     length = precise.dot(along, along)

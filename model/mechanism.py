@@ -291,6 +291,8 @@ class System:
         Potential energy of bodies and forces that stand still, and are left out.
     only_held : int
         How many coordinates, the last, nothing needs but what is held.
+    positive : tuple of (str, float)
+        Keys of the scene whose numbers depend on parameters and must be positive, and the numbers.
     """
 
     name: str
@@ -308,6 +310,7 @@ class System:
     carried: tuple[Carried, ...] = ()
     resting: float = 0.0
     only_held: int = 0
+    positive: tuple[tuple[str, float], ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""

@@ -9,37 +9,64 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-import mpmath
+from kousoku.model.terms import Function
+from kousoku.model.traced import CONTEXT, NOISE, Traced, applied, at_scene
+from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-High = Any  # a number of the context below: mpmath is untyped
+__all__ = ["CONTEXT", "NOISE", "Traced", "at_scene"]
+
+High = Any  # a number of the context, or a traced one: mpmath is untyped
 Triple = tuple[High, High, High]
 Quadruple = tuple[High, High, High, High]
 Square = tuple[Triple, Triple, Triple]
 
-#: mpmath with 50 digits, apart from the context that other code may set.
-CONTEXT = mpmath.mp.clone()
-CONTEXT.dps = 50
-
 ZERO: Triple = (CONTEXT.mpf(0),) * 3
 IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
-NOISE = CONTEXT.mpf(10) ** -40
-"""What is smaller than this part of the numbers it came from is a rounded zero."""
 
 
 def number(value: float | Fraction) -> High:
-    """Return a double without rounding, or a fraction rounded to 50 digits."""
+    """Return a double without rounding, or a fraction rounded to 50 digits.
+
+    Of a double that depends on parameters it is the number with its formula.
+    """
+    if isinstance(value, Varying):
+        return value.traced
     if isinstance(value, Fraction):
         return CONTEXT.mpf(value.numerator) / value.denominator
     return CONTEXT.mpf(value)
 
 
+def double(value: High) -> float:
+    """Return a number rounded to a double, with its formula if it has one."""
+    return Varying(value) if isinstance(value, Traced) else float(value)
+
+
+def sqrt(value: High) -> High:
+    """Return √value."""
+    return applied(Function.SQRT, value) if isinstance(value, Traced) else CONTEXT.sqrt(value)
+
+
+def atan2(y: High, x: High) -> High:
+    """Return the angle of (x, y)."""
+    if isinstance(y, Traced) or isinstance(x, Traced):
+        return applied(Function.ATAN2, y, x)
+    return CONTEXT.atan2(y, x)
+
+
+def total(values: Sequence[High]) -> High:
+    """Return a sum; it is rounded once where no number is traced."""
+    if any(isinstance(value, Traced) for value in values):
+        return sum(values, ZERO[0])
+    return CONTEXT.fsum(values)
+
+
 def triple(values: Iterable[float]) -> Triple:
     """Return three doubles as numbers of 50 digits."""
     x, y, z = values
-    return CONTEXT.mpf(x), CONTEXT.mpf(y), CONTEXT.mpf(z)
+    return number(x), number(y), number(z)
 
 
 def add(a: Triple, b: Triple) -> Triple:
@@ -69,7 +96,7 @@ def cross(a: Triple, b: Triple) -> Triple:
 
 def length(a: Sequence[High]) -> High:
     """Return |a|, of a vector or of a quaternion."""
-    return CONTEXT.sqrt(sum(x * x for x in a))
+    return sqrt(sum(x * x for x in a))
 
 
 def unit(a: Triple) -> Triple:
@@ -150,5 +177,8 @@ def rounded(values: Sequence[High], size: High = 0, noise: High = NOISE) -> tupl
     noise : number
         The part of it below which a component is a rounded zero.
     """
-    limit = noise * max(size, *(abs(value) for value in values))
-    return tuple(0.0 if abs(value) <= limit else float(value) for value in values)
+    limit = noise * at_scene(max(size, *(abs(value) for value in values)))
+    return tuple(
+        0.0 if not isinstance(value, Traced) and abs(value) <= limit else double(value)
+        for value in values
+    )

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import decode_parts, join
+from kousoku.model.design_numbers import read_formulas
 from kousoku.model.errors import AssemblyError, Problem, SceneError
 from kousoku.model.lines import deep_key_line, key_lines
 from kousoku.model.problems import Problems
@@ -131,6 +132,7 @@ def _scene(tree: object, text: str, file: str) -> Scene:
     except SceneError as error:
         raise SceneError.of(error.problems, file=file) from None
     assert isinstance(tree, Mapping)  # else nothing could be decoded
+    scene = read_formulas(scene, problems)
     check_parts(scene, problems, list(tree))
     if problems.found:
         raise SceneError.of(_with_lines(problems.found, text), file=file)

@@ -105,12 +105,23 @@ def _bounded(node: Any) -> Any:
         if len(choices) > 1:  # a number, or the text of a formula
             return rest | {"anyOf": _bounded(choices)}
         return _bounded(choices[0] | rest)
+    if "formula" in node:
+        return _or_formula({key: item for key, item in node.items() if key != "formula"})
     bounded = {key: _bounded(item) for key, item in node.items() if item is not None}
     if bounded.get("type") == "number":
         bounded = {"minimum": -LARGEST, "maximum": LARGEST} | bounded
         if "exclusiveMinimum" in bounded:
             del bounded["minimum"]
     return bounded
+
+
+def _or_formula(node: dict[str, Any]) -> Any:
+    """Return what a number of a design may be: within its limits, or the text of a formula."""
+    told = {key: node[key] for key in ("description", "default") if key in node}
+    number = {key: item for key, item in node.items() if key not in told}
+    return _bounded({key: item for key, item in told.items() if item is not None}) | {
+        "anyOf": [_bounded(number), {"type": "string"}]
+    }
 
 
 if __name__ == "__main__":

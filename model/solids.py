@@ -3,9 +3,8 @@
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 import msgspec
 
+from kousoku.model.design import Design, Place
 from kousoku.model.orientation import Orientation
-
-Vector = tuple[float, float, float]
 
 
 class Inertia(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -21,13 +20,13 @@ class Inertia(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
         The point that the moments belong to, in the body frame; the centre of mass when left out.
     """
 
-    xx: float
-    yy: float
-    zz: float
-    xy: float = 0.0
-    yz: float = 0.0
-    zx: float = 0.0
-    about: Vector | None = None
+    xx: Design
+    yy: Design
+    zz: Design
+    xy: Design = 0.0
+    yz: Design = 0.0
+    zx: Design = 0.0
+    about: Place | None = None
 
 
 class MassPoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -41,8 +40,8 @@ class MassPoint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only
         Its position in the body frame.
     """
 
-    mass: float
-    at: Vector
+    mass: Design
+    at: Place
 
 
 class Box(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -60,9 +59,9 @@ class Box(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
         Orientation of its edges in the body frame; along the axes of the body when left out.
     """
 
-    mass: float
-    size: Vector
-    at: Vector = (0.0, 0.0, 0.0)
+    mass: Design
+    size: Place
+    at: Place = (0.0, 0.0, 0.0)
     orientation: Orientation | None = None
 
 
@@ -77,8 +76,8 @@ class Rod(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
         Its two ends in the body frame.
     """
 
-    mass: float
-    ends: tuple[Vector, Vector]
+    mass: Design
+    ends: tuple[Place, Place]
 
 
 class Cylinder(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -94,9 +93,9 @@ class Cylinder(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=
         The middles of its two faces in the body frame.
     """
 
-    mass: float
-    radius: float
-    ends: tuple[Vector, Vector]
+    mass: Design
+    radius: Design
+    ends: tuple[Place, Place]
 
 
 class Sphere(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -112,6 +111,6 @@ class Sphere(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         Its middle in the body frame.
     """
 
-    mass: float
-    radius: float
-    at: Vector = (0.0, 0.0, 0.0)
+    mass: Design
+    radius: Design
+    at: Place = (0.0, 0.0, 0.0)

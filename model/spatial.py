@@ -5,6 +5,7 @@ from typing import Literal
 
 import msgspec
 
+from kousoku.model.design import Design, Place
 from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
@@ -71,8 +72,8 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     angular_velocity_b: Vector | None = None
     hold: tuple[Held, ...] = ()
     point: bool = False
-    mass: float | None = None
-    center: Vector | None = None
+    mass: Design | None = None
+    center: Place | None = None
     inertia: Inertia | None = None
     mass_points: tuple[MassPoint, ...] = ()
     boxes: tuple[Box, ...] = ()
@@ -133,19 +134,19 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     type: str
     bodies: tuple[str, str] | None = None
-    points: tuple[Vector, Vector] | None = None
-    at: Vector | None = None
-    axes: tuple[Vector, Vector] | None = None
-    axis: Vector | None = None
-    second_axis: Vector | None = None
-    zero: tuple[Vector, Vector] | None = None
-    length: float | None = None
-    pitch: float | None = None
+    points: tuple[Place, Place] | None = None
+    at: Place | None = None
+    axes: tuple[Place, Place] | None = None
+    axis: Place | None = None
+    second_axis: Place | None = None
+    zero: tuple[Place, Place] | None = None
+    length: Design | None = None
+    pitch: Design | None = None
     joints: tuple[str, str] | None = None
-    ratio: float | None = None
-    radius: float | None = None
+    ratio: Design | None = None
+    radius: Design | None = None
     coordinates: tuple[str, ...] | None = None
-    factors: tuple[float, ...] | None = None
+    factors: tuple[Design, ...] | None = None
 
     @property
     def ends(self) -> tuple[str, str]:
@@ -186,10 +187,10 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     joint: str | None = None
     of: Free | None = None
     bodies: tuple[str, str] | None = None
-    points: tuple[Vector, Vector] | None = None
+    points: tuple[Place, Place] | None = None
     body: str | None = None
-    point: Vector | None = None
-    along: Vector | None = None
+    point: Place | None = None
+    along: Place | None = None
     near: float | None = None
     hold: bool = False
 
@@ -223,5 +224,5 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     of: Free | None = None
     value: Value | None = None
     body: str | None = None
-    point: Vector | None = None
+    point: Place | None = None
     path: Components | None = None

@@ -18,6 +18,7 @@ from kousoku.model.frames import (
     BodyFrame,
     joint_points,
     joint_vectors,
+    not_negative,
     to_quaternion,
     to_vector,
 )
@@ -31,6 +32,7 @@ from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import force_elements, gravity_law, gravity_of
+from kousoku.model.varying import fixed, is_varying, positive_numbers, varying_scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -72,6 +74,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     """
     if not scene.is_spatial:
         raise SceneError("is missing; wanted a scene of bodies and joints", key="bodies")
+    scene = varying_scene(scene)
     unit = precise.number(METRES[scene.unit])
     frames = {GROUND: GROUND_FRAME}
     bodies = tuple(_bodies(scene, frames, unit))
@@ -106,13 +109,14 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         shown=places,
         parameters=tuple(scene.parameters.items()),
         only_held=len(coordinates.records) - needed,
+        positive=(*positive_numbers(scene), *_moments(bodies)),
     )
 
 
 def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[MovingBody]:
     """Yield the bodies of a scene, and add their frames to those that are known."""
     for index, (name, body) in enumerate(scene.bodies.items()):
-        properties = mass_properties(body)
+        properties = mass_properties(body, f"bodies.{name}")
         frames[name] = BodyFrame(
             index,
             precise.triple(body.position),
@@ -122,6 +126,12 @@ def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[
             body.point,
         )
         yield _moving(name, body, frames[name], properties, unit)
+
+
+def _moments(bodies: Sequence[MovingBody]) -> Iterator[tuple[str, float]]:
+    """Yield the principal moments that depend on parameters."""
+    for body in bodies:
+        yield from ((f"bodies.{body.name}.inertia", x) for x in filter(is_varying, body.inertia))
 
 
 def _moving(
@@ -138,13 +148,13 @@ def _moving(
     moments = to_vector(precise.scale(unit * unit, properties.moments))
     return MovingBody(
         name=name,
-        mass=float(properties.mass),
-        inertia=(max(0.0, moments[0]), max(0.0, moments[1]), max(0.0, moments[2])),
+        mass=precise.double(properties.mass),
+        inertia=not_negative(moments),
         is_point=body.point,
-        r=to_vector(precise.scale(unit, precise.add(frame.position, arm))),
-        p=to_quaternion(precise.compose(frame.p, precise.conjugate(frame.axes))),
-        v=to_vector(precise.scale(unit, velocity)),
-        omega_b=to_vector(frame.principal(spin)),
+        r=fixed(to_vector(precise.scale(unit, precise.add(frame.position, arm)))),
+        p=fixed(to_quaternion(precise.compose(frame.p, precise.conjugate(frame.axes)))),
+        v=fixed(to_vector(precise.scale(unit, velocity))),
+        omega_b=fixed(to_vector(frame.principal(spin))),
         origin_b=frame.point(ZERO, unit),
         axes_b=to_quaternion(frame.axes),
     )
@@ -216,9 +226,9 @@ def _length(
 ) -> float:
     """Return the length of a rod, the distance of its points where the scene gives none."""
     if joint.length is not None:
-        return float(unit * precise.number(joint.length))
+        return precise.double(unit * precise.number(joint.length))
     start, end = (frame.place(point) for frame, point in zip(ends, points, strict=True))
     length = precise.length(precise.subtract(end, start))
     if not length:
         raise SceneError("is missing, and its two points coincide", key=f"joints.{name}.length")
-    return float(unit * length)
+    return precise.double(unit * length)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from kousoku.model.decode import join
+from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import SceneError
 from kousoku.model.grashof import check_closure
 from kousoku.model.mobility import check_mobility
@@ -75,6 +76,7 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
     tuple of str
         As :func:`check` gives them; none where there are problems.
     """
+    written, scene = scene, with_numbers(scene)
     _check_names(scene, problems)
     _check_settings(scene, problems)
     is_spatial = scene.is_spatial or problems.touches("bodies", "joints")
@@ -94,7 +96,7 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
     check_inputs(scene, problems)
     if is_spatial:
         check_drivers(scene, problems)
-        check_unused(scene, given, problems)
+        check_unused(written, given, problems)
     if is_spatial or problems.found:
         return ()
     problems.check("inputs", (), check_mobility, scene)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import msgspec
 
 from kousoku.model.decode import join
+from kousoku.model.design import Formula
 from kousoku.model.formulas import used_names
 from kousoku.model.planar import Method
 from kousoku.model.spatial import SOLIDS
@@ -89,6 +90,8 @@ def _texts(value: object) -> Iterator[str]:
     """Yield all texts in a part of a scene, names of elements among them."""
     if isinstance(value, str):
         yield value
+    elif isinstance(value, Formula):
+        yield value.text
     elif isinstance(value, msgspec.Struct):
         for name in value.__struct_fields__:
             yield from _texts(getattr(value, name))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from kousoku.model.design import Formula
 from kousoku.model.scene import TABLES, Scene
 
 if TYPE_CHECKING:
@@ -49,6 +50,8 @@ def _value(value: object) -> str:
         return f"{{ {inner} }}"
     if isinstance(value, tuple):
         return f"[{', '.join(_value(item) for item in value)}]"
+    if isinstance(value, Formula):
+        return json.dumps(value.text, ensure_ascii=False)
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):

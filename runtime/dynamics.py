@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
+from kousoku.runtime.design import Design, with_parameters
 from kousoku.runtime.given import numbers_of, require_callable, require_numbers, shown
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
@@ -79,6 +80,9 @@ class DynamicsSolver:
         Whether the scene gives all masses; else no energy or work of it is known.
     places : mapping of str to (int, int)
         Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
+    design : Design, optional
+        Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
+        the start with the parameters of the scene, and :meth:`at` has that with others.
     """
 
     name: str
@@ -101,6 +105,7 @@ class DynamicsSolver:
     is_driven: bool
     is_weighed: bool
     places: Mapping[str, tuple[int, int]]
+    design: Design | None = None
 
     def method_for(self, tolerance: float) -> str:
         """Return the method that costs least for a tolerance."""
@@ -165,6 +170,21 @@ class DynamicsSolver:
         chosen = options_of(self, **options)
         return Run(self, self._times(None, times, 0), chosen)
 
+    def at(self, parameters: Mapping[str, float]) -> DynamicsSolver:
+        """Return the solver with the start that the scene has with other parameters.
+
+        Where the centre of mass or the principal axes of a body depend on parameters, ``q`` and
+        ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A scene
+        without formulas in place of masses, points and lengths has one start for all parameters.
+
+        Raises
+        ------
+        SolveError
+            There is no such parameter, or a number of the scene is not possible with them.
+        """
+        values = np.array([value for _, value in with_values(self, parameters)])
+        return with_parameters(self, values)
+
     def evaluate(
         self,
         time: float = 0.0,
@@ -179,9 +199,9 @@ class DynamicsSolver:
         time : float [s]
             When.
         q, v : array
-            Coordinates and velocities as in ``solver.q`` and ``solver.v``, in SI units; these
-            unless given. A body has its centre of mass and the Euler parameters of its principal
-            axes, then its velocity and angular velocity.
+            Coordinates and velocities as in ``solver.q`` and ``solver.v``, in SI units; those of
+            ``solver.at(parameters)`` unless given. A body has its centre of mass and the Euler
+            parameters of its principal axes, then its velocity and angular velocity.
         parameters : mapping of str to float, optional
             Those that are not as in the scene.
 
@@ -199,8 +219,9 @@ class DynamicsSolver:
         """
         values = np.array([value for _, value in with_values(self, parameters)])
         require_numbers(self.name, time=time)
+        there = with_parameters(self, values)
         state = []
-        for name, given, start in (("q", q, self.q), ("v", v, self.v)):
+        for name, given, start in (("q", q, there.q), ("v", v, there.v)):
             array = numbers_of(self.name, name, start if given is None else given)
             if array.shape != start.shape:
                 raise SolveError(
@@ -299,4 +320,5 @@ def load_dynamics(
         is_driven=data["is_driven"],
         is_weighed=data["is_weighed"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},
+        design=Design.from_data(data["design"]) if "design" in data else None,
     )

@@ -24,7 +24,8 @@ class BodyPlaces:
     origin_b : (3,) [m]
         Origin of the user's body frame, in the principal frame.
     axes_b : (4,)
-        Euler parameters that take components in the user's frame to the principal frame.
+        Euler parameters that take components in the user's frame to the principal frame. An
+        index of the design stands in place of a number that depends on parameters.
     """
 
     name: str
@@ -32,8 +33,8 @@ class BodyPlaces:
     p: tuple[int | float, ...]
     v: tuple[int | float, ...]
     omega_b: tuple[int | float, ...]
-    origin_b: tuple[float, ...]
-    axes_b: tuple[float, ...]
+    origin_b: tuple[int | float, ...]
+    axes_b: tuple[int | float, ...]
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> BodyPlaces:
@@ -68,7 +69,7 @@ class ReactionPlaces:
     joint: str
     body: int
     j: int
-    point_b: tuple[float, ...]
+    point_b: tuple[int | float, ...]
     columns: tuple[int, ...]
 
     @classmethod

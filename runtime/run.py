@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
+from kousoku.runtime.design import with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
 from kousoku.runtime.motion import motion_of
@@ -106,6 +107,8 @@ class Run:
         self.solver = solver
         self.times = times
         self.options = options
+        self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
+        self._there = with_parameters(solver, self._values)
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status = PAUSED
         target = solver.target
@@ -126,8 +129,7 @@ class Run:
 
     def _start(self) -> None:
         begin = time.perf_counter()
-        parameters = np.array([value for _, value in self.options.parameters], dtype=np.float64)
-        given = (self.solver.q, self.solver.v, parameters)
+        given = (self._there.q, self._there.v, self._values)
         status = self.solver.target.start(0.0, *given, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
@@ -260,7 +262,7 @@ class Run:
         )
         is_complete = self.written == len(self.times)
         rows = self._rows[: self.written]
-        motion = motion_of(solver, rows, ledger, is_complete=is_complete)
+        motion = motion_of(self._there, rows, ledger, is_complete=is_complete)
         seconds = self.seconds | {"tables": time.perf_counter() - begin}
         return replace(motion, ledger=replace(ledger, seconds=MappingProxyType(seconds)))
 

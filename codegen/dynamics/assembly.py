@@ -23,6 +23,7 @@ from kousoku.codegen.dynamics.turns import on_turns_of_drivers, with_turns_count
 from kousoku.codegen.dynamics.violations import key_of, listed, worst_first
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
+from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -49,6 +50,26 @@ def assemble(system: System) -> System:
         No position near fits, or no velocity does; the message names the joints and drivers that
         stay violated, by how many metres and radians, or metres and radians per second.
     """
+    fixed = fixed_system(system)
+    placed = _assembled(fixed)
+    return placed if fixed is system else _with_places(system, placed)
+
+
+def _with_places(system: System, placed: System) -> System:
+    """Return a system whose numbers depend on parameters, where its bodies were placed."""
+    bodies = tuple(
+        replace(body, r=at.r, p=at.p, v=at.v, omega_b=at.omega_b)
+        for body, at in zip(system.bodies, placed.bodies, strict=True)
+    )
+    coordinates = tuple(
+        replace(one, near=at.near)
+        for one, at in zip(system.coordinates, placed.coordinates, strict=True)
+    )
+    return replace(system, bodies=bodies, coordinates=coordinates)
+
+
+def _assembled(system: System) -> System:
+    """Return a system whose numbers are those of the scene, assembled."""
     system = on_turns_of_drivers(system)
     positions = Residuals.of(system, system.constraints + system.held)
     speeds = Residuals.of(system, system.constraints + system.held_rates)

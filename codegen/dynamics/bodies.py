@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.design import number
 from kousoku.codegen.dynamics.program import Coordinates, Place
 from kousoku.codegen.dynamics.recorder import Block, column, slot_of
 from kousoku.model.errors import Problem, SceneError
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recorder import Recorder
     from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.precise import High
 
 #: Places in (r, p) that are coordinates, and in (δr, δθ′), of a rigid body and of a point.
 SPATIAL = ((0, 1, 2, 3, 4, 5, 6), (0, 1, 2, 3, 4, 5))
@@ -125,19 +127,19 @@ def _thickened(body: MovingBody) -> MovingBody:
     if body.is_point:
         return body
     x, y, z = body.inertia
-    thin = max(x, y, z) / 2 or 1.0
+    thin = float(max(x, y, z)) / 2 or 1.0
     return replace(body, inertia=(x or thin, y or thin, z or thin))
 
 
-def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[Fraction]:
+def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[High]:
     """Return the diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
-    diagonal = [Fraction(x) for x in (*(body.mass,) * 3, *body.inertia)]
+    diagonal = [number(x) for x in (*(body.mass,) * 3, *body.inertia)]
     return [1 / diagonal[k] if diagonal[k] else Fraction(0) for k in columns]
 
 
-def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[Fraction]:
+def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[High]:
     """Return (I₂ − I₃)/I₁ and its like, exactly; zeros where the body cannot turn."""
-    moments = [Fraction(moment) for moment in body.inertia]
+    moments = [number(moment) for moment in body.inertia]
     return [
         (moments[(k + 1) % 3] - moments[(k + 2) % 3]) / moments[k]
         if k + 3 in columns
@@ -150,8 +152,8 @@ def _mixed(
     recorder: Recorder, kept: Sequence[int], slots: Sequence[int], values: Sequence[float]
 ) -> list[int]:
     """Return entries: slots at the places that are kept, numbers elsewhere."""
-    numbers = [0.0 if place in kept else value for place, value in enumerate(values)]
-    entries = list(recorder.constant(numbers).entries)
+    fixed = [0.0 if place in kept else value for place, value in enumerate(values)]
+    entries = list(recorder.constant(fixed).entries)
     for place, entry in zip(kept, slots, strict=True):
         entries[place] = entry
     return entries

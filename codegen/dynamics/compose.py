@@ -7,7 +7,6 @@ S for each joint; see :mod:`kousoku.codegen.dynamics.solve`.
 from __future__ import annotations
 
 from dataclasses import replace
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, drivers_of, entries_of
@@ -22,6 +21,7 @@ from kousoku.codegen.dynamics.bodies import (
 )
 from kousoku.codegen.dynamics.combinations import Combinations
 from kousoku.codegen.dynamics.coordinate_tasks import CoordinateTasks
+from kousoku.codegen.dynamics.design import number
 from kousoku.codegen.dynamics.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.formulas import Names
 from kousoku.codegen.dynamics.joint_tasks import JointTasks
@@ -43,6 +43,7 @@ from kousoku.codegen.dynamics.program import ON_DEMAND, Program
 from kousoku.codegen.dynamics.reactions import record_reactions
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
+from kousoku.codegen.dynamics.setup import record_setup
 from kousoku.codegen.dynamics.sums import summed
 from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
 from kousoku.model.mechanism import GROUND_INDEX
@@ -173,8 +174,10 @@ class _Composer:
             self._check()
             if self.left_out or loops_of(self.system):
                 self._refinement()
-        segments, regions, size = self.recorder.finish()
         pairs = zip(self.system.bodies, self.bodies, strict=True)
+        places = tuple(coordinates(body, blocks) for body, blocks in pairs)
+        design = record_setup(self.recorder, self.system, self.parameters, places)
+        segments, regions, size = self.recorder.finish()
         return Program(
             name=self.system.name,
             kernels=tuple(self.recorder.kernels),
@@ -183,13 +186,14 @@ class _Composer:
             regions=tuple(regions),
             constants=tuple(self.recorder.constants),
             size=size,
-            bodies=tuple(coordinates(body, blocks) for body, blocks in pairs),
+            bodies=places,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
             parameters=tuple(value for _, value in self.system.parameters),
             kept=kept,
+            design=design,
         )
 
     def _geometry(self) -> None:
@@ -362,10 +366,8 @@ class _Composer:
         gravity = self.forces.gravity(self.system)
         parts: list[Block] = []
         for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
-            mass = Fraction(body.mass)
-            halves = self.recorder.constant(
-                [mass / 2] * 3 + [Fraction(x) / 2 for x in body.inertia]
-            )
+            mass = number(body.mass)
+            halves = self.recorder.constant([mass / 2] * 3 + [number(x) / 2 for x in body.inertia])
             weight = self.forces.weight(self.system, gravity, mass)
             parts += self.recorder.call(
                 Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight

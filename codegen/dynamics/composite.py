@@ -6,9 +6,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.frames import to_vector
+from kousoku.model.errors import SceneError
+from kousoku.model.frames import not_negative, to_vector
 from kousoku.model.mass import principal, steiner
-from kousoku.model.precise import CONTEXT, IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.precise import CONTEXT, IDENTITY, ZERO, High, Quadruple, Traced, Triple
+from kousoku.model.varying import fixed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -89,12 +91,12 @@ def joined(
     rounded = to_vector(moments)
     body = replace(
         first,
-        mass=float(mass),
-        inertia=(max(0.0, rounded[0]), max(0.0, rounded[1]), max(0.0, rounded[2])),
-        r=_vector(precise.add(r, precise.rotate(p, center)), precise.length(r)),
-        p=_turn(precise.compose(p, precise.conjugate(axes))),
-        v=_vector(precise.add(precise.triple(first.v), velocity), precise.length(velocity)),
-        omega_b=_vector(precise.rotate(axes, spin)),
+        mass=precise.double(mass),
+        inertia=not_negative(rounded),
+        r=fixed(_vector(precise.add(r, precise.rotate(p, center)), precise.length(r))),
+        p=fixed(_turn(precise.compose(p, precise.conjugate(axes)))),
+        v=fixed(_vector(precise.add(precise.triple(first.v), velocity), precise.length(velocity))),
+        omega_b=fixed(_vector(precise.rotate(axes, spin))),
     )
     seats = [
         Seat(
@@ -130,7 +132,11 @@ def _mass_of(
             for j in range(3):
                 turned = sum(precise.number(one.inertia[k]) * axes[k][i] * axes[k][j] for k in ALL)
                 total[i][j] += turned + moved[i][j]
-    moments, axes_of = principal(_without_noise(total, normal))
+    try:
+        moments, axes_of = principal(_without_noise(total, normal))
+    except SceneError as error:
+        key = f"bodies.{bodies[0].name}"
+        raise SceneError(error.problems[0].problem, key=key) from None
     return mass, center, moments, axes_of
 
 
@@ -140,12 +146,16 @@ def _without_noise(tensor: Sequence[Sequence[High]], normal: int | None) -> list
     return [
         [
             precise.number(0.0)
-            if i != j and (normal in {i, j} or abs(tensor[i][j]) <= limit)
+            if i != j and (normal in {i, j} or _is_noise(tensor[i][j], limit))
             else tensor[i][j]
             for j in ALL
         ]
         for i in ALL
     ]
+
+
+def _is_noise(value: High, limit: High) -> bool:
+    return not isinstance(value, Traced) and bool(abs(value) <= limit)
 
 
 ALL = range(3)

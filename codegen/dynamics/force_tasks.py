@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.formulas import Names
     from kousoku.codegen.dynamics.recorder import Recorder
     from kousoku.model.mechanism import ForceElement, System
+    from kousoku.model.precise import High
 
     Effect = tuple[dict[int, Block], Block | None]
 
@@ -94,7 +95,7 @@ class ForceTasks:
                 parts.append(scaled(self.recorder, direction, text, self.names))
         return summed(self.recorder, parts)
 
-    def weight(self, system: System, gravity: Block, mass: Fraction) -> Block:
+    def weight(self, system: System, gravity: Block, mass: High) -> Block:
         """Return minus the weight of a body (3,)."""
         if not any(system.gravity_law):
             return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])

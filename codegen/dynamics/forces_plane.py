@@ -10,6 +10,7 @@ from kousoku.codegen.dynamics.operations import frozen
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,6 +74,18 @@ def _height(system: System, one: ForceElement | Coordinate, end: str, normal: in
     w, x, y, z = map(precise.number, body.p)
     seen = precise.rotate((w, x, y, z), precise.triple(point))
     return body.r[normal] + float(seen[normal])
+
+
+def leaves_with_parameters(system: System, normal: int) -> bool:
+    """Return whether some point or axis has a component across a plane that parameters change."""
+    vectors = [pair for one in system.constraints for pair in one.constants]
+    vectors += [pair for one in system.coordinates for pair in one.constants]
+    vectors += [pair for one in system.forces for pair in one.constants]
+    crossing = (values[normal] for _, values in vectors if len(values) == 3)
+    others = [k for k in range(3) if k != normal]
+    turned = (body.axes_b[1 + k] for body in system.bodies for k in others)
+    origins = (body.origin_b[normal] for body in system.bodies)
+    return any(map(is_varying, (*crossing, *turned, *origins)))
 
 
 def _coordinate_leaves(system: System, force: ForceElement, normal: int) -> bool:

@@ -21,6 +21,7 @@ from kousoku.codegen.dynamics.weights import require_driven, weighted
 from kousoku.model.errors import SceneError
 from kousoku.model.held import without_held
 from kousoku.model.system import system_of
+from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -90,8 +91,9 @@ def independent(
         What was found: degrees of freedom, and the rows that were left out.
     """
     program = compose(system, wanted, may_be_planar=may_be_planar)
-    require_unmoved_rows_hold(system, program)
-    freedom = freedom_of(system, program)
+    fixed = fixed_system(system)
+    require_unmoved_rows_hold(fixed, program)
+    freedom = freedom_of(fixed, program)
     if freedom.dropped:
         rows = kept_rows(freedom, program)
         sets = [one.joints for one in freedom.dependent if one.is_everywhere]
@@ -117,7 +119,7 @@ def with_reactions(
         return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
     if not is_flat(program, system) and (found := _in_space(system, wanted)):
         return found
-    joints = (*freedom.not_unique, *freedom.unknown, *held_twice(system, program))
+    joints = (*freedom.not_unique, *freedom.unknown, *held_twice(fixed_system(system), program))
     return replace(program, not_unique=tuple(dict.fromkeys(joints)))
 
 

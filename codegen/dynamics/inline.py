@@ -108,6 +108,7 @@ class _Inliner:
             constants=(),
             size=self.size,
             bodies=tuple(self._moved_body(body) for body in self.old.bodies),
+            design=self.old.design.moved(self.moved),
             auxiliary=tuple(
                 replace(one, place=replace(one.place, slot=self.moved[one.place.slot]))
                 for one in self.old.auxiliary

@@ -9,9 +9,9 @@ the centre of mass, since it acts there.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.design import number
 from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.program import Kept
@@ -196,7 +196,7 @@ def record_momenta(
             numbers = [recorder.constant((moving.mass,)), recorder.constant(moving.inertia)]
             own = (blocks.r, blocks.orientation, blocks.v_r, blocks.omega_b, *numbers)
             shares += recorder.call(Share(), *own, origin.r, origin.v_r)
-        mass = sum(Fraction(system.bodies[index].mass) for index in one.bodies)
+        mass = sum(number(system.bodies[index].mass) for index in one.bodies)
         directions = [recorder.constant(vector) for vector in (*one.linear, *one.angular)]
         recorder.call(
             Along(len(one.linear)),

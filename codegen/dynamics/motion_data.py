@@ -10,8 +10,9 @@ from kousoku.codegen.dynamics.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.reactions import ends_of
-from kousoku.codegen.dynamics.view_numbers import is_driven
+from kousoku.codegen.dynamics.view_numbers import is_driven, start_places
 from kousoku.model import precise
+from kousoku.model.varying import fixed_system, is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -41,6 +42,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         Regions that a row has beyond time, q and v.
     """
     q, v = program.region("q").base, program.region("v").base
+    varying = {"design": _design(program)} if program.design else {}
     return {
         "format": 1,
         "name": system.name,
@@ -71,8 +73,24 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
             }
             for one in program.kept
         ],
+        **varying,
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
+
+
+def _design(program: Program) -> dict[str, object]:
+    """Return where numbers that depend on parameters stand: in the workspace, and among them."""
+    region, places = program.region("design"), dict(program.design.places)
+    return {
+        "place": [region.base, region.size],
+        "start": [list(pair) for pair in start_places(program)],
+        "positive": [[name, places[key]] for name, key in program.design.positive],
+    }
+
+
+def _shown(program: Program, values: Iterable[float]) -> list[int | float]:
+    """Return a number, or its index in the design where it depends on parameters."""
+    return [program.design.place(x) if is_varying(x) else x for x in values]
 
 
 def _start(program: Program) -> dict[str, list[float]]:
@@ -96,6 +114,7 @@ def is_flat(program: Program, system: System) -> bool:
     """
     if not (program.is_planar and system.bodies):
         return False
+    system = fixed_system(system)
     normal = next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
     heights = [body.r[normal] for body in system.bodies]
     combined = {term.coordinate for one in system.constraints for term in one.terms}
@@ -150,7 +169,9 @@ def _reactions(program: Program, system: System) -> list[dict[str, object]]:
                     "joint": f"{joint}.{own.name}" if is_shared else joint,
                     "body": body,
                     "j": body if is_shared else bodies[1],
-                    "point_b": list(own.origin_b if is_shared else points.get(joint, ORIGIN)),
+                    "point_b": _shown(
+                        program, own.origin_b if is_shared else points.get(joint, ORIGIN)
+                    ),
                     "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
                 }
             )
@@ -182,12 +203,14 @@ def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, 
     """Return where all bodies of the scene are, those too that others carry."""
     if not system.carried:
         pairs = zip(system.bodies, program.bodies, strict=True)
-        return [_body(body, places, q, v) for body, places in pairs]
+        return [_body(program, body, places, q, v) for body, places in pairs]
     carriers = (*program.bodies, STILL)
-    return [_body(one, carriers[one.carrier], q, v) for one in system.carried]
+    return [_body(program, one, carriers[one.carrier], q, v) for one in system.carried]
 
 
-def _body(body: MovingBody | Carried, places: Coordinates, q: int, v: int) -> dict[str, object]:
+def _body(
+    program: Program, body: MovingBody | Carried, places: Coordinates, q: int, v: int
+) -> dict[str, object]:
     turns = not body.is_point
     return {
         "name": body.name,
@@ -195,8 +218,8 @@ def _body(body: MovingBody | Carried, places: Coordinates, q: int, v: int) -> di
         "p": _numbers(places.p, q) if turns else [],
         "v": _numbers(places.v, v),
         "omega_b": _numbers(places.omega_b, v) if turns else [],
-        "origin_b": list(body.origin_b),
-        "axes_b": list(body.axes_b),
+        "origin_b": _shown(program, body.origin_b),
+        "axes_b": _shown(program, body.axes_b),
     }
 
 

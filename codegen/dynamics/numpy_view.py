@@ -12,7 +12,13 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.program import ON_DEMAND, SEGMENTS, levels
 from kousoku.codegen.dynamics.runge_kutta import METHODS, Method
 from kousoku.codegen.dynamics.view import in_lines
-from kousoku.codegen.dynamics.view_numbers import floors, shift_slots, turn_slots
+from kousoku.codegen.dynamics.view_numbers import (
+    floors,
+    positive_places,
+    shift_slots,
+    start_places,
+    turn_slots,
+)
 from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
@@ -116,7 +122,7 @@ class NumpyView:
     ----------
     kernels, segments, methods : tuple
         In order.
-    constants, is_length, floors, shifts, turns : str
+    constants, is_length, floors, shifts, turns, starts, positive : str
         Tables of numbers, in lines, as in the ``DynamicsView``.
     """
 
@@ -128,6 +134,8 @@ class NumpyView:
     floors: str
     shifts: str
     turns: str
+    starts: str
+    positive: str
 
 
 def numpy_view(program: Program, length: float) -> NumpyView:
@@ -154,6 +162,8 @@ def numpy_view(program: Program, length: float) -> NumpyView:
         floors=_table(map(repr, floors(program, length))),
         shifts=_table(x for a, b in shifts for x in (a - q.base, b - v.base)),
         turns=_table(x for a, b, n in turns for x in (a - q.base, b - v.base, n)),
+        starts=_table(x for pair in start_places(program) for x in pair),
+        positive=_table(positive_places(program)),
     )
 
 

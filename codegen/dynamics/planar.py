@@ -26,13 +26,14 @@ from kousoku.codegen.dynamics.bodies import (
     start,
 )
 from kousoku.codegen.dynamics.combinations import fixed_law
-from kousoku.codegen.dynamics.forces_plane import leaves_plane
+from kousoku.codegen.dynamics.forces_plane import leaves_plane, leaves_with_parameters
 from kousoku.codegen.dynamics.joints import live_rows
 from kousoku.codegen.dynamics.operations import COLUMNS, frozen
 from kousoku.codegen.dynamics.recorder import Recorder
 from kousoku.codegen.dynamics.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,10 +63,13 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
+    if leaves_with_parameters(system, NORMAL):
+        return False
+    fixed = fixed_system(system)
     wants_hold = (
         must_be_held
         or system.has_gravity(NORMAL)
-        or any(leaves_plane(system, force, NORMAL) for force in system.forces)
+        or any(leaves_plane(fixed, force, NORMAL) for force in fixed.forces)
     )
     if wants_hold and not _may_hold(system):
         return False
@@ -77,9 +81,9 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     def body(index: int) -> BodyBlocks:
         return GROUND if index == GROUND_INDEX else bodies[index]
 
-    for instance in system.constraints:
+    for instance, known in zip(system.constraints, fixed.constraints, strict=True):
         live = live_rows(system, instance, recorder, body)
-        residual, jacobian = _at_start(system, instance)
+        residual, jacobian = _at_start(fixed, known)
         dropped = [row for row in range(len(residual)) if row not in live]
         if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
             return False

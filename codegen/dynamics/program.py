@@ -7,9 +7,10 @@ task is a few numbers, and many tasks of one kernel are a loop over a short tabl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.design import Design
 from kousoku.model.errors import EmitError
 
 if TYPE_CHECKING:
@@ -207,6 +208,8 @@ class Program:
         The momenta of the region ``momenta``.
     on_demand : tuple of Segment
         What a run calls where it must: those of :data:`ON_DEMAND`.
+    design : Design
+        The numbers of the region ``design``, which depend on parameters.
     """
 
     name: str
@@ -225,6 +228,7 @@ class Program:
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()
     on_demand: tuple[Segment, ...] = ()
+    design: Design = field(default_factory=Design)
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""
@@ -268,6 +272,7 @@ REGIONS = {
     "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
     "more_lam": "correction of lam",
     "more_power": "correction of the power of each driver",
+    "design": "numbers of the scene that depend on parameters",
     "constants": "the scene's numbers",
 }
 
@@ -291,6 +296,7 @@ SEGMENTS = {
 #: What a run calls where the growth check finds that much was lost; no evaluation does.
 ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
+    "setup": "parameters -> design: once, where a run begins",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.

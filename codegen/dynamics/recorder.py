@@ -11,24 +11,31 @@ and −(s + 2) is its negative.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import TYPE_CHECKING, Protocol
 
 from kousoku.codegen.dynamics.program import Region, Segment, Task
 from kousoku.codegen.dynamics.traces import Trace, traced_kernel
+from kousoku.model import precise
+from kousoku.model.traced import Traced
+from kousoku.model.traced import exact as exactly
+from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from fractions import Fraction
 
     from kousoku.codegen.dynamics.matrix import Matrix
     from kousoku.codegen.dynamics.traces import Codes
     from kousoku.codegen.kernel import Kernel
+    from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.
     Pattern = tuple[tuple[tuple[int, ...], int, int], ...]
 
 #: Slots of constants are counted from here while the rest of the workspace grows.
 CONSTANTS = 1 << 40
+#: Slots of numbers that depend on parameters.
+DESIGN = 1 << 41
 #: The kernel of a call that computes nothing.
 NOTHING = -1
 
@@ -108,9 +115,10 @@ class Recorder:
         self.segments: list[tuple[str, list[Task]]] = []
         self.regions: list[Region] = []
         self.constants: list[Fraction] = []
+        self.design: dict[str, tuple[int, Traced]] = {}
         self._size = 0
         self._pool: dict[tuple[Fraction, ...], int] = {}
-        self._columns: dict[tuple[Fraction | float | int, ...], Block] = {}
+        self._columns: dict[tuple[High, ...], Block] = {}
         self._traced: dict[object, _Traced] = {}
         self._kernel_ids: dict[object, int] = {}
 
@@ -129,23 +137,31 @@ class Recorder:
         """Begin a segment; tasks are recorded into it from now on."""
         self.segments.append((name, []))
 
-    def constant(self, values: Sequence[Fraction | float | int]) -> Block:
-        """Return numbers as a column; equal columns of numbers are stored once."""
+    def constant(self, values: Sequence[High]) -> Block:
+        """Return numbers as a column; equal columns of numbers are stored once.
+
+        Those that depend on parameters are in the region ``design``, each formula once.
+        """
         key = tuple(values)
         if key not in self._columns:
             self._columns[key] = self._new_constant(key)
         return self._columns[key]
 
-    def _new_constant(self, values: Sequence[Fraction | float | int]) -> Block:
-        exact = [Fraction(value) for value in values]
-        stored = tuple(value for value in exact if abs(value) not in {0, 1})
+    def _new_constant(self, values: Sequence[High]) -> Block:
+        numbers = [precise.number(value) if is_varying(value) else value for value in values]
+        exact = [x if isinstance(x, Traced) else exactly(x) for x in numbers]
+        fixed = [x for x in exact if not isinstance(x, Traced)]
+        stored = tuple(value for value in fixed if abs(value) not in {0, 1})
         if stored not in self._pool:
             self._pool[stored] = CONSTANTS + len(self.constants)
             self.constants.extend(stored)
         slot = self._pool[stored]
         entries = []
         for value in exact:
-            if abs(value) in {0, 1}:
+            if isinstance(value, Traced):
+                place, _ = self.design.setdefault(value.key, (len(self.design), value))
+                entries.append(DESIGN + place + 2)
+            elif abs(value) in {0, 1}:
                 entries.append(int(value))
             else:
                 entries.append(slot + 2)
@@ -198,22 +214,34 @@ class Recorder:
 
     def finish(self) -> tuple[list[Segment], list[Region], int]:
         """Return segments and regions with the constants behind all else, and the size."""
-        offset = self._size - CONSTANTS
+        regions, size = list(self.regions), self._size
+        bases = {}
+        for first, name, count in (
+            (DESIGN, "design", len(self.design)),
+            (CONSTANTS, "constants", len(self.constants)),
+        ):
+            bases[first] = size - first
+            if count or first == CONSTANTS:
+                regions.append(Region(name, size, count))
+            size += count
+
+        def moved(slots: tuple[int, ...]) -> tuple[int, ...]:
+            return tuple(
+                x + bases[DESIGN if x >= DESIGN else CONSTANTS] if x >= CONSTANTS else x
+                for x in slots
+            )
+
         segments = [
             Segment(
                 name,
                 tuple(
-                    replace(
-                        task,
-                        inputs=tuple(x + offset if x >= CONSTANTS else x for x in task.inputs),
-                    )
+                    replace(task, inputs=moved(task.inputs), outputs=moved(task.outputs))
                     for task in tasks
                 ),
             )
             for name, tasks in self.segments
         ]
-        constants = Region("constants", self._size, len(self.constants))
-        return segments, [*self.regions, constants], self._size + len(self.constants)
+        return segments, regions, size
 
     def _allocate(self, count: int) -> int:
         base = self._size

@@ -138,7 +138,8 @@ def _point(program: Program, system: System, state: State) -> dict[str, object] 
     regions = [one for one in program.regions if one.size and one.name not in GIVEN]
     slots = [one.base + k for one in regions for k in range(one.size)]
     try:
-        steps = run_and_keep(work, [segment.name for segment in program.segments])
+        before = ["setup"] if program.design else []
+        steps = run_and_keep(work, [*before, *(segment.name for segment in program.segments)])
         sizes = iter(units(work, steps, slots))
         outputs = {
             one.name: _columns(work[one.name], list(islice(sizes, one.size))) for one in regions

@@ -34,7 +34,7 @@ def resting_energy(system: System, seats: Mapping[int, Seat]) -> float:
         is_fixed = force.has_potential and not force.formulas and force.coordinate < 0
         if is_fixed and seats[force.i].carrier == seats[force.j].carrier:
             total += _stored(force, seats)
-    return float(total)
+    return precise.double(total)
 
 
 def _stored(force: ForceElement, seats: Mapping[int, Seat]) -> High:

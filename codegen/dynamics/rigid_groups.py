@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -75,6 +76,8 @@ def fixed_joints(system: System) -> list[Edge]:
     """Return the bodies of each joint that leaves no motion."""
     kinds: dict[tuple[str, int, int], list[str]] = {}
     for one in system.constraints:
+        if any(is_varying(values) for _, values in one.constants):
+            continue  # parameters move the bodies against each other
         kinds.setdefault((one.joint, one.i, one.j), []).append(one.kind.partition("_")[0])
     return [(i, j) for (_, i, j), parts in kinds.items() if i != j and sorted(parts) == RIGID]
 

@@ -38,6 +38,8 @@ class Workspace:
         for place in places:
             if place.slot >= 0:
                 self.values[place.slot] = arithmetic.number(Fraction(place.value))
+        if program.design:
+            self.run("setup")
 
     def __getitem__(self, name: str) -> list[Any]:
         """Return what is in a region."""

@@ -107,6 +107,8 @@ def _turned_body(body: MovingBody, shift: int) -> MovingBody:
         p=(e0, *_triple(e, shift)),
         v=_triple(body.v, shift),
         omega_b=_triple(body.omega_b, shift),
+        origin_b=_triple(body.origin_b, shift),
+        axes_b=(body.axes_b[0], *_triple(body.axes_b[1:], shift)),
     )
 
 

@@ -14,10 +14,13 @@ from kousoku.codegen.dynamics.view_numbers import (
     has_drivers,
     has_fallback,
     is_driven,
+    positive_places,
     shift_slots,
     sizes,
     slots,
+    start_places,
     turn_slots,
+    weight_places,
     weights,
 )
 from kousoku.codegen.graph import literal
@@ -146,10 +149,20 @@ class DynamicsView:
         Whether rows that are left out take over where those that are kept lose rank.
     weights : str
         The diagonal of M⁻¹, in lines.
+    weighs : str
+        Where they are in the design, -1 where they are fixed; empty where all are.
     drivers : str
         Rows of indices: of each row of a driver, and of its work in q.
     driver_count : int
         How many rows.
+    varies : bool
+        Whether numbers of the scene depend on parameters.
+    starts : str
+        Rows of indices: in (q, v) of what depends on parameters at the start, and in the design.
+    positive : str
+        Indices in the design of numbers that must be positive.
+    start_count, positive_count : int
+        How many.
     """
 
     name: str
@@ -175,8 +188,14 @@ class DynamicsView:
     refines: bool
     has_fallback: bool
     weights: str
+    weighs: str
     drivers: str
     driver_count: int
+    varies: bool
+    starts: str
+    start_count: int
+    positive: str
+    positive_count: int
 
     @property
     def accelerates(self) -> bool:
@@ -190,8 +209,8 @@ class DynamicsView:
 
     @property
     def leads(self) -> bool:
-        """Whether parameters may change where drivers begin."""
-        return self.has_drivers and bool(self.parameter_names)
+        """Whether parameters may change where bodies or drivers begin."""
+        return self.varies or (self.has_drivers and bool(self.parameter_names))
 
     @property
     def meanings(self) -> Mapping[str, str]:
@@ -257,6 +276,8 @@ def dynamics_view(
     shifts, turns = shift_slots(program), turn_slots(program)
     lengths = {k for pair in shifts for k in pair}
     drivers = driver_places(program, system)
+    weighs = weight_places(program, system) if has_fallback(program) else []
+    starts, positive = start_places(program), positive_places(program)
     q, v = (slots(program, name) for name in ("q", "v"))
     return DynamicsView(
         name=program.name,
@@ -272,7 +293,7 @@ def dynamics_view(
         shift_count=len(shifts),
         turn_count=len(turns),
         length=repr(length),
-        energy=repr(sum(body.mass for body in system.bodies) * length**2 / 2 or 1.0),
+        energy=repr(sum(float(body.mass) for body in system.bodies) * length**2 / 2 or 1.0),
         parts=tuple(parts),
         rows=len(program.rows),
         parameters=_numbers(repr(value) for _, value in system.parameters),
@@ -281,9 +302,15 @@ def dynamics_view(
         is_driven=is_driven(program, system),
         refines=any(segment.name == "refinement" for segment in program.on_demand),
         has_fallback=has_fallback(program),
-        weights=_numbers(map(repr, weights(program, system))),
+        weights=_numbers(repr(float(x)) for x in weights(program, system)),
+        weighs=_numbers(weighs) if weighs else "",
         drivers=_rows(drivers),
         driver_count=len(drivers),
+        varies=bool(program.design),
+        starts=_rows(starts),
+        start_count=len(starts),
+        positive=_numbers(positive),
+        positive_count=len(positive),
     )
 
 

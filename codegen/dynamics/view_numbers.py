@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK
+from kousoku.codegen.dynamics.bodies import inverse_masses
+from kousoku.model import precise
+from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,6 +42,8 @@ def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
     found += [("N_POWER", one.size) for one in program.regions if one.name == "more_power"]
     found.append(("MOMENTA", sum(one.count for one in program.kept)))
     found += _parameter_sizes(program)
+    if program.design:
+        found.append(("N_DESIGN", program.region("design").size))
     found.append(("W_SIZE", program.size))
     return found
 
@@ -76,11 +80,34 @@ def weights(program: Program, system: System) -> list[float]:
     found = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):
-        masses = (*(body.mass,) * 3, *body.inertia)
-        for place, mass in zip((*places.v, *places.omega_b), masses, strict=True):
+        inverse = inverse_masses(body, range(6))
+        for place, weight in zip((*places.v, *places.omega_b), inverse, strict=True):
             if place.slot >= 0:
-                found[place.slot - base] = float(1 / Fraction(mass)) if mass else 0.0
+                found[place.slot - base] = precise.double(weight)
     return found
+
+
+def weight_places(program: Program, system: System) -> list[int]:
+    """Return where the weights are in the design, −1 where they are fixed; nothing if all are."""
+    given = weights(program, system)
+    if not any(map(is_varying, given)):
+        return []
+    return [program.design.place(x) if is_varying(x) else -1 for x in given]
+
+
+def start_places(program: Program) -> list[tuple[int, int]]:
+    """Return where in (q, v) a start depends on parameters, and its place in the design."""
+    q, v, places = program.region("q"), program.region("v"), dict(program.design.places)
+    return [
+        (slot - q.base if q.base <= slot < q.base + q.size else q.size + slot - v.base, places[key])
+        for slot, key in program.design.start
+    ]
+
+
+def positive_places(program: Program) -> list[int]:
+    """Return where in the design numbers are that must be positive."""
+    places = dict(program.design.places)
+    return list(dict.fromkeys(places[key] for _, key in program.design.positive))
 
 
 def is_driven(program: Program, system: System) -> bool:

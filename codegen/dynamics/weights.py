@@ -110,5 +110,5 @@ def _missing(system: System) -> Iterator[str]:
 def _filled(body: MovingBody, length: float) -> MovingBody:
     """Return a body with numbers in place of those that are missing."""
     mass = body.mass if body.mass > 0 else 1.0
-    a, b, c = (moment if moment > 0 else mass * length * length for moment in body.inertia)
+    a, b, c = (moment if moment > 0 else float(mass) * length * length for moment in body.inertia)
     return replace(body, mass=mass, inertia=(a, b, c))

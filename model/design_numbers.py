@@ -1,0 +1,118 @@
+"""Read the formulas of parameters that stand in place of numbers of a design, and check them."""
+
+from __future__ import annotations
+
+from math import isfinite
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import msgspec
+
+from kousoku.model.decode import LARGEST, join
+from kousoku.model.design import Formula
+from kousoku.model.errors import ExpressionError
+from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import TIME, state_names, used_names
+from kousoku.model.terms import Number
+from kousoku.model.values import value_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.problems import Problems
+    from kousoku.model.scene import Scene
+    from kousoku.model.terms import Expression
+
+    T = TypeVar("T")
+
+TABLES = ("bodies", "joints", "coordinates", "drivers", "forces")
+"""The tables with numbers of a design."""
+
+
+def read_formulas(scene: Scene, problems: Problems) -> Scene:
+    """Return a scene whose formulas have the values that its parameters give them.
+
+    Parameters
+    ----------
+    scene : Scene
+        As it was decoded.
+    problems : Problems
+        Where to note what is wrong; such a formula becomes the number 1, and its element is broken.
+    """
+    read: dict[str, float] = {}
+
+    def number(given: Formula, key: str) -> float:
+        if given.text not in read:
+            try:
+                read[given.text] = _value(given.text, scene)
+            except ExpressionError as error:
+                problems.add(str(error), key, breaks=".".join(key.split(".")[:2]))
+                return 1.0
+        return read[given.text]
+
+    return changed_scene(scene, number)
+
+
+def with_numbers(scene: Scene) -> Scene:
+    """Return a scene with the values of its formulas in place of them."""
+    return changed_scene(scene, lambda given, _: float(given))
+
+
+def expression_of(text: str, scene: Scene) -> Expression:
+    """Return the formula of a number of a design.
+
+    Raises
+    ------
+    ExpressionError
+        It is none, or depends on what is no parameter.
+    """
+    for name in used_names(text, state_names(scene) - {*scene.parameters}):
+        what = "the time" if name == TIME else f"{name}, which moves"
+        problem = f"depends on {what}; a number of the design may depend on parameters only"
+        raise ExpressionError(problem, column=text.index(name) + 1)
+    return parse_expression(text, scene.parameters)
+
+
+def _value(text: str, scene: Scene) -> float:
+    """Return the number that a formula is in a scene."""
+    expression = expression_of(text, scene)
+    value = value_of(expression, scene.parameters)
+    if not isfinite(value) or not abs(value) <= LARGEST:
+        problem = "has no finite value with the parameters of the scene"
+        raise ExpressionError(f"{problem}; wanted at most {LARGEST:g}", column=1)
+    return value if isinstance(expression, Number) else Formula(text, value)
+
+
+def changed_scene(scene: Scene, change: Callable[[Formula, str], float]) -> Scene:
+    """Return a scene with other numbers in place of its formulas, itself where it has none.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is changed.
+    change : callable
+        Gets a formula and its dotted key.
+    """
+    found = {}
+    for table in TABLES:
+        old = getattr(scene, table)
+        new = {name: _with(item, join(table, name), change) for name, item in old.items()}
+        if any(new[name] is not item for name, item in old.items()):
+            found[table] = new
+    return msgspec.structs.replace(scene, **found) if found else scene
+
+
+def _with(value: T, key: str, change: Callable[[Formula, str], float]) -> T:
+    """Return a record, a tuple or a number with its formulas changed, itself where it has none."""
+    found: Any = value
+    if isinstance(value, Formula):
+        found = change(value, key)
+    elif isinstance(value, tuple):
+        parts = tuple(_with(item, f"{key}[{k}]", change) for k, item in enumerate(value))
+        found = value if all(a is b for a, b in zip(parts, value, strict=True)) else parts
+    elif isinstance(value, msgspec.Struct):
+        names = zip(value.__struct_fields__, value.__struct_encode_fields__, strict=True)
+        given = [(name, shown, getattr(value, name)) for name, shown in names]
+        pairs = ((name, old, _with(old, join(key, shown), change)) for name, shown, old in given)
+        changed = {name: new for name, old, new in pairs if new is not old}
+        found = msgspec.structs.replace(value, **changed) if changed else value
+    return cast("T", found)

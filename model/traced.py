@@ -1,0 +1,262 @@
+"""Numbers in 50 digits that know which formula of parameters they came from.
+
+A scene is turned into a system in numbers. Where one of them depends on parameters that a run may
+change, all that is computed from it is a :class:`Traced`: the value in the scene, and the formula.
+Comparisons take the value; nothing is known to be zero or one that is so in the scene only.
+
+Whether a formula depends on parameters at all, as m/m does not, is seen at two further values of
+the parameters: a formula that has the same value at all three, to 40 digits, is a number.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from hashlib import blake2b
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+
+from kousoku.model.terms import Apply, Function, Name, Number, apply, ordered
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.model.terms import Expression
+
+#: mpmath with 50 digits, apart from the context that other code may set.
+CONTEXT = mpmath.mp.clone()
+CONTEXT.dps = 50
+
+NOISE = CONTEXT.mpf(10) ** -40
+"""What is smaller than this part of the numbers it came from is a rounded zero."""
+
+CALLS: dict[Function, Callable[..., Any]] = {
+    Function.ADD: lambda a, b: a + b,
+    Function.MUL: lambda a, b: a * b,
+    Function.DIV: lambda a, b: a / b,
+    Function.NEG: lambda a: -a,
+    Function.POW: CONTEXT.power,
+    Function.SIN: CONTEXT.sin,
+    Function.COS: CONTEXT.cos,
+    Function.TAN: CONTEXT.tan,
+    Function.ASIN: CONTEXT.asin,
+    Function.ACOS: CONTEXT.acos,
+    Function.ATAN: CONTEXT.atan,
+    Function.ATAN2: CONTEXT.atan2,
+    Function.SQRT: CONTEXT.sqrt,
+    Function.EXP: CONTEXT.exp,
+    Function.LOG: CONTEXT.log,
+    Function.ABS: abs,
+    Function.SIGN: CONTEXT.sign,
+    Function.MIN: min,
+    Function.MAX: max,
+}
+"""The functions of formulas in 50 digits."""
+
+
+class Traced:
+    """A number that depends on parameters.
+
+    Parameters
+    ----------
+    values : sequence of number
+        What it is with the parameters of the scene, then with others; not a number where the
+        formula has no value.
+    expression : Expression
+        The formula.
+    key : str
+        Equal for equal formulas, and for no others.
+    """
+
+    __slots__ = ("expression", "key", "values")
+
+    def __init__(self, values: Sequence[Any], expression: Expression, key: str) -> None:
+        self.values = tuple(values)
+        self.expression = expression
+        self.key = key
+
+    @property
+    def value(self) -> Any:
+        """What it is with the parameters of the scene."""
+        return self.values[0]
+
+    def __add__(self, other: object) -> Any:
+        return applied(Function.ADD, self, other)
+
+    def __radd__(self, other: object) -> Any:
+        return applied(Function.ADD, other, self)
+
+    def __sub__(self, other: object) -> Any:
+        return applied(Function.ADD, self, applied(Function.NEG, other))
+
+    def __rsub__(self, other: object) -> Any:
+        return applied(Function.ADD, other, -self)
+
+    def __mul__(self, other: object) -> Any:
+        return applied(Function.MUL, self, other)
+
+    def __rmul__(self, other: object) -> Any:
+        return applied(Function.MUL, other, self)
+
+    def __truediv__(self, other: object) -> Any:
+        return applied(Function.DIV, self, other)
+
+    def __rtruediv__(self, other: object) -> Any:
+        return applied(Function.DIV, other, self)
+
+    def __neg__(self) -> Any:
+        return applied(Function.NEG, self)
+
+    def __abs__(self) -> Any:
+        return applied(Function.ABS, self)
+
+    def __pow__(self, exponent: int) -> Any:
+        product: Any = CONTEXT.mpf(1)
+        for _ in range(exponent):
+            product = product * self
+        return product
+
+    def __lt__(self, other: object) -> bool:
+        return bool(self.value < at_scene(other))
+
+    def __le__(self, other: object) -> bool:
+        return bool(self.value <= at_scene(other))
+
+    def __gt__(self, other: object) -> bool:
+        return bool(self.value > at_scene(other))
+
+    def __ge__(self, other: object) -> bool:
+        return bool(self.value >= at_scene(other))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Traced) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __float__(self) -> float:
+        raise TypeError("a number that depends on parameters is rounded by precise.double")
+
+
+def at_scene(number: Any) -> Any:
+    """Return a number with the parameters of the scene."""
+    return number.value if isinstance(number, Traced) else number
+
+
+def exact(number: Any) -> Fraction:
+    """Return a number of 50 digits, a double or a fraction as it is."""
+    if not hasattr(number, "_mpf_"):
+        return Fraction(number)
+    sign, mantissa, exponent, _ = number._mpf_
+    return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** int(exponent)
+
+
+def parameter(name: str, value: float, place: int) -> Traced:
+    """Return a parameter of a scene.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    value : float
+        Its value in the scene.
+    place : int
+        Its place among the parameters: all are changed differently.
+    """
+    first, high = CONTEXT.mpf(value), CONTEXT.mpf(1)
+    more, less = high / (17 + 3 * place), high / (23 + 5 * place)
+    size = first or high
+    return Traced((first, first + size * more, first - size * less), Name(name), _key("name", name))
+
+
+def traced(expression: Expression, parameters: Mapping[str, Traced]) -> Any:
+    """Return the value of a formula of parameters, with the formula."""
+    known: dict[int, Any] = {}
+    for part in ordered(expression):
+        match part:
+            case Number(value):
+                known[id(part)] = CONTEXT.mpf(value.numerator) / value.denominator
+            case Name(name):
+                known[id(part)] = parameters[name]
+            case Apply(Function.ADD, args):
+                total = CONTEXT.mpf(0)
+                for arg in args:
+                    total = applied(Function.ADD, total, known[id(arg)])
+                known[id(part)] = total
+            case Apply(function, args):
+                known[id(part)] = applied(function, *(known[id(arg)] for arg in args))
+    return known[id(expression)]
+
+
+def applied(function: Function, *args: Any) -> Any:
+    """Return a function of numbers, some of which depend on parameters.
+
+    Where all are plain numbers, or the result does not depend on parameters, it is a plain number.
+    """
+    if short := _short(function, args):
+        return short[0]
+    count = max(len(arg.values) if isinstance(arg, Traced) else 1 for arg in args)
+    columns = [arg.values if isinstance(arg, Traced) else (_high(arg),) * count for arg in args]
+    values = [_value(function, row) for row in zip(*columns, strict=True)]
+    if count == 1:
+        return values[0]
+    size = max((abs(x) for column in columns for x in column), default=0)
+    noise = NOISE * (size if function is Function.ADD else abs(values[0]))
+    if all(abs(value - values[0]) <= noise for value in values):
+        return _plain(values[0], noise)
+    texts = [_expression(arg) for arg in args]
+    key = _key(function.value, *(key for _, key in texts))
+    return Traced(values, apply(function, *(text for text, _ in texts)), key)
+
+
+def _short(function: Function, args: Sequence[Any]) -> tuple[Any, ...]:
+    """Return what zeros and ones leave of an operation, and nothing where it is to be computed."""
+    if function in {Function.ADD, Function.MUL, Function.DIV}:
+        a, b = args
+        if function is Function.ADD and 0 in (a, b):
+            return (a if b == 0 else b,)
+        if function is Function.MUL and 1 in (a, b):
+            return (a if b == 1 else b,)
+        if function is Function.DIV and b == 1:
+            return (a,)
+        if 0 in (a, b) and function is Function.MUL:
+            return (CONTEXT.mpf(0),)
+    return ()
+
+
+def _value(function: Function, args: Sequence[Any]) -> Any:
+    """Return a value; not a number where there is none that is real."""
+    try:
+        value = CALLS[function](*args)
+    except (ValueError, ZeroDivisionError, OverflowError, TypeError):
+        return CONTEXT.nan
+    return value if hasattr(value, "_mpf_") else CONTEXT.nan
+
+
+def _plain(value: Any, noise: Any) -> Any:
+    """Return a number that does not depend on parameters, without what rounding left of it."""
+    near = CONTEXT.mpf(float(value))
+    if abs(value) <= noise:
+        return CONTEXT.mpf(0)
+    return near if abs(value - near) <= noise else value
+
+
+def _high(number: Any) -> Any:
+    if isinstance(number, Fraction):
+        return CONTEXT.mpf(number.numerator) / number.denominator
+    return CONTEXT.mpf(number)
+
+
+def _expression(number: Any) -> tuple[Expression, str]:
+    """Return a number as a formula, and its key."""
+    if isinstance(number, Traced):
+        return number.expression, number.key
+    value = exact(number)
+    return Number(value), _key("number", str(value))
+
+
+def _key(*parts: str) -> str:
+    return blake2b(" ".join(parts).encode(), digest_size=16).hexdigest()

@@ -1,0 +1,109 @@
+"""Numbers of a scene that depend on parameters: what they are with those of a run.
+
+``motion.json`` has an index in place of each; the solver computes them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.model.errors import SolveError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    import numpy.typing as npt
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Array = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """Where the numbers of a scene that depend on parameters stand.
+
+    Parameters
+    ----------
+    place : (int, int)
+        In the memory for work, and how many.
+    start : tuple of (int, int)
+        In (q, v) of what depends on parameters at the start, and among the numbers.
+    positive : tuple of (str, int)
+        Keys of the scene whose numbers must be positive, and where these are.
+    """
+
+    place: tuple[int, int]
+    start: tuple[tuple[int, int], ...]
+    positive: tuple[tuple[str, int], ...]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> Design:
+        """Return what ``motion.json`` says."""
+        base, size = data["place"]
+        return cls(
+            (base, size),
+            tuple((place, at) for place, at in data["start"]),
+            tuple((name, at) for name, at in data["positive"]),
+        )
+
+    def problems(self, numbers: Array) -> Iterator[str]:
+        """Yield what is wrong with the numbers."""
+        for name, at in self.positive:
+            if not numbers[at] > 0.0:
+                yield f"{name} is {numbers[at]:.6g}; wanted a positive number"
+        if not np.isfinite(numbers).all():
+            yield "a formula of the scene has no finite value; wanted parameters for which it has"
+
+
+def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
+    """Return a solver whose start, bodies and joints are those that some parameters make.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        A scene as it was loaded.
+    values : array
+        All parameters, in the order of the scene.
+
+    Raises
+    ------
+    SolveError
+        A number of the scene is not possible with them; the message has its key.
+    """
+    design = solver.design
+    if design is None:
+        return solver
+    work = np.zeros(solver.target.work_size)
+    solver.target.evaluate(0.0, solver.q, solver.v, values, work)
+    base, size = design.place
+    numbers = work[base : base + size]
+    if problems := list(design.problems(numbers)):
+        given = zip(solver.parameters, values, strict=True)
+        told = ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)
+        raise SolveError(f"{solver.name}: with {told}: {'; '.join(dict.fromkeys(problems))}")
+    state = np.concatenate([solver.q, solver.v])
+    for place, at in design.start:
+        state[place] = numbers[at]
+    count = len(solver.q)
+    return replace(
+        solver,
+        q=state[:count],
+        v=state[count:],
+        design=None,
+        bodies=tuple(
+            replace(one, origin_b=_given(one.origin_b, numbers), axes_b=_given(one.axes_b, numbers))
+            for one in solver.bodies
+        ),
+        reactions=tuple(
+            replace(one, point_b=_given(one.point_b, numbers)) for one in solver.reactions
+        ),
+    )
+
+
+def _given(values: Sequence[float], numbers: Array) -> tuple[float, ...]:
+    """Return numbers; an index stands for one that depends on parameters."""
+    return tuple(float(numbers[x]) if isinstance(x, int) else x for x in values)
