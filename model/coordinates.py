@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
-from kousoku.model.joints import ANGLE, NAMES, sort_of
+from kousoku.model.joints import ANGLE, DISPLACEMENT, JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
 from kousoku.model.precise import CONTEXT, NOISE, ZERO, Traced, at_scene
 
@@ -78,11 +78,12 @@ def _clean(value: High, size: High) -> High:
 
 
 def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> Measure:
-    """Return the angle or the displacement of a joint.
+    """Return an angle or a displacement of a joint.
 
     The angle is that of the zero direction of body j, counted from the zero direction of body i
     counter-clockwise about the axis of body i. The displacement is that of the point of j, from the
-    point of i along the axis of i.
+    point of i along the axis of i; in a plane it is along the zero direction of i, and the second
+    one along axis × zero direction.
     """
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     i, j = joint_vectors(ends, joint)
@@ -91,7 +92,10 @@ def joint_measure(joint: Joint, sort: str, frames: Mapping[str, BodyFrame]) -> M
     if sort == ANGLE:
         vectors = (("a_i_b", i["across"]), ("b_i_b", i["third"]), ("a_j_b", j["across"]))
         return Measure("angle", ends, vectors)
-    return Measure("n2", ends, (("a_i_b", i["axis"]),), joint_points(joint, ends))
+    along = i["axis"]
+    if JOINTS[NAMES[joint.type]].counts_along_zero:
+        along = i["across"] if sort == DISPLACEMENT else i["third"]
+    return Measure("n2", ends, (("a_i_b", along),), joint_points(joint, ends))
 
 
 def _arm_measure(
@@ -195,8 +199,8 @@ class CoordinateList:
         ----------
         joint : str
             The joint.
-        of : {"angle", "second_angle", "displacement"}, optional
-            Which of them, where it leaves two free.
+        of : {"angle", "second_angle", "displacement", "second_displacement"}, optional
+            Which of them, where it leaves more than one free.
         """
         record = self._scene.joints[joint]
         sort = sort_of(record.type, of)

@@ -95,7 +95,7 @@ def joint_vectors(
     axis the one that is given: this is the turn that prismatic and fixed joints keep. Without a
     joint, or where it gives no axis, the axis is the third principal axis of body i.
     """
-    axis_i, axis_j = _axes(ends, joint)
+    axis_i, axis_j = joint_axes(ends, joint)
     if joint is not None and joint.zero is not None:
         across_i, across_j = (
             precise.unit(precise.without(end.principal(precise.triple(zero)), axis))
@@ -107,8 +107,8 @@ def joint_vectors(
     return _frame_of(axis_i, across_i), _frame_of(axis_j, across_j)
 
 
-def _axes(ends: tuple[BodyFrame, BodyFrame], joint: Joint | None) -> tuple[Triple, Triple]:
-    """Return the axes of norm one, in the principal frames."""
+def joint_axes(ends: tuple[BodyFrame, BodyFrame], joint: Joint | None) -> tuple[Triple, Triple]:
+    """Return the axes of a joint, of norm one, in the principal frames of its two bodies."""
     first, second = ends
     if joint is not None and joint.axes is not None:
         axis_i, axis_j = (

@@ -7,9 +7,17 @@ perpendicular to both. A row of the table says which kind keeps which of them.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-ANGLE, SECOND_ANGLE, DISPLACEMENT = "angle", "second_angle", "displacement"
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+ANGLE, SECOND_ANGLE = "angle", "second_angle"
+DISPLACEMENT, SECOND_DISPLACEMENT = "displacement", "second_displacement"
 """What a joint can leave free that is one number."""
+
+ANGLES, DISPLACEMENTS = (ANGLE, SECOND_ANGLE), (DISPLACEMENT, SECOND_DISPLACEMENT)
+"""Those of them that are in rad, and those that are lengths."""
 
 ROWS_OF = {
     "point": 3,
@@ -59,7 +67,7 @@ class JointKind:
         Other names that are accepted.
     leaves : tuple of str
         What it leaves free that is one number: its ``angle``, the ``second_angle`` of a universal
-        joint, its ``displacement``.
+        joint, its ``displacement``, the ``second_displacement`` of a planar joint.
     keys : tuple of str
         Numbers that a scene gives and that no other joint has.
     """
@@ -86,6 +94,11 @@ class JointKind:
     def keeps_zero(self) -> bool:
         """Whether directions across its axis stay parallel, or stay so but for a bend."""
         return self.has_zero and ANGLE not in self.leaves
+
+    @property
+    def counts_along_zero(self) -> bool:
+        """Whether its displacements are across its axis: along the zero direction and beside it."""
+        return SECOND_DISPLACEMENT in self.leaves
 
     @property
     def has_zero(self) -> bool:
@@ -161,7 +174,7 @@ JOINTS: dict[str, JointKind] = {
         "displacements in a plane and a turn about its normal",
         (_PARALLEL, _ON_PLANE),
         1,
-        leaves=(ANGLE,),
+        leaves=(ANGLE, *DISPLACEMENTS),
     ),
     "rod": JointKind(
         "all that keeps the distance of two points",
@@ -250,6 +263,12 @@ def leaves_of(kind: str) -> tuple[str, ...]:
     return JOINTS[name].leaves if name in JOINTS else ()
 
 
+def listed(names: Sequence[str], last: str = "and") -> str:
+    """Return names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
+    *most, end = names
+    return f"{', '.join(most)} {last} {end}" if most else end
+
+
 def sort_of(kind: str, of: str | None) -> str:
     """Return which coordinate of a joint is meant: the one that is named, or the only one.
 
@@ -258,6 +277,6 @@ def sort_of(kind: str, of: str | None) -> str:
     kind : str
         Name or alias of a joint that leaves one free.
     of : str, optional
-        ``angle``, ``second_angle`` or ``displacement``.
+        ``angle``, ``second_angle``, ``displacement`` or ``second_displacement``.
     """
     return of or leaves_of(kind)[0]

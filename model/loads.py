@@ -48,9 +48,9 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         The joint whose angle a rotational spring acts on; of friction the joint that it is in.
     coordinate : str, optional
         The coordinate that a force acts along; of a rotational spring instead of its joint.
-    of : {"angle", "second_angle", "displacement"}, optional
-        Of a rotational spring, which angle of its joint; of friction, where the joint leaves two
-        free and only one of them has it.
+    of : {"angle", "second_angle", "displacement", "second_displacement"}, optional
+        Of a rotational spring, which angle of its joint; of friction, where the joint leaves more
+        than one free and only one of them has it.
     stiffness : float or str [kg/s², of angles kg unit²/s²], or six of them, optional
         Tension of a spring by its elongation, the same number as in N/m; moment by angle; of a
         bushing along its three directions, then about them.

@@ -10,7 +10,7 @@ from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Vector = tuple[float, float, float]
-Free = Literal["angle", "second_angle", "displacement"]
+Free = Literal["angle", "second_angle", "displacement", "second_displacement"]
 Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
 
 Value = float | str
@@ -165,8 +165,8 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     ----------
     joint : str, optional
         The joint whose angle or displacement it is.
-    of : {"angle", "second_angle", "displacement"}, optional
-        Which of them, where the joint leaves two free.
+    of : {"angle", "second_angle", "displacement", "second_displacement"}, optional
+        Which of them, where the joint leaves more than one free.
     bodies : (str, str), optional
         The two bodies between whose points it is the distance.
     points : ((3,), (3,)) [unit of the scene], optional
@@ -207,8 +207,8 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
         The coordinate that is driven.
     joint : str, optional
         The joint whose angle or displacement is driven, instead.
-    of : {"angle", "second_angle", "displacement"}, optional
-        Which of them, where the joint leaves two free.
+    of : {"angle", "second_angle", "displacement", "second_displacement"}, optional
+        Which of them, where the joint leaves more than one free.
     value : float or str, optional
         Its value as a formula, in rad or the unit of the scene.
     body : str, optional

@@ -33,6 +33,7 @@ from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import force_elements, gravity_law, gravity_of
 from kousoku.model.varying import fixed, is_varying, positive_numbers, varying_scene
+from kousoku.model.zero_directions import check_zero_directions
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -79,6 +80,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     frames = {GROUND: GROUND_FRAME}
     bodies = tuple(_bodies(scene, frames, unit))
     kept = [held_of(name, body, frames[name], unit) for name, body in scene.bodies.items()]
+    check_zero_directions(scene, frames)
     coordinates = CoordinateList(scene, frames, unit)
     start_values(scene, coordinates)
     joints = (_instances(name, joint, frames, coordinates) for name, joint in scene.joints.items())

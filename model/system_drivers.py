@@ -10,7 +10,7 @@ from kousoku.model.drivers import drivers_of, text_of
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
 from kousoku.model.frames import DIRECTIONS
-from kousoku.model.joints import DISPLACEMENT, sort_of
+from kousoku.model.joints import ANGLES, sort_of
 from kousoku.model.mechanism import COMBINATION, Instance, Term
 from kousoku.model.values import value_of
 
@@ -36,7 +36,7 @@ def start_values(scene: Scene, coordinates: CoordinateList) -> None:
         if joint is None or driver.value is None:
             continue
         sort = sort_of(scene.joints[joint].type, of)
-        if sort != DISPLACEMENT:
+        if sort in ANGLES:
             coordinates.starts_at(joint, sort, _at_start(scene, driver.value))
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, require_known
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import ANGLE, DISPLACEMENT, SECOND_ANGLE, leaves_of, sort_of
+from kousoku.model.joints import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE, leaves_of, sort_of
 from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
@@ -42,7 +42,7 @@ def check_rotational(scene: Scene, force: Force, key: str) -> None:
 def _check_angle(scene: Scene, force: Force, key: str) -> None:
     """Refuse a joint without an angle, or with two where neither is meant."""
     joint, of = force.joint or "", force.of
-    if of == DISPLACEMENT:
+    if of in DISPLACEMENTS:
         raise SceneError("is no angle; wanted an angle", key=f"{key}.of")
     leaves = leaves_of(scene.joints[joint].type) if joint in scene.joints else ()
     if leaves and ANGLE not in leaves:
@@ -164,4 +164,4 @@ def _is_angle(scene: Scene, name: str) -> bool:
     given = scene.coordinates[name]
     if given.joint is None:
         return False
-    return sort_of(scene.joints[given.joint].type, given.of) != DISPLACEMENT
+    return sort_of(scene.joints[given.joint].type, given.of) in ANGLES

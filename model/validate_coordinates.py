@@ -9,7 +9,15 @@ from kousoku.model.decode import LARGEST, join, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
 from kousoku.model.formulas import RATE, TIME
-from kousoku.model.joints import DISPLACEMENT, JOINTS, leaves_of, sort_of
+from kousoku.model.joints import (
+    ANGLES,
+    DISPLACEMENTS,
+    JOINTS,
+    NAMES,
+    leaves_of,
+    listed,
+    sort_of,
+)
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 
@@ -122,16 +130,37 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
         )
     if of is not None and of not in leaves:
         raise SceneError(
-            f"{name} is a {kind} joint, which has no {of} that is one number; wanted {leaves[0]!r}",
+            f"{name} is a {kind} joint, which has no {of} that is one number; wanted "
+            f"{listed([repr(leaf) for leaf in leaves], 'or')}",
             key=f"{key}.of",
         )
     if of is None and len(leaves) > 1:
         raise SceneError(
-            f"is missing; {name} is a {kind} joint, which leaves two free: wanted {leaves[0]!r} or "
-            f"{leaves[1]!r}",
+            f"is missing; {name} is a {kind} joint, which leaves {len(leaves)} free: wanted "
+            f"{listed([repr(leaf) for leaf in leaves], 'or')}",
             key=f"{key}.of",
         )
-    return sort_of(kind, of)
+    sort = sort_of(kind, of)
+    check_counted(scene, name, sort, key)
+    return sort
+
+
+def check_counted(scene: Scene, name: str, sort: str, key: str) -> None:
+    """Refuse a displacement in a plane in which no direction is given.
+
+    Raises
+    ------
+    SceneError
+        The joint leaves two displacements free, and does not say along what the first is.
+    """
+    joint = scene.joints[name]
+    is_across = JOINTS[NAMES[joint.type]].counts_along_zero and sort in DISPLACEMENTS
+    if is_across and joint.zero is None:
+        raise SceneError(
+            f"is missing; {key} takes the {sort} of {name}: wanted the direction across the axis "
+            "along which the first displacement is, in each body",
+            key=f"{join('joints', name)}.zero",
+        )
 
 
 def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
@@ -140,7 +169,7 @@ def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
     refuse_foreign(given, KEYS[sort], known, key)
     is_angle = False
     if given.joint is not None:
-        is_angle = check_leaves(scene, given.joint, given.of, key) != DISPLACEMENT
+        is_angle = check_leaves(scene, given.joint, given.of, key) in ANGLES
     elif given.bodies is not None:
         _check_distance(scene, given, key)
     else:

@@ -8,6 +8,7 @@ from kousoku.model.decode import require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import COUPLINGS, NAMES, leaves_of
 from kousoku.model.spatial import GROUND
+from kousoku.model.validate_coordinates import check_counted
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -81,6 +82,7 @@ def _check_joints(scene: Scene, joint: Joint, key: str) -> None:
                 f"that leaves one free",
                 key=place,
             )
+        check_counted(scene, name, sort, place)
     if len(set(coupled)) == 1:
         raise SceneError(
             f"couples {coupled[0]} to itself; wanted two different joints", key=f"{key}.joints"

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.decode import join, require_known
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import leaves_of
+from kousoku.model.joints import leaves_of, listed
 from kousoku.model.motion import turns_of
 
 if TYPE_CHECKING:
@@ -111,7 +111,7 @@ def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
         problem = (
             "leaves free no angle or displacement that is one number; wanted another joint"
             if not leaves
-            else f"leaves free {leaves[0]} and {leaves[1]}; wanted a driver with 'of'"
+            else f"leaves free {listed(leaves)}; wanted a driver with 'of'"
         )
         raise SceneError(f"{joint} is a {kind} joint, which {problem}", key=f"{key}.joint")
     if leaves[0] == "displacement":

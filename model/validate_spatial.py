@@ -220,13 +220,10 @@ def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
         raise SceneError(
             f"a {joint.type} joint has no angle, and keeps none; leave it out", key=f"{key}.zero"
         )
-    if joint.axes is None:
-        raise SceneError(
-            "is missing; 'zero' has a direction in each body, and wants the axis in each",
-            key=f"{key}.axes",
-        )
-    for index, (zero, axis) in enumerate(zip(joint.zero, joint.axes, strict=True)):
+    for index, zero in enumerate(joint.zero):
         _check_axis(zero, f"{key}.zero[{index}]")
+    # Beside an axis in frame O they are looked at when the frames of the bodies are known.
+    for index, (zero, axis) in enumerate(zip(joint.zero, joint.axes or (), strict=False)):
         sizes = hypot(*zero) * hypot(*axis)
         (a, b, c), (x, y, z) = zero, axis
         if not hypot(b * z - c * y, c * x - a * z, a * y - b * x) > PARALLEL * sizes:

@@ -12,7 +12,10 @@ from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from pathlib import Path
+
+    from numpy.typing import NDArray
 
     from kousoku.runtime.motion import Motion
 
@@ -109,3 +112,63 @@ def test_a_point_slides_on_a_line_that_turns_with_its_body(tmp_path: Path) -> No
     distance = np.hypot(*run.position["bead"][:, :2].T)
     assert distance == pytest.approx(np.cosh(2 * run.time), rel=1e-9)
     assert run.position["bead"][:, 2] == pytest.approx(0, abs=1e-12)
+
+
+FIRST, SECOND = np.array([1, 2, 0]) / 5**0.5, np.cross(AXIS, [1, 2, 0]) / 5**0.5
+START = np.array([1.0, 2.0, 3.0])
+
+
+def in_plane(folder: Path, **tables: Tree) -> Motion:
+    """Return the motion of a box in a tilted plane, with its two displacements x and y."""
+    joint: Tree = {"type": "planar", "bodies": ["ground", "box"], "axis": AXIS.tolist()}
+    zero = rotation((3, 1, -2, 1)).T @ FIRST
+    joint |= {"points": [START.tolist(), [0, 0, 0]], "zero": [FIRST.tolist(), zero.tolist()]}
+    position = START + 0.5 * FIRST + 0.25 * SECOND
+    box = {"orientation": TILTED, "boxes": [BOX | {"at": [0, 0, 0]}]}
+    of = {"x": "displacement", "y": "second_displacement", "turn": "angle"}
+    tree = {
+        **{"name": "s", "unit": "m", "outputs": ["coordinates", "energies"], **tables},
+        "bodies": {"box": {"position": position.tolist(), **box}},
+        "joints": {"joint": joint},
+        "coordinates": {name: {"joint": "joint", "of": sort} for name, sort in of.items()},
+    }
+    for file, text in generate_dynamics(scene_from_dict(tree)).items():
+        (folder / file).write_text(text, encoding="utf-8", newline="\n")
+    return load_dynamics(folder).simulate(2.0, samples=5, tolerance=1e-12)
+
+
+def rotation(quaternion: Sequence[float]) -> NDArray[np.float64]:
+    """Return A of Euler parameters, scalar first."""
+    e0, *e = np.array(quaternion) / np.linalg.norm(quaternion)
+    skew = np.cross(np.eye(3), e)
+    matrix: NDArray[np.float64] = np.eye(3) + 2 * e0 * skew + 2 * np.matmul(skew, skew)
+    return matrix
+
+
+def test_forces_along_displacements_in_a_plane_make_two_oscillations(tmp_path: Path) -> None:
+    along = {"a": ("x", "-12*x"), "b": ("y", "-27*(y - 1)")}
+    forces = {
+        name: {"type": "along", "coordinate": on, "force": force}
+        for name, (on, force) in along.items()
+    }
+    run = in_plane(tmp_path, forces=forces)
+    x, y = 0.5 * np.cos(2 * run.time), 1 - 0.75 * np.cos(3 * run.time)
+    np.testing.assert_allclose(run.coordinate["x"], x, rtol=0, atol=1e-11)
+    np.testing.assert_allclose(run.coordinate["y"], y, rtol=0, atol=1e-11)
+    way = START + x[:, None] * FIRST + y[:, None] * SECOND
+    np.testing.assert_allclose(run.position["box"], way, rtol=0, atol=1e-11)
+    assert run.ledger.energy_error == pytest.approx(0, abs=1e-10)
+
+
+def test_displacements_and_the_angle_in_a_plane_can_be_driven(tmp_path: Path) -> None:
+    laws = {"x": "0.5 + t^2", "y": "0.25*cos(t)", "turn": "3*t"}
+    drivers = {f"of_{name}": {"coordinate": name, "value": law} for name, law in laws.items()}
+    run = in_plane(tmp_path, drivers=drivers)
+    assert run.ledger.method == "kinematics"
+    t = run.time[:, None]
+    way = START + (0.5 + t**2) * FIRST + 0.25 * np.cos(t) * SECOND
+    np.testing.assert_allclose(run.position["box"], way, rtol=0, atol=1e-13)
+    np.testing.assert_allclose(run.coordinate["turn"], 3 * run.time, rtol=0, atol=1e-13)
+    accelerations = run.coordinate_acceleration
+    np.testing.assert_allclose(run.coordinate_rate["x"], 2 * run.time, rtol=0, atol=1e-12)
+    assert not accelerations

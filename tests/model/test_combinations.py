@@ -199,7 +199,7 @@ def test_directions_that_would_stay_antiparallel_are_refused(kind: str) -> None:
             ".zero",
             "has no angle",
         ),
-        ({"axes": None, "axis": X, "zero": [Z, Z]}, ".axes", "wants the axis in each"),
+        ({"axes": None, "axis": X, "zero": [Z, [0, 0, 0]]}, ".zero[1]", "has zero length"),
         ({"type": "screw", "axes": [X, X]}, ".pitch", "is missing"),
         ({"axes": None, "ratio": 3}, ".ratio", "has none; leave it out"),
     ],

@@ -230,3 +230,92 @@ def test_a_joint_that_is_no_coupling_has_bodies() -> None:
     del tree["joints"]["axle"]["bodies"]
     with pytest.raises(SceneError, match=r"joints\.axle\.bodies: is missing"):
         scene_from_dict(tree)
+
+
+PLANE: Tree = {"type": "planar", "bodies": ["table", "puck"], "points": [[1, 2, 3], [0, 0, 4]]}
+ACROSS: Tree = {"axes": [[0, 0, 1], [1, 0, 0]], "zero": [[3, 4, 0], [0, 1, 0]]}
+
+
+def puck(joint: Tree, **tables: Any) -> Tree:
+    """Return a body whose point is at (2, 1) in a plane of another one, turned by 0.5 rad."""
+    name = {"name": "puck", "unit": "mm", "outputs": ["coordinates"]}
+    sines = cos(0.5), sin(0.5)
+    x, y = (0.6, 0.8), (-0.8, 0.6)
+    place = [1 + 2 * x[0] + y[0], 2 + 2 * x[1] + y[1], 3]
+    turned = [sines[0] * x[k] + sines[1] * y[k] for k in (0, 1)]
+    # Columns: the axis of the puck, its zero direction, and what is across both.
+    matrix: list[list[float]] = [[0, turned[0], -turned[1]], [0, turned[1], turned[0]], [1, 0, 0]]
+    offset = [4 * matrix[k][2] for k in range(3)]
+    position = [a - b for a, b in zip(place, offset, strict=True)]
+    solid: Tree = {"mass": 1, "inertia": {"xx": 2, "yy": 3, "zz": 4, "xy": 0.5}}
+    bodies = {
+        "table": {"position": ZERO, **solid},
+        "puck": {"position": position, "orientation": {"matrix": matrix}, **solid},
+    }
+    return {**name, "bodies": bodies, "joints": {"plane": PLANE | joint}, **tables}
+
+
+OF = {
+    "turn": {"joint": "plane", "of": "angle"},
+    "x": {"joint": "plane", "of": "displacement"},
+    "y": {"joint": "plane", "of": "second_displacement"},
+}
+
+
+@pytest.mark.parametrize("joint", [ACROSS, {"axis": [0, 0, 1], "zero": ACROSS["zero"]}])
+def test_displacements_in_a_plane_are_along_zero_and_beside_it(joint: Tree) -> None:
+    system = system_of(scene_from_dict(puck(joint, coordinates=OF)))
+    assert [one.kind for one in system.coordinates] == ["angle", "n2", "n2"]
+    values = [value(system, one) for one in system.coordinates]
+    assert values == pytest.approx([0.5, 2e-3, 1e-3], abs=1e-15)
+
+
+@pytest.mark.parametrize("where", ["coordinates", "drivers", "forces", "gear"])
+def test_a_displacement_in_a_plane_wants_a_direction(where: str) -> None:
+    tree = puck({"axes": ACROSS["axes"]})
+    slide = {"type": "prismatic", "bodies": ["ground", "table"], "at": ZERO, "axis": [1, 0, 0]}
+    wheel = {"type": "hinge", "bodies": ["table", "puck"], "at": ZERO, "axis": [0, 0, 1]}
+    rack = {"type": "rack", "joints": ["wheel", "plane"], "radius": 3}
+    added: Tree = {
+        "coordinates": {"x": OF["x"]},
+        "drivers": {"d": {**OF["y"], "value": "t"}},
+        "forces": {"f": {"type": "friction", **OF["x"], "damping": 3}},
+        "joints": tree["joints"] | {"slide": slide, "wheel": wheel, "rack": rack},
+    }
+    key = "joints" if where == "gear" else where
+    with pytest.raises(SceneError, match="wanted the direction across the axis") as caught:
+        scene_from_dict(tree | {"outputs": []} | {key: added[key]})
+    assert [one.key for one in caught.value.problems] == ["joints.plane.zero"]
+
+
+def test_which_freedom_of_a_plane_is_meant_must_be_said() -> None:
+    says = "leaves 3 free: wanted 'angle', 'displacement' or 'second_displacement'"
+    with pytest.raises(SceneError, match=says):
+        scene_from_dict(puck(ACROSS, coordinates={"c": {"joint": "plane"}}))
+    joints = puck(ACROSS)["joints"] | {"slide": {**PLANE, **ACROSS, "bodies": ["ground", "puck"]}}
+    with pytest.raises(SceneError, match="leaves free angle, displacement and second_displacement"):
+        scene_from_dict(puck(ACROSS, joints=joints, inputs={"i": {"joint": "slide"}}))
+
+
+def test_friction_in_a_plane_is_in_all_of_its_freedoms_without_a_direction() -> None:
+    friction = {"type": "friction", "joint": "plane", "damping": 3}
+    tree = puck({"axes": ACROSS["axes"]}, forces={"f": friction}, outputs=[])
+    system = system_of(scene_from_dict(tree))
+    assert [one.coordinate for one in system.forces] == [0, 1, 2]
+    dampings = [dict(one.constants)["damping"][0] for one in system.forces]
+    assert dampings == pytest.approx([3e-6, 3, 3])
+
+
+def test_zero_directions_along_an_axis_in_frame_o_are_refused() -> None:
+    tree = puck({"axis": [0, 0, 1], "zero": [[1, 0, 0], [5, 0, 0]]}, outputs=[])
+    scene = scene_from_dict(tree)
+    with pytest.raises(SceneError, match=r"joints\.plane\.zero\[1\]: is parallel to the axis"):
+        system_of(scene)
+
+
+def test_zero_beside_an_axis_is_as_beside_the_same_axes() -> None:
+    tree = arm(0.25, coordinates={"turn": {"joint": "axle", "of": "angle"}})
+    known = system_of(scene_from_dict(tree))
+    tree["joints"]["axle"] |= {"axis": [0, 0, 3]}
+    del tree["joints"]["axle"]["axes"]
+    assert system_of(scene_from_dict(tree)) == known

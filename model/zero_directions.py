@@ -1,0 +1,47 @@
+"""Directions from which angles and displacements count, beside an axis that is given in frame O."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.errors import SceneError
+from kousoku.model.frames import joint_axes
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.frames import BodyFrame
+    from kousoku.model.scene import Scene
+
+PARALLEL = 1e-9
+"""Sine of the smallest angle between two directions that are told apart."""
+
+
+def check_zero_directions(scene: Scene, frames: Mapping[str, BodyFrame]) -> None:
+    """Refuse zero directions along the axis, which is in the bodies as they are written.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    frames : mapping of str to BodyFrame
+        Of all bodies and the ground.
+
+    Raises
+    ------
+    SceneError
+        A direction is parallel to the axis of its joint.
+    """
+    for name, joint in scene.joints.items():
+        if joint.zero is None or joint.axis is None:
+            continue
+        ends = frames[joint.ends[0]], frames[joint.ends[1]]
+        axes = joint_axes(ends, joint)
+        for k, (end, given, axis) in enumerate(zip(ends, joint.zero, axes, strict=True)):
+            zero = precise.unit(precise.triple(given))
+            if not precise.length(precise.cross(end.principal(zero), axis)) > PARALLEL:
+                raise SceneError(
+                    "is parallel to the axis; wanted a direction across it",
+                    key=f"joints.{name}.zero[{k}]",
+                )
