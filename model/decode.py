@@ -207,6 +207,7 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
         return FAILED
     kind = _without_none(kind)
     if kind == Design and isinstance(value, str):
+        problems.has_formulas = True
         return Formula(value)
     wanted, kind = kind, _chosen(kind, value)
     origin, arguments = get_origin(kind), get_args(kind)

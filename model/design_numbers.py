@@ -54,6 +54,8 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
 
 def with_numbers(scene: Scene) -> Scene:
     """Return a scene with the values of its formulas in place of them."""
+    if not scene.parameters:
+        return scene
     return changed_scene(scene, lambda given, _: float(given))
 
 

@@ -6,10 +6,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
 from kousoku.model.precise import ZERO, at_scene
 from kousoku.model.rows import variant
+from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -89,6 +91,27 @@ def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
             terms=(Term(place, 1.0),),
             offset=0.0 - float(at_scene(near)),
             unit=unit,
+        )
+
+
+def require_kept(system: System) -> None:
+    """Refuse to hold positions that parameters move.
+
+    Raises
+    ------
+    SceneError
+        Assembly takes the numbers of the scene; a run with others could not keep what is held.
+    """
+    moving = [
+        one.joint
+        for one in system.constraints
+        if is_varying((*(values for _, values in one.constants), one.offset))
+    ]
+    if system.held and moving:
+        raise SceneError(
+            f"is kept by assembly with the parameters of the scene only, and parameters move what"
+            f" {moving[0]} connects; leave it out, or drive the coordinate",
+            key=system.held[0].joint,
         )
 
 

@@ -32,6 +32,8 @@ def number(value: float | Fraction) -> High:
 
     Of a double that depends on parameters it is the number with its formula.
     """
+    if type(value) is float:
+        return CONTEXT.mpf(value)
     if isinstance(value, Varying):
         return value.traced
     if isinstance(value, Fraction):

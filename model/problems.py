@@ -23,10 +23,13 @@ class Problems:
     ----------
     found : list of Problem
         In the order in which they were found.
+    has_formulas : bool
+        Whether a formula stands in place of a number of the design: they are read later.
     """
 
     def __init__(self) -> None:
         self.found: list[Problem] = []
+        self.has_formulas = False
         self._broken: dict[str, None] = {}
 
     @property

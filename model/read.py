@@ -132,7 +132,8 @@ def _scene(tree: object, text: str, file: str) -> Scene:
     except SceneError as error:
         raise SceneError.of(error.problems, file=file) from None
     assert isinstance(tree, Mapping)  # else nothing could be decoded
-    scene = read_formulas(scene, problems)
+    if problems.has_formulas:
+        scene = read_formulas(scene, problems)
     check_parts(scene, problems, list(tree))
     if problems.found:
         raise SceneError.of(_with_lines(problems.found, text), file=file)

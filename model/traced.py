@@ -154,6 +154,11 @@ def exact(number: Any) -> Fraction:
     return Fraction(-int(mantissa) if sign else int(mantissa)) * Fraction(2) ** int(exponent)
 
 
+def other_value(value: float, place: int) -> float:
+    """Return another value of a parameter, the first of those that numbers are traced with."""
+    return float(parameter("", value, place).values[1])
+
+
 def parameter(name: str, value: float, place: int) -> Traced:
     """Return a parameter of a scene.
 

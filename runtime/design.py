@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
+from kousoku.runtime.run_stop import SHOWN, key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Array = npt.NDArray[np.float64]
+
+#: A row that was left out does not hold when its residual is larger, relative to a length.
+OPEN = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +86,8 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     base, size = design.place
     numbers = work[base : base + size]
     if problems := list(design.problems(numbers)):
-        given = zip(solver.parameters, values, strict=True)
-        told = ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)
-        raise SolveError(f"{solver.name}: with {told}: {'; '.join(dict.fromkeys(problems))}")
+        told = f"{solver.name}: with {_told(solver, values)}"
+        raise SolveError(f"{told}: {'; '.join(dict.fromkeys(problems))}")
     state = np.concatenate([solver.q, solver.v])
     for place, at in design.start:
         state[place] = numbers[at]
@@ -107,3 +110,46 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
 def _given(values: Sequence[float], numbers: Array) -> tuple[float, ...]:
     """Return numbers; an index stands for one that depends on parameters."""
     return tuple(float(numbers[x]) if isinstance(x, int) else x for x in values)
+
+
+def require_closed(solver: DynamicsSolver, values: Array, state: Array) -> None:
+    """Refuse parameters with which rows that were left out do not follow from the others.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        A scene as it was loaded.
+    values : array
+        All parameters.
+    state : array
+        q and v at the start, where the rows that are kept hold.
+
+    Raises
+    ------
+    SolveError
+        Joints stay open; the message names them.
+    """
+    if solver.design is None or not solver.left_out:
+        return
+    work = np.zeros(solver.target.work_size)
+    count = len(solver.q)
+    solver.target.evaluate(0.0, state[:count].copy(), state[count:].copy(), values, work)
+    base, size = solver.places["C_left_out"]
+    sizes = np.abs(work[base : base + size])
+    worst: dict[str, str] = {}
+    for k in np.argsort(-sizes).tolist():
+        joint, unit = solver.left_out[k]
+        if sizes[k] > OPEN * (solver.length if unit == "m" else 1.0):
+            worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
+    if worst:
+        raise SolveError(
+            f"{solver.name}: with {_told(solver, values)}: joints stay open:"
+            f" {', '.join(list(worst.values())[:SHOWN])}; only with the parameters of the scene"
+            " their rows depend on those of other joints: give parameters that fit, or generate"
+            " the solver with them"
+        )
+
+
+def _told(solver: DynamicsSolver, values: Array) -> str:
+    given = zip(solver.parameters, values, strict=True)
+    return ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)

@@ -74,7 +74,7 @@ def verify_solver(
     problems += [str(row) for row in rows if not row.ok]
     if len(solvers) > 1:
         is_exact = bool(data and data["is_exact"])
-        problems += _differences(solvers[0], solvers[1], is_exact=is_exact)
+        problems += _differences(solvers[0], solvers[1], _parameters(points), is_exact=is_exact)
     return Report(manifest.package, str(folder), tuple(rows), tuple(problems), tuple(notes))
 
 
@@ -137,7 +137,8 @@ def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterat
 
 def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> Iterator[Row]:
     q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
-    found = solver.evaluate(point["time"], q, v)
+    given = zip(solver.parameters, point.get("parameters", ()), strict=False)
+    found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
     for name, columns in point["outputs"].items():
         expected = Expected(
             *(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit"))
@@ -166,11 +167,18 @@ def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
     return ""
 
 
-def _differences(one: DynamicsSolver, other: DynamicsSolver, *, is_exact: bool) -> Iterator[str]:
+def _parameters(points: Sequence[Mapping[str, Any]]) -> Sequence[float]:
+    """Return the last values of parameters that a state has, none where all are of the scene."""
+    return next((point["parameters"] for point in reversed(points) if "parameters" in point), ())
+
+
+def _differences(
+    one: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
+) -> Iterator[str]:
     """Yield where two targets move differently: the first steps of each method, and the rows."""
     for method in METHODS if one.is_driven else RUNGE_KUTTA:
         try:
-            runs = [_run(solver, method) for solver in (one, other)]
+            runs = [_run(solver, method, values) for solver in (one, other)]
         except SolveError as error:
             yield f"solver, {method}: {error}"
             continue
@@ -187,10 +195,13 @@ def _differences(one: DynamicsSolver, other: DynamicsSolver, *, is_exact: bool) 
             )
 
 
-def _run(solver: DynamicsSolver, method: str) -> Run:
+def _run(solver: DynamicsSolver, method: str, values: Sequence[float]) -> Run:
     """Make a few steps, then the same again with rows in between."""
-    first = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method)
+    names = (name for name, _ in solver.parameters)
+    given = dict(zip(names, values, strict=False))
+    how: dict[str, Any] = {"tolerance": TOLERANCE, "method": method, "parameters": given}
+    first = solver.begin([0.0, 1.0], **how)
     first.advance(max_steps=STEPS)
-    run = solver.begin(np.linspace(0.0, first.time, ROWS), tolerance=TOLERANCE, method=method)
+    run = solver.begin(np.linspace(0.0, first.time, ROWS), **how)
     run.finish()
     return run

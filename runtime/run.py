@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import with_parameters
+from kousoku.runtime.design import require_closed, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
 from kousoku.runtime.motion import motion_of
@@ -134,6 +134,8 @@ class Run:
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
             raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{self._where()}")
+        state = self.state[len(COUNTERS) :][: len(self._there.q) + len(self._there.v)]
+        require_closed(self.solver, self._values, state)
 
     def _check(self, saved: SavedRun) -> None:
         target = self.solver.target

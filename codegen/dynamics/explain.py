@@ -25,6 +25,7 @@ from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import system_of
+from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -132,6 +133,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         Step("parts solved apart", f"{structure.parts} without a common moving body"),
         *_of_coordinates(system, freedom),
         _step("straight-line code", _of_code(final, program), program, final),
+        *_of_design(system, program),
     ]
     segments: dict[str, int] = {}
     for one in counts(final):
@@ -141,7 +143,9 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         steps=tuple(steps),
         segments=tuple(segments.items()),
         structure=structure,
-        freedom=freedom_of(apart, compose(apart, wanted)) if found.joints else freedom,
+        freedom=freedom_of(fixed_system(apart), compose(apart, wanted))
+        if found.joints
+        else freedom,
         removed=tuple(
             f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
             for row in freedom.dropped
@@ -220,7 +224,7 @@ def _spinning(system: System) -> System:
         system,
         bodies=tuple(
             replace(body, inertia=(x, 0.9 * x, 0.7 * x))
-            for body, x in ((body, max(body.inertia)) for body in system.bodies)
+            for body, x in ((body, float(max(body.inertia))) for body in system.bodies)
         ),
     )
 
@@ -246,14 +250,33 @@ def _without_zeros(constants: Constants) -> Constants:
     )
 
 
+def _freedom(system: System, wanted: Sequence[str]) -> Freedom:
+    """Return the freedom of a system before its bodies are joined."""
+    return freedom_of(fixed_system(system), compose(system, wanted))
+
+
+def _of_design(system: System, program: Program) -> list[Step]:
+    """Return what parameters change, and what it costs to change it."""
+    if not program.design:
+        return []
+    setup = replace(program, segments=(program.segment("setup"),))
+    numbers = program.region("design").size
+    known = [name for name, _ in system.parameters]
+    used = [name for name in known if name in program.design.names]
+    detail = f"{numbers} from {', '.join(used)}: {operations(setup)} operations, once in a run"
+    return [Step("numbers that stay arguments", detail)]
+
+
 def _of_joints(found: Merged) -> str:
     bodies = len(found.system.carried)
     return f"{', '.join(found.joints)} left out: {bodies} bodies move as {len(found.system.bodies)}"
 
 
 def _of_fixed(system: System, wanted: Sequence[str]) -> str:
-    if not fixed_joints(system):
+    if not fixed_joints(fixed_system(system)):
         return "no fixed joint"
+    if not fixed_joints(system):
+        return "parameters move them against each other"
     return "their reactions are wanted" if "reactions" in wanted else "not where it costs more"
 
 

@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.weights import require_driven, weighted
 from kousoku.model.errors import SceneError
-from kousoku.model.held import without_held
+from kousoku.model.held import require_kept, without_held
 from kousoku.model.system import system_of
 from kousoku.model.varying import fixed_system
 
@@ -67,7 +67,9 @@ def generate_dynamics(
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
-    found = weighted(merged(without_held(assemble(system_of(scene, wanted))), wanted).system)
+    given = system_of(scene, wanted)
+    require_kept(given)
+    found = weighted(merged(without_held(assemble(given)), wanted).system)
     system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
     require_driven(found, freedom, wanted)
@@ -92,7 +94,7 @@ def independent(
     """
     program = compose(system, wanted, may_be_planar=may_be_planar)
     fixed = fixed_system(system)
-    require_unmoved_rows_hold(fixed, program)
+    require_unmoved_rows_hold(system, program)
     freedom = freedom_of(fixed, program)
     if freedom.dropped:
         rows = kept_rows(freedom, program)

@@ -22,6 +22,7 @@ from kousoku.codegen.graph import EXACT_OPS, Op
 from kousoku.codegen.interpret import HIGH
 from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.stream import Stream
+from kousoku.model.traced import other_value
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -51,12 +52,15 @@ class State:
         When.
     q, v : list of float
         Coordinates and velocities.
+    parameters : list of float
+        Values of the parameters.
     """
 
     label: str
     time: float
     q: list[float]
     v: list[float]
+    parameters: list[float]
 
 
 def solver_references(program: Program, system: System) -> str:
@@ -120,11 +124,17 @@ def _states(program: Program, system: System) -> list[State]:
             for x, scale in zip(values, sizes[name], strict=True)
         ]
 
-    return [
-        State("start", 0.0, q, v),
-        State("near the start, moving", 0.75, moved(q, "q", 2.0**-10), moved(v, "v", 1.0)),
-        State("not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0)),
+    given = [value for _, value in system.parameters]
+    near = moved(q, "q", 2.0**-10), moved(v, "v", 1.0)
+    states = [
+        State("start", 0.0, q, v, given),
+        State("near the start, moving", 0.75, *near, given),
+        State("not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), given),
     ]
+    if program.design:
+        other = [other_value(value, place) for place, value in enumerate(given)]
+        states.append(State("near the start, other parameters", 0.75, *near, other))
+    return states
 
 
 def _point(program: Program, system: System, state: State) -> dict[str, object] | None:
@@ -132,7 +142,7 @@ def _point(program: Program, system: System, state: State) -> dict[str, object] 
     work = Workspace(program, HIGH)
     given = {"t": [state.time], "q": state.q, "v": state.v}
     if system.parameters:
-        given["parameters"] = [value for _, value in system.parameters]
+        given["parameters"] = state.parameters
     for name, values in given.items():
         work[name] = [HIGH.number(Fraction(x)) for x in values]
     regions = [one for one in program.regions if one.size and one.name not in GIVEN]
@@ -153,6 +163,7 @@ def _point(program: Program, system: System, state: State) -> dict[str, object] 
         "time": state.time,
         "q": state.q,
         "v": state.v,
+        **({"parameters": state.parameters} if program.design else {}),
         "outputs": outputs,
     }
 

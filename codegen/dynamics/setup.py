@@ -9,6 +9,7 @@ from kousoku.codegen.dynamics.design import Design, shown_numbers, starts
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.recorder import DESIGN, column
 from kousoku.codegen.expressions import to_graph
+from kousoku.model.terms import names_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -73,6 +74,6 @@ def record_setup(
         own = expressions[first : first + TOGETHER]
         target = column(range(DESIGN + first + 2, DESIGN + first + 2 + len(own)))
         recorder.call(Derived(own, names), parameters, into=(target,))
-    return Design.of(
-        {key: place for key, (place, _) in recorder.design.items()}, start, system.positive
-    )
+    used = (name for one in expressions for name in names_of(one))
+    places_of = {key: place for key, (place, _) in recorder.design.items()}
+    return Design.of(places_of, start, system.positive, used)
