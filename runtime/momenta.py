@@ -14,7 +14,7 @@ SHOWN = 3
 
 @dataclass(frozen=True, slots=True)
 class KeptPlaces:
-    """What a part of a scene keeps: bodies that joints and forces connect, and nothing to ground.
+    """What a part of a scene keeps: bodies that joints and forces connect, the ground left out.
 
     Parameters
     ----------
@@ -22,18 +22,21 @@ class KeptPlaces:
         Their names.
     linear, angular : tuple of (3,)
         Directions in frame O along which its linear momentum does not change, and its angular
-        momentum about its centre of mass.
+        momentum.
+    is_central : bool
+        Whether the angular momentum is about its centre of mass, not about a point of the ground.
     """
 
     bodies: tuple[str, ...]
     linear: tuple[tuple[float, ...], ...]
     angular: tuple[tuple[float, ...], ...]
+    is_central: bool = True
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> KeptPlaces:
         """Return what ``motion.json`` says of a part."""
         linear, angular = (tuple(map(tuple, data[name])) for name in ("linear", "angular"))
-        return cls(tuple(data["bodies"]), linear, angular)
+        return cls(tuple(data["bodies"]), linear, angular, data["is_central"])
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,22 +50,28 @@ class Momentum:
     linear : float or None [kg m/s]
         Largest change along a direction along which there should be none; None where none is such.
     angular : float or None [kg m²/s]
-        The same of the angular momentum about its centre of mass.
+        The same of the angular momentum.
+    is_central : bool
+        Whether that is about its centre of mass, not about a point of the ground.
     """
 
     bodies: tuple[str, ...]
     linear: float | None
     angular: float | None
+    is_central: bool = True
 
     def as_data(self) -> dict[str, object]:
         """Return it ready for JSON."""
-        return {"bodies": list(self.bodies), "linear": self.linear, "angular": self.angular}
+        about = "centre of mass" if self.is_central else "a point of the ground"
+        numbers = {"linear": self.linear, "angular": self.angular}
+        return {"bodies": list(self.bodies), **numbers, "about": about}
 
     def __str__(self) -> str:
         named = ", ".join(self.bodies[:SHOWN]) + ", …" * (len(self.bodies) > SHOWN)
+        about = "" if self.is_central else " about a point of the ground"
         texts = [
             f"{size:.1e} {unit}"
-            for size, unit in ((self.linear, "kg m/s"), (self.angular, "kg m²/s"))
+            for size, unit in ((self.linear, "kg m/s"), (self.angular, f"kg m²/s{about}"))
             if size is not None
         ]
         return f"momentum of {named}: largest change {', '.join(texts)}"
@@ -86,6 +95,6 @@ def momenta_of(kept: Sequence[KeptPlaces], changes: Sequence[float]) -> tuple[Mo
         linear, angular = (
             max(part, default=None) for part in (changes[at:turn], changes[turn:end])
         )
-        found.append(Momentum(one.bodies, linear, angular))
+        found.append(Momentum(one.bodies, linear, angular, one.is_central))
         at = end
     return tuple(found)

@@ -17,7 +17,7 @@ operations, which one task each computes
 the program, segment by segment
     ``compose``, ``bodies``, ``joints``, ``joint_tasks``, ``coordinate_tasks``, ``combinations``,
     ``auxiliary``, ``force_tasks``, ``schur``, ``ordering``, ``reactions``, ``least_norm``,
-    ``momentum``, ``length``; ``design``, ``setup``
+    ``momentum``, ``contacts``, ``length``; ``design``, ``setup``
 what operations are recorded on
     ``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``
 running a program without its source

@@ -1,9 +1,10 @@
 """Momentum that a system keeps: where, along which directions, and how it is computed.
 
-A *part* is a set of bodies that joints and forces connect, the ground left out. Where nothing
-connects a part with the ground, what joints, springs and drivers do in it cancels. Gravity and
-constant forces keep the linear momentum across them, and gravity the whole angular momentum about
-the centre of mass, since it acts there.
+A *part* is a set of bodies that joints and forces connect, the ground left out: what joints,
+springs and drivers do in it cancels. What is left is gravity, constant forces, and what the ground
+can do through the joints and forces at it, see :mod:`~kousoku.codegen.dynamics.contacts`. Linear
+momentum is constant along directions in which none of them acts, angular momentum about an axis
+about which none has a moment: an axis through the centre of mass, or through a point of the ground.
 """
 
 from __future__ import annotations
@@ -11,25 +12,31 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.contacts import (
+    AXES,
+    Axes,
+    contacts_of,
+    free_of_force,
+    free_of_moment,
+)
 from kousoku.codegen.dynamics.design import number
 from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.codegen.dynamics.matrix import Matrix
 from kousoku.codegen.dynamics.program import Kept
 from kousoku.codegen.dynamics.sums import summed
-from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.contacts import Contact
     from kousoku.codegen.dynamics.recorder import Block, Recorder
     from kousoku.codegen.dynamics.traces import Trace
     from kousoku.model.mechanism import ForceElement, System, Vector
 
-AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-#: Vectors whose angle is smaller count as parallel [rad].
-PARALLEL = 1e-9
+#: The axis of a plane may be given either way.
+DOWN = (0.0, 0.0, -1.0)
 
 
 def kept_of(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
@@ -43,31 +50,43 @@ def kept_of(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
         Whether its bodies move in planes parallel to the xy-plane: what is constant for that reason
         does not count.
     """
-    gravity = [system.gravity] + [
-        axis for axis, law in zip(AXES, system.gravity_law, strict=True) if law
-    ]
-    loads_of: dict[int, list[ForceElement]] = {}
+    contacts: dict[int, list[Contact]] = {}
+    for body, contact in contacts_of(system):
+        contacts.setdefault(body, []).append(contact)
+    loads: dict[int, list[ForceElement]] = {}
     for force in filter(_is_load, system.forces):
-        loads_of.setdefault(force.j, []).append(force)
+        loads.setdefault(force.j, []).append(force)
     found = []
     for bodies in _parts(system):
         if any(system.bodies[body].mass <= 0 for body in bodies):
             continue
-        loads = [one for body in bodies for one in loads_of.get(body, ())]
-        forces = [vector for one in loads for vector in _vectors(one, "force")]
-        torques = [vector for one in loads for vector in _vectors(one, "torque")]
-        turning = any(one.kind == "force_b" for one in loads)
-        linear = () if turning else _across([*gravity, *forces])
-        can_turn = any(not system.bodies[body].is_point for body in bodies) or len(bodies) > 1
-        pushed = any(one.kind.startswith("force") for one in loads)
-        turned = any(one.kind == "torque_b" for one in loads)
-        angular = () if pushed or turned or not can_turn else _across(torques)
+        of_ground = [one for body in bodies for one in contacts.get(body, ())]
+        acting = [one for body in bodies for one in loads.get(body, ())]
+        linear, axes = _free(system, of_ground, acting)
+        angular = axes.directions
+        if axes.about is None and len(bodies) == 1 and system.bodies[bodies[0]].is_point:
+            angular = ()
         if is_planar:
             linear = tuple(one for one in linear if not one[2])
-            angular = tuple(one for one in angular if one == AXES[2])
+            angular = tuple(one for one in angular if one in (AXES[2], DOWN))
         if linear or angular:
-            found.append(Kept(bodies, linear, angular))
+            found.append(Kept(bodies, linear, angular, axes.about if angular else None))
     return tuple(found)
+
+
+def _free(
+    system: System, contacts: Sequence[Contact], loads: Sequence[ForceElement]
+) -> tuple[tuple[Vector, ...], Axes]:
+    """Return directions along which no force acts on a part, and about which no moment does."""
+    laws = zip(AXES, system.gravity_law, strict=True)
+    gravity = [system.gravity, *(axis for axis, law in laws if law)]
+    forces = [vector for one in loads for vector in _vectors(one, "force")]
+    torques = [vector for one in loads for vector in _vectors(one, "torque")]
+    kinds = {one.kind for one in loads}
+    linear = () if "force_b" in kinds else free_of_force(contacts, [*gravity, *forces])
+    if kinds & {"force_b", "torque_b"}:
+        return linear, Axes()
+    return linear, free_of_moment(contacts, forces, gravity, torques)
 
 
 def _is_load(force: ForceElement) -> bool:
@@ -82,37 +101,15 @@ def _vectors(force: ForceElement, kind: str) -> list[Vector]:
 
 
 def _parts(system: System) -> Iterator[tuple[int, ...]]:
-    """Yield the bodies of each part that nothing connects with the ground."""
+    """Yield the bodies of each part: those that joints and forces connect, the ground left out."""
     groups: list[tuple[int, ...]] = [one.bodies for one in system.constraints]
     groups += [(one.i, one.j) for one in system.forces if not _is_load(one)]
-    connected = DisjointSets(range(GROUND_INDEX, len(system.bodies)))
-    for first, *rest in groups:
+    connected = DisjointSets(range(len(system.bodies)))
+    for group in groups:
+        first, *rest = (body for body in group if body != GROUND_INDEX)
         for other in rest:
             connected.join(first, other)
-    yield from (tuple(part) for part in connected.sets() if GROUND_INDEX not in part)
-
-
-def _across(vectors: Sequence[Vector]) -> tuple[Vector, ...]:
-    """Return unit vectors perpendicular to all of some vectors and to each other."""
-    span: list[precise.Triple] = []
-    for vector in vectors:
-        rest = precise.triple(vector)
-        size = precise.length(rest)
-        for one in span:
-            rest = precise.without(rest, one)
-        if size and precise.length(rest) > PARALLEL * size:
-            span.append(precise.unit(rest))
-    if not span:
-        return AXES
-    if len(span) == 1:
-        first = precise.across(span[0])
-        return tuple(_rounded(one) for one in (first, precise.cross(span[0], first)))
-    return (_rounded(precise.cross(*span)),) if len(span) == 2 else ()
-
-
-def _rounded(vector: precise.Triple) -> Vector:
-    x, y, z = precise.rounded(vector)
-    return x, y, z
+    yield from (tuple(part) for part in connected.sets())
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,22 +140,35 @@ class Share:
 
 @dataclass(frozen=True, slots=True)
 class Along:
-    """Momenta along directions. Blocks: the sum of all shares, 1/mass, then the directions.
+    """Momenta along directions.
+
+    Blocks: the sum of all shares, 1/mass, r and v of the first body of the part, the point of the
+    ground, then the directions.
 
     Parameters
     ----------
     linear : int
         How many directions are of the linear momentum; the others are of the angular one.
+    is_central : bool
+        Whether angular momentum is about the centre of mass, else it is about the point.
     """
 
     linear: int
+    is_central: bool
     title: str = "momenta of a part"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return p·n, then L·n with L = Σ(ρ × m u + A I ω′) − (Σ m ρ) × (Σ m u)/Σ m."""
-        total, inverse, *directions = blocks
+        """Return p·n, then L·n, with ρ and u from the first body in S = Σ(ρ × m u + A I ω′).
+
+        About the centre of mass L = S − (Σ m ρ) × (Σ m u)/Σ m; about a point o of the ground
+        L = S + (Σ m ρ) × v + (r − o) × p, with r and v of the first body.
+        """
+        total, inverse, r, v, point, *directions = blocks
         momentum, first, second, spin = (total.select(range(k, k + 3)) for k in (0, 3, 6, 9))
-        angular = spin - first.cross(second) @ inverse
+        if self.is_central:
+            angular = spin - first.cross(second) @ inverse
+        else:
+            angular = spin + first.cross(v) + (r - point).cross(momentum)
         rows = [
             (one.T @ (momentum if k < self.linear else angular)).rows[0]
             for k, one in enumerate(directions)
@@ -198,9 +208,10 @@ def record_momenta(
             shares += recorder.call(Share(), *own, origin.r, origin.v_r)
         mass = sum(number(system.bodies[index].mass) for index in one.bodies)
         directions = [recorder.constant(vector) for vector in (*one.linear, *one.angular)]
+        known = (origin.r, origin.v_r, recorder.constant(one.about or (0.0, 0.0, 0.0)))
         recorder.call(
-            Along(len(one.linear)),
-            *(summed(recorder, shares), recorder.constant((1 / mass,)), *directions),
+            Along(len(one.linear), one.about is None),
+            *(summed(recorder, shares), recorder.constant((1 / mass,)), *known, *directions),
             into=(target.part(at, one.count),),
         )
         at += one.count

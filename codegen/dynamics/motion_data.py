@@ -70,6 +70,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
                 "bodies": _names(system, one.bodies),
                 "linear": [list(vector) for vector in one.linear],
                 "angular": [list(vector) for vector in one.angular],
+                "is_central": one.about is None,
             }
             for one in program.kept
         ],

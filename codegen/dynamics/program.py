@@ -136,13 +136,15 @@ class Kept:
     bodies : tuple of int
         The bodies of the part.
     linear, angular : tuple of (3,)
-        Directions in frame O along which its linear momentum is constant, and its angular momentum
-        about its centre of mass.
+        Directions in frame O along which its linear momentum is constant, and its angular momentum.
+    about : (3,) [m], optional
+        The point of the ground that the angular momentum is about; its centre of mass unless given.
     """
 
     bodies: tuple[int, ...]
     linear: tuple[tuple[float, float, float], ...]
     angular: tuple[tuple[float, float, float], ...]
+    about: tuple[float, float, float] | None = None
 
     @property
     def count(self) -> int:

@@ -86,3 +86,51 @@ def test_rows_that_are_not_checked_have_none(
     solvers: tuple[DynamicsSolver, DynamicsSolver],
 ) -> None:
     assert solvers[0].simulate(0.1, samples=3, checks=False).ledger.momenta == ()
+
+
+def cart() -> dict[str, Any]:
+    """Return a cart on rails along x, and a pendulum that swings and turns below it."""
+    solid = {"mass": 1, "inertia": INERTIA}
+    bodies = {
+        "cart": {"position": [0, 0, 0], "velocity": [1, 0, 0], **solid},
+        "bob": {"position": [0.3, 0, -1], "angular_velocity": [1, 2, 3], **solid},
+    }
+    rails = {"type": "slider", "bodies": ["ground", "cart"], "at": [0, 0, 0], "axis": [1, 0, 0]}
+    joints = {"rails": rails, "ball": {"type": "ball", "bodies": ["cart", "bob"], "at": [0, 0, 0]}}
+    return {"name": "cart", "unit": "m", "gravity": [0, 0, -9.81], "bodies": bodies} | {
+        "joints": joints
+    }
+
+
+def top() -> dict[str, Any]:
+    """Return a top on a fixed point."""
+    start = {"orientation": {"axis": [1, 0, 0], "angle": 0.5}, "angular_velocity_b": [0, 1, 30]}
+    body = {"position": [0, 0, 0], "center": [0, 0, 1], "mass": 1, "inertia": INERTIA, **start}
+    joints = {"tip": {"type": "ball", "bodies": ["ground", "top"], "at": [0, 0, 0]}}
+    tree = {"name": "top", "unit": "m", "gravity": [0, 0, -9.81], "bodies": {"top": body}}
+    return tree | {"joints": joints}
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    ("tree", "which", "text"), [(cart, "linear", "kg m/s"), (top, "angular", "about a point of")]
+)
+def test_bodies_on_the_ground_keep_what_their_joints_leave(
+    compiler: Toolchain, tmp_path: Path, target: Any, tree: Any, which: str, text: str
+) -> None:
+    for name, source in generate_dynamics(scene_from_dict(tree()), ("energies",)).items():
+        (tmp_path / name).write_text(source, encoding="utf-8", newline="\n")
+    solver = load_dynamics(tmp_path, target=target)
+    sizes = []
+    for tolerance in (1e-5, 1e-11):
+        ledger = solver.simulate(0.5, samples=3, tolerance=tolerance).ledger
+        (found,) = ledger.momenta
+        assert {"linear", "angular"} - {which} == {
+            name for name in ("linear", "angular") if getattr(found, name) is None
+        }
+        sizes.append(getattr(found, which))
+        assert text in str(ledger)
+    # Steps keep what is linear in the velocities to rounding; the rest shows their error.
+    assert (sizes[0] > 1e-10) == (which == "angular")
+    assert sizes[0] < 1e-2
+    assert sizes[1] < 1e-10

@@ -33,9 +33,20 @@ def test_a_text_names_few_bodies_and_leaves_out_what_is_not_kept() -> None:
 
 def test_it_is_ready_for_json() -> None:
     data = Momentum(("a",), 1.0, None).as_data()
-    assert json.loads(json.dumps(data)) == {"bodies": ["a"], "linear": 1.0, "angular": None}
+    assert json.loads(json.dumps(data)) == {
+        "bodies": ["a"],
+        "linear": 1.0,
+        "angular": None,
+        "about": "centre of mass",
+    }
 
 
 def test_what_motion_json_says_of_a_part_is_taken_over() -> None:
-    data = {"bodies": ["a"], "linear": [[1, 0, 0]], "angular": []}
-    assert KeptPlaces.from_data(data) == KeptPlaces(("a",), ((1, 0, 0),), ())
+    data = {"bodies": ["a"], "linear": [[1, 0, 0]], "angular": [], "is_central": False}
+    assert KeptPlaces.from_data(data) == KeptPlaces(("a",), ((1, 0, 0),), (), False)
+
+
+def test_what_the_angular_momentum_is_about_is_told() -> None:
+    (found,) = momenta_of([KeptPlaces(("a",), (), (ALONG,), is_central=False)], [2e-6])
+    assert str(found).endswith("2.0e-06 kg m²/s about a point of the ground")
+    assert found.as_data()["about"] == "a point of the ground"

@@ -60,18 +60,24 @@ def test_parts_that_nothing_connects_are_told_apart(flying: System) -> None:
 
 
 @pytest.mark.parametrize("body", [0, 2])
-def test_what_is_connected_with_the_ground_keeps_nothing(flying: System, body: int) -> None:
-    assert counts(replace(flying, forces=(spring(1, 2), spring(GROUND_INDEX, body)))) == []
+def test_forces_of_the_ground_keep_what_is_across_them_or_about_their_point(
+    flying: System, body: int
+) -> None:
+    tied = replace(flying, forces=(spring(1, 2), spring(GROUND_INDEX, body)))
+    (kept,) = kept_of(tied, is_planar=False)
+    assert (kept.linear, kept.angular, kept.about) == ((), ((0.0, 0.0, -1.0),), (0.1, 0.2, 0.3))
     one = Coordinate("h", "n2", GROUND_INDEX, body, (("a_i_b", X), *NOWHERE))
     push = ForceElement("p", "along", GROUND_INDEX, body, (("force", (1.0,)),), coordinate=0)
-    assert counts(replace(flying, coordinates=(one,), forces=(spring(1, 2), push))) == []
+    pushed = replace(flying, coordinates=(one,), forces=(spring(1, 2), push))
+    (kept,) = kept_of(pushed, is_planar=False)
+    assert (kept.linear, kept.angular, kept.about) == (((0.0, -1.0, 0.0),), (X,), None)
 
 
 @pytest.mark.parametrize(
     ("forces", "wanted"),
     [
-        ((load("force", 0, X),), [(3, 1, 0)]),
-        ((load("force", 0, Z),), [(3, 2, 0)]),
+        ((load("force", 0, X),), [(3, 1, 1)]),
+        ((load("force", 0, Z),), [(3, 2, 1)]),
         ((load("force", 0, X, Y),), []),
         ((load("force_b", 0, Z),), []),
         ((load("torque", 0, X),), [(3, 2, 2)]),

@@ -1,0 +1,236 @@
+"""What the ground can do to a part of a system, whatever its position: which way it can push.
+
+A row between the ground and a body has a force and a moment whose directions follow from its kind
+and from what is fixed in the ground. What holds at some positions only does not count; that rows
+are met does, so that a point on a line is there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.varying import is_varying
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping
+
+    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System, Vector
+    from kousoku.model.precise import Triple
+
+    Acting = Instance | Coordinate | ForceElement
+    Numbers = tuple[float, ...]
+
+PARALLEL = 1e-9
+"""Vectors whose angle is smaller count as parallel [rad]; points that are so near, as one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Contact:
+    """What the ground does through one row, or one force.
+
+    Parameters
+    ----------
+    push : (3,), optional
+        Its forces are along this direction of frame O, wherever they act.
+    through : (3,) [m], optional
+        Its forces are of any direction, through this point of the ground.
+    line : ((3,), (3,)), optional
+        Its forces are across a direction, through a point of the line along it: direction, and a
+        point of the line.
+    about : (3,), optional
+        Its moments are across this direction.
+    turns : bool
+        Whether its moments are of any direction.
+    """
+
+    push: Triple | None = None
+    through: Triple | None = None
+    line: tuple[Triple, Triple] | None = None
+    about: Triple | None = None
+    turns: bool = False
+
+
+ANYTHING = Contact(through=precise.ZERO, turns=True)
+"""Any force and any moment."""
+
+
+def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
+    """Yield what the ground does, and to which body."""
+    parallel = {
+        (row.i, given["a_i_b"]): given["a_j_b"]
+        for row in system.constraints
+        if row.j == GROUND_INDEX and row.kind.startswith("p1")
+        for given in [dict(row.constants)]
+    }
+    for one in _acting(system):
+        if GROUND_INDEX in (one.i, one.j) and one.i != one.j:
+            body = one.j if one.i == GROUND_INDEX else one.i
+            yield body, _contact(one, parallel)
+
+
+def _acting(system: System) -> Iterator[Acting]:
+    """Yield rows, coordinates of rows and forces, and springs."""
+    for row in system.constraints:
+        if row.kind == COMBINATION:
+            yield from (system.coordinates[term.coordinate] for term in row.terms)
+        else:
+            yield row
+    for force in system.forces:
+        if force.coordinate >= 0:
+            yield system.coordinates[force.coordinate]
+        elif force.kind == "spring_damper":
+            yield force
+
+
+def _contact(one: Acting, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Contact:
+    """Return what a row or coordinate of a kind can do.
+
+    Parameters
+    ----------
+    one : Instance, Coordinate or ForceElement
+        Between the ground and a body.
+    parallel : mapping
+        By body i and one of its axes the axis of the ground that a joint keeps parallel to it.
+    """
+    given = dict(one.constants)
+    letter = "i" if one.i == GROUND_INDEX else "j"
+    axis, point = (given.get(f"{name}_{letter}_b") for name in ("a", "s"))
+    kind = one.kind.partition("_")[0]
+    if letter == "j" and kind in ("n2", "p2"):
+        axis = parallel.get((one.i, given["a_i_b"]))
+    if is_varying((axis, point)):
+        return ANYTHING
+    if kind in ("n1", "p1"):
+        assert axis is not None
+        return Contact(about=precise.triple(axis))
+    if point is None:  # an angle
+        return Contact(turns=True)
+    if axis is not None:
+        direction = precise.unit(precise.triple(axis))
+        if kind == "n2":
+            return Contact(push=direction)
+        return Contact(line=(direction, precise.triple(point)))
+    return Contact(through=precise.triple(point))
+
+
+@dataclass(frozen=True, slots=True)
+class Axes:
+    """Directions along which the angular momentum of a part is constant.
+
+    Parameters
+    ----------
+    directions : tuple of (3,)
+        Of norm one, frame O.
+    about : (3,) [m], optional
+        The point of the ground that it is taken about; the centre of mass unless given.
+    """
+
+    directions: tuple[Vector, ...] = ()
+    about: Vector | None = None
+
+
+def free_of_force(contacts: Iterable[Contact], loads: Iterable[Vector]) -> tuple[Vector, ...]:
+    """Return directions along which no force acts on a part.
+
+    Parameters
+    ----------
+    contacts : iterable of Contact
+        What the ground does to it.
+    loads : iterable of (3,)
+        Gravity, and constant forces.
+    """
+    pushes = [precise.triple(load) for load in loads]
+    for one in contacts:
+        if one.through is not None:
+            return ()
+        if one.push is not None:
+            pushes.append(one.push)
+        if one.line is not None:
+            first = precise.across(one.line[0])
+            pushes += [first, precise.cross(one.line[0], first)]
+    return across(pushes)
+
+
+def free_of_moment(
+    contacts: Iterable[Contact],
+    pushes: Iterable[Vector],
+    gravity: Iterable[Vector],
+    torques: Iterable[Vector],
+) -> Axes:
+    """Return directions about which no moment acts on a part.
+
+    The moment about an axis vanishes of forces along it, and of those that meet it. About the
+    centre of mass gravity has none.
+
+    Parameters
+    ----------
+    contacts : iterable of Contact
+        What the ground does to it.
+    pushes, gravity, torques : iterable of (3,)
+        Constant forces at points of bodies, those at centres of mass, and constant torques.
+    """
+    along = [precise.triple(push) for push in pushes]
+    points: list[Triple] = []
+    for one in contacts:
+        if one.turns:
+            return Axes()
+        points += [one.through] if one.through is not None else []
+        points += [one.line[1]] if one.line is not None else []
+        along += [vector for vector in (one.push, one.about) if vector is not None]
+        along += [one.line[0]] if one.line is not None else []
+    if points:
+        along += [precise.triple(pull) for pull in gravity]
+        along += [precise.subtract(other, points[0]) for other in _apart(points)]
+    twists = [precise.triple(torque) for torque in torques]
+    return Axes(_parallel(along, twists), _rounded(points[0]) if points else None)
+
+
+def _apart(points: list[Triple]) -> Iterator[Triple]:
+    """Yield points that are not where the first one is."""
+    first = points[0]
+    for other in points[1:]:
+        size = precise.length(first) + precise.length(other)
+        if precise.length(precise.subtract(other, first)) > PARALLEL * size:
+            yield other
+
+
+def _parallel(along: list[Triple], twists: list[Triple]) -> tuple[Vector, ...]:
+    """Return unit vectors parallel to some vectors, and perpendicular to others."""
+    given = [precise.unit(vector) for vector in along if precise.length(vector)]
+    if not given:
+        return across(twists)
+    first, *others = given
+    if any(precise.length(precise.cross(first, other)) > PARALLEL for other in others):
+        return ()
+    if any(abs(precise.dot(first, x)) > PARALLEL * precise.length(x) for x in twists):
+        return ()
+    return (_rounded(first),)
+
+
+AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+
+
+def across(vectors: Iterable[Triple]) -> tuple[Vector, ...]:
+    """Return unit vectors perpendicular to all of some vectors and to each other."""
+    span: list[Triple] = []
+    for vector in vectors:
+        rest = vector
+        size = precise.length(rest)
+        for one in span:
+            rest = precise.without(rest, one)
+        if size and precise.length(rest) > PARALLEL * size:
+            span.append(precise.unit(rest))
+    if not span:
+        return AXES
+    if len(span) == 1:
+        first = precise.across(span[0])
+        return tuple(_rounded(one) for one in (first, precise.cross(span[0], first)))
+    return (_rounded(precise.cross(*span)),) if len(span) == 2 else ()
+
+
+def _rounded(vector: Triple) -> Vector:
+    x, y, z = precise.rounded(vector)
+    return x, y, z
