@@ -90,7 +90,7 @@ class RunLedger:
         the polynomial between the states before and after tells them, and forces of joints are NaN.
     fallbacks, fallback_time : int, float or None [s]
         Factorisations of all rows, those too that were left out, where those that are kept are
-        nearly dependent, and when the last of them was; there, too, forces of joints are NaN.
+        nearly dependent, and when the last of them was.
     refinements : int
         Accelerations that one step of iterative refinement brought nearer to C_q v̇ = γ, since the
         pivots told that many digits were lost.

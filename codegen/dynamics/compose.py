@@ -27,7 +27,7 @@ from kousoku.codegen.dynamics.formulas import Names
 from kousoku.codegen.dynamics.joint_tasks import JointTasks
 from kousoku.codegen.dynamics.joints import JointBlocks, joints_of, require_few_joints
 from kousoku.codegen.dynamics.least_norm import Scale, points_of
-from kousoku.codegen.dynamics.left_out import others, rows_of
+from kousoku.codegen.dynamics.left_out import others, rows_of, take_over
 from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.loops import loops_of
 from kousoku.codegen.dynamics.momentum import kept_of, record_momenta
@@ -40,7 +40,7 @@ from kousoku.codegen.dynamics.operations import (
 )
 from kousoku.codegen.dynamics.planar import plane_of
 from kousoku.codegen.dynamics.program import ON_DEMAND, Program
-from kousoku.codegen.dynamics.reactions import record_reactions
+from kousoku.codegen.dynamics.reactions import record_reactions, record_wrenches
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.setup import record_setup
@@ -49,7 +49,7 @@ from kousoku.codegen.dynamics.turned import named_back, turned, turned_row
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping, Sequence
 
     from kousoku.model.mechanism import System
 
@@ -172,8 +172,7 @@ class _Composer:
             record_momenta(self.recorder, self.system, kept, self.body)
         if "checks" in self.wanted:
             self._check()
-            if self.left_out or loops_of(self.system):
-                self._refinement()
+            self._where_rank_drops()
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
         design = record_setup(self.recorder, self.system, self.parameters, places)
@@ -311,10 +310,10 @@ class _Composer:
             target = self.auxiliary.of(self.q_dot, WORK, name)
             self.recorder.call(Copy(), summed(self.recorder, parts), into=(target,))
 
-    def _reaction(self) -> None:
+    def _reaction(self, record: Callable[..., None] = record_reactions) -> None:
         """Record force and torque of each joint."""
         length = characteristic_length(self.system)
-        record_reactions(
+        record(
             self.recorder,
             self.schur,
             self.body,
@@ -344,6 +343,13 @@ class _Composer:
             self._rates(output, by_body, region)
             rest = region.part(self.rows, self.others.height)
             self._rates(output, by_body, rest, self.left_out)
+
+    def _where_rank_drops(self) -> None:
+        """Record what runs need where rows become dependent; without a loop they do not."""
+        if self.left_out or loops_of(self.system):
+            self._refinement()
+        if "reactions" in self.wanted and take_over(self.rows, self.others.height):
+            self._reaction(record_wrenches)
 
     def _refinement(self) -> None:
         """Record the corrections that what is left of C_q v̇ = γ asks for."""

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.elimination import Couple, Gather
 from kousoku.codegen.dynamics.matrix import Matrix
+from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.recorder import Block, column, zeros
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.model.errors import SceneError
@@ -240,7 +241,7 @@ class LeastNorm:
         """Return B of the rows of each joint that are left out, and w."""
         call = self.recorder.call
         units = {id(rows): self._units(one, rows) for rows in one.parts}
-        height = units[id(one.parts[0])].width
+        height = self.height(one)
         shares = []
         for rows, way in zip(left_out, ways, strict=True):
             share = zeros(height, rows.count)
@@ -249,10 +250,23 @@ class LeastNorm:
             if one.kept:
                 (share,) = call(Couple(), share, units[id(one.kept)].T, way[one.kept.first].T)
             shares.append(share)
-        wrench = zeros(height, 1)
-        for rows, x in one.multipliers:
-            (wrench,) = call(Couple(), wrench, units[id(rows)].T, x.T)
-        return shares, wrench
+        return shares, self._sum(one, units)
+
+    def wrench(self, one: Reaction, into: Block) -> None:
+        """Write force and torque / ℓ of a joint at its point, as its multipliers are."""
+        self._sum(one, {id(rows): self._units(one, rows) for rows in one.parts}, into)
+
+    def height(self, one: Reaction) -> int:
+        """Return how many components these have."""
+        return len(IN_PLANE) if Wrench(self.body(one.end).columns).is_in_plane else COLUMNS
+
+    def _sum(self, one: Reaction, units: Mapping[int, Block], into: Block | None = None) -> Block:
+        """Return force and torque / ℓ from those of each row with the multiplier one."""
+        total = zeros(self.height(one), 1)
+        for k, (rows, x) in enumerate(one.multipliers, 1):
+            target = into if k == len(one.multipliers) else None
+            (total,) = self.recorder.call(Couple(), total, units[id(rows)].T, x.T, into=(target,))
+        return total
 
     def _units(self, one: Reaction, rows: JointBlocks) -> Block:
         """Return force and torque for each multiplier of some rows of a joint."""

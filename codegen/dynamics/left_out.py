@@ -14,6 +14,15 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 
+#: Rows up to which all of them are solved for at once.
+MOST_DENSE = 200
+
+
+def take_over(kept: int, left_out: int) -> bool:
+    """Return whether rows that are left out take over where those that are kept lose rank."""
+    return left_out > 0 and kept + left_out <= MOST_DENSE
+
+
 def others(system: System, rows: Mapping[int, Sequence[int]]) -> dict[int, Sequence[int]]:
     """Return the rows of each instance that are not kept.
 

@@ -274,12 +274,14 @@ REGIONS = {
     "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
     "more_lam": "correction of lam",
     "more_power": "correction of the power of each driver",
+    "all_lam": "multipliers, in the order of C and C_left_out",
+    "wrenches": "force and torque of each joint at its point, the torque relative to a length",
     "design": "numbers of the scene that depend on parameters",
     "constants": "the scene's numbers",
 }
 
 #: The regions that only segments of ``ON_DEMAND`` write.
-ON_DEMAND_REGIONS = ("more_lam", "more_power")
+ON_DEMAND_REGIONS = ("more_lam", "more_power", "all_lam", "wrenches")
 
 #: What the segments read and write, in the order in which they can run.
 SEGMENTS = {
@@ -295,9 +297,10 @@ SEGMENTS = {
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
-#: What a run calls where the growth check finds that much was lost; no evaluation does.
+#: What a run calls where the growth check finds that much or all was lost; no evaluation does.
 ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
+    "wrench": "all_lam -> wrenches, reactions",
     "setup": "parameters -> design: once, where a run begins",
 }
 
@@ -305,7 +308,7 @@ ON_DEMAND = {
 AFTER_GEOMETRY = frozenset(
     {
         *("position", "velocity", "acceleration", "reaction", "coordinate", "momentum", "check"),
-        "refinement",
+        *("refinement", "wrench"),
     }
 )
 

@@ -118,6 +118,13 @@ def record_reactions(
         own = [one for one in found if one.name in group]
         if any(one.left_out for one in own):
             LeastNorm(recorder, schur, body, joints, scale).share_out(own)
+    _write_reactions(schur, found, widths, target)
+
+
+def _write_reactions(
+    schur: Schur, found: Sequence[Reaction], widths: Sequence[int], target: Block
+) -> None:
+    """Record force and torque of each joint on its bodies, as its multipliers are."""
     first = 0
     for (one, end), width in zip(((x, end) for x in found for end in x.ends), widths, strict=True):
         products = [
@@ -125,3 +132,39 @@ def record_reactions(
         ]
         schur.gather(zeros(width, 1), products, target.part(first, width))
         first += width
+
+
+def record_wrenches(
+    recorder: Recorder,
+    schur: Schur,
+    body: Callable[[int], BodyBlocks],
+    *,
+    rows: tuple[Sequence[JointBlocks], Sequence[JointBlocks]],
+    geometry: Callable[[JointBlocks], None],
+    scale: Scale,
+) -> None:
+    """Record what joints do with any multipliers of all rows: the segment ``wrench``.
+
+    It gives reactions as :func:`record_reactions` does, and at its point force and torque / ℓ of
+    each joint, whose squares are least where reactions are not unique. Parameters are those of
+    that function.
+    """
+    joints, left_out = rows
+    found = reactions_of(joints, left_out)
+    least = LeastNorm(recorder, schur, body, joints, scale)
+    kept = sum(joint.count for joint in joints)
+    lam = recorder.region("all_lam", kept + sum(joint.count for joint in left_out))
+    wrenches = recorder.region("wrenches", sum(map(least.height, found)))
+    recorder.begin("wrench")
+    for joint in left_out:
+        geometry(joint)
+    first = 0
+    for one in found:
+        starts = ((part, 0 if part is one.kept else kept) for part in one.parts)
+        one.multipliers = [
+            (part, lam.part(start + part.first, part.count)) for part, start in starts
+        ]
+        least.wrench(one, wrenches.part(first, least.height(one)))
+        first += least.height(one)
+    widths = [len(body(end).columns) for one in found for end in one.ends]
+    _write_reactions(schur, found, widths, recorder.known("reactions"))

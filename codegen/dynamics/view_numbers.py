@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK
-from kousoku.codegen.dynamics.bodies import inverse_masses
+from kousoku.codegen.dynamics.bodies import inverse_masses, thickened
+from kousoku.codegen.dynamics.left_out import take_over
 from kousoku.model import precise
 from kousoku.model.varying import is_varying
 
@@ -17,9 +18,6 @@ if TYPE_CHECKING:
 
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
-
-#: Rows up to which all of them are solved for at once.
-MOST_DENSE = 200
 
 
 def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
@@ -39,7 +37,8 @@ def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
     found += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
     works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
     found.append(("WORKS", works))
-    found += [("N_POWER", one.size) for one in program.regions if one.name == "more_power"]
+    counted = {"more_power": "N_POWER", "wrenches": "N_WRENCHES"}
+    found += [(counted[one.name], one.size) for one in program.regions if one.name in counted]
     found.append(("MOMENTA", sum(one.count for one in program.kept)))
     found += _parameter_sizes(program)
     if program.design:
@@ -63,8 +62,7 @@ def has_drivers(system: System) -> bool:
 
 def has_fallback(program: Program) -> bool:
     """Return whether rows that are left out take over where those that are kept lose rank."""
-    count = len(program.rows) + len(program.left_out)
-    return bool(program.left_out) and count <= MOST_DENSE
+    return take_over(len(program.rows), len(program.left_out))
 
 
 def driver_places(program: Program, system: System) -> list[tuple[int, int]]:
@@ -76,7 +74,12 @@ def driver_places(program: Program, system: System) -> list[tuple[int, int]]:
 
 
 def weights(program: Program, system: System) -> list[float]:
-    """Return the diagonal of M⁻¹ in the order of v; zero where there is no mass."""
+    """Return the diagonal of M⁻¹ in the order of v, zero where there is no mass.
+
+    A scene that moves in a plane and is computed in space has the thickness that makes it move.
+    """
+    if not program.is_planar:
+        system = thickened(system)
     found = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -10,11 +11,15 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.generate import LEDGER, independent
+from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.interpret import HIGH
 from kousoku.model.families import chain, n_four_bar
+from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
+from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.run_ledger import COUNTERS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,6 +32,9 @@ OUTPUTS = ("accelerations", "reactions")
 #: Its cranks come to the line of the ground points, where the rank drops, within half a second.
 SCENE = n_four_bar(2, rate=-7.0)
 END = 0.5
+#: A driver brings cranks from half a radian to nearly that line.
+AT_START = (math.cos(0.5), math.sin(0.5))
+DRIVER = '[drivers]\nmotor = { joint = "ground_0", value = "-0.497*t" }\n'
 #: How far above the line the ends of the cranks are looked at [m].
 HEIGHTS = np.array([2e-4, 1.5e-4, 1e-4, 7e-5, 5e-5])
 
@@ -81,6 +89,25 @@ def test_rows_near_a_position_of_lower_rank_have_the_accelerations_of_fifty_digi
     assert len(HEIGHTS) <= ledger.refinements < ledger.derivatives / 20
     assert f"{ledger.refinements} accelerations refined" in str(ledger)
     assert max(ledger.worst("acceleration")) < 1e-12
+
+
+def test_power_of_a_driver_is_refined_with_the_accelerations(
+    backend: str, bodies_folder: Callable[..., Path]
+) -> None:
+    scene = scene_from_toml(f"{to_toml(n_four_bar(1, turned=AT_START))}\n{DRIVER}")
+    target: Any = backend
+    run = load_dynamics(bodies_folder(scene, OUTPUTS), target=target).begin([0.0, 1.0])
+    assert run.finish().ledger.refinements > 0
+    program, _ = independent(assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS))
+    work = Workspace(inline(program))
+    sizes = [len(COUNTERS), len(work["q"]), len(work["v"])]
+    _, q, v, rest = np.split(run.state, np.cumsum(sizes))
+    rates = rest[sum(sizes[1:]) :][: sizes[1]]  # behind what rounding has left over
+    work["t"], work["q"], work["v"] = [1.0], q.tolist(), v.tolist()
+    work.run("geometry", "acceleration", "refinement")
+    *others, power = work["q_dot"]
+    assert work["more_power"][0] != 0.0
+    assert rates.tolist() == [*others, power + work["more_power"][0]]
 
 
 def test_both_targets_refine_the_same_accelerations_to_the_same_bits(

@@ -1,0 +1,186 @@
+"""Several rows left out of a driven scene at once, against dense least squares in NumPy.
+
+Three parallel cranks of one length stand beside each other, in three planes, and carry a coupler.
+One of them is driven. Seven of their 31 rows depend on the others: two in the plane would do for
+two cranks, and every further joint holds out of the plane what is held already. The rows that are
+kept here are independent at the start, and lose rank where the cranks have turned by 1.1 rad.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.compose import compose
+from kousoku.codegen.dynamics.emit import emit_dynamics
+from kousoku.codegen.dynamics.generate import LEDGER, independent
+from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.run import Workspace
+from kousoku.codegen.dynamics.view_numbers import weights
+from kousoku.codegen.generate import write_tree
+from kousoku.model.read import scene_from_toml
+from kousoku.model.system import system_of
+from kousoku.runtime.dynamics import load_dynamics
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.codegen.dynamics.program import Program
+    from kousoku.model.mechanism import System
+    from kousoku.model.scene import Scene
+
+Array = Any
+OUTPUTS = ("accelerations", "reactions", "energies")
+START, RATE, END = 1.0, 1.5, 1.0
+COUNT, APART = 3, 0.2
+#: What is left out on purpose: the joint, its kind, and the row.
+BAD = {
+    ("ground_0", "p1_z", 0),
+    ("ground_1", "p1_z", 0),
+    ("pin_0", "point", 1),
+    ("pin_0", "p1_z", 0),
+    ("pin_1", "point", 2),
+    ("pin_1", "p1_z", 0),
+    ("pin_2", "p1_z", 1),
+}
+
+
+def bar(shape: str, length: float) -> str:
+    """Return a body: a box, or a rod without thickness."""
+    if shape == "rods":
+        return f"rods = [{{ mass = 1, ends = [[0, 0, 0], [{length}, 0, 0]] }}]"
+    return f"boxes = [{{ mass = 1, size = [{length}, 0.1, 0.05], at = [{length / 2}, 0, 0] }}]"
+
+
+def scene_of(shape: str = "boxes") -> Scene:
+    x, y = math.cos(START), math.sin(START)
+    turned = f"orientation = {{ axis = [0, 0, 1], angle = {START} }}"
+    text = f'name = "cranks"\nunit = "m"\ngravity = [0, -9.81, 0]\n[parameters]\nrate = {RATE}\n'
+    for k in range(COUNT):
+        text += f"[bodies.crank_{k}]\nposition = [{k}, 0, {APART * k}]\n{turned}\n"
+        text += bar(shape, 1.0) + "\n"
+    text += f"[bodies.coupler]\nposition = [{x!r}, {y!r}, 0]\n{bar(shape, COUNT - 1.0)}\n[joints]\n"
+    for k in range(COUNT):
+        for name, pair, at in (
+            (f"ground_{k}", f'"ground", "crank_{k}"', (k, 0.0)),
+            (f"pin_{k}", f'"crank_{k}", "coupler"', (k + x, y)),
+        ):
+            text += f'{name} = {{ type = "revolute", bodies = [{pair}], axis = [0, 0, 1], '
+            text += f"at = [{at[0]!r}, {at[1]!r}, {APART * k!r}] }}\n"
+    text += '[drivers]\nmotor = { joint = "ground_0", value = "rate*t" }\n'
+    return scene_from_toml(text)
+
+
+@pytest.fixture(scope="module")
+def system() -> System:
+    return assemble(system_of(scene_of(), OUTPUTS))
+
+
+@pytest.fixture(scope="module")
+def good(system: System) -> Program:
+    return independent(system, (*LEDGER, *OUTPUTS), may_be_planar=False)[0]
+
+
+@pytest.fixture(scope="module")
+def bad(system: System, good: Program) -> Program:
+    kept: dict[int, list[int]] = {}
+    for row in sorted((*good.rows, *good.left_out), key=lambda row: (row.instance, row.row)):
+        own = kept.setdefault(row.instance, [])
+        if (row.joint, system.constraints[row.instance].kind, row.row) not in BAD:
+            own.append(row.row)
+    joints = [one.joint for one in system.constraints if not one.is_driver]
+    found = compose(system, (*LEDGER, *OUTPUTS), rows=kept, dependent=[joints], may_be_planar=False)
+    assert len(found.left_out) == len(BAD)
+    return found
+
+
+@pytest.fixture(scope="module")
+def folders(
+    system: System, good: Program, bad: Program, tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Path]:
+    found = {}
+    for name, program in (("good", good), ("bad", bad)):
+        found[name] = tmp_path_factory.mktemp(name) / system.name
+        write_tree(found[name], emit_dynamics(inline(program), system, OUTPUTS))
+    return found
+
+
+def dense(program: Program, system: System, row: Array) -> tuple[Array, float]:
+    """Return accelerations, and the multiplier of the driver, by least squares with all rows."""
+    work, n = Workspace(program), len(program.rows)
+    parts = np.split(row, np.cumsum([1, len(work["q"]), len(work["v"])]))
+    for name, values in zip(("t", "q", "v"), parts, strict=False):
+        work[name] = values.tolist()
+    work.run("geometry", "acceleration")
+    v_dot, lam = np.array(work["v_dot"]), np.array(work["lam"])
+    rows = np.zeros((n + len(program.left_out), len(v_dot)))
+    work["v"], work["v_dot"] = [0.0] * len(v_dot), [0.0] * len(v_dot)
+    work.run("check")
+    rest = np.array(work["C_dot"])
+    for k in range(len(v_dot)):
+        work["v"] = np.eye(len(v_dot))[k].tolist()
+        work.run("check")
+        rows[:, k] = np.array(work["C_dot"]) - rest
+    work["v"] = parts[2].tolist()
+    work.run("check")
+    gamma, inverse = -np.array(work["C_ddot"]), np.array(weights(program, system))
+    free = v_dot + inverse * (rows[:n].T @ lam)
+    root = np.sqrt(inverse)
+    change = np.linalg.lstsq(rows * root, gamma - rows @ free, rcond=1e-10)[0]
+    forces = np.linalg.lstsq((rows * root).T, -change, rcond=1e-10)[0]
+    motor = [k for k, one in enumerate(program.rows) if one.joint == "motor"]
+    return free + root * change, float(forces[motor[0]])
+
+
+@pytest.mark.parametrize("method", ["kinematics", "dopri5"])
+def test_motion_and_forces_are_those_of_a_good_choice_and_of_least_squares(
+    folders: dict[str, Path], system: System, good: Program, backend: str, method: str
+) -> None:
+    times = np.linspace(0.0, END, 21)
+    target: dict[str, Any] = {"good": "numpy", "bad": backend}
+    runs = {
+        name: load_dynamics(folder, target=target[name]).begin(
+            times, tolerance=1e-10, method=method
+        )
+        for name, folder in folders.items()
+    }
+    one, other = (runs[name].finish() for name in ("good", "bad"))
+    assert other.ledger.fallbacks > one.ledger.fallbacks
+    for name in ("acceleration", "force", "torque"):
+        for key, values in getattr(one, name).items():
+            np.testing.assert_allclose(getattr(other, name)[key], values, rtol=0, atol=1e-8)
+    assert np.abs(one.force["pin_1"]).max() > 1.0
+    np.testing.assert_allclose(other.work["motor"], one.work["motor"], rtol=0, atol=1e-8)
+    for row, torque in zip(runs["bad"].save().rows, other.torque["motor"], strict=True):
+        v_dot, lam = dense(good, system, row)
+        first = 1 + len(runs["bad"].solver.q) + len(v_dot)
+        np.testing.assert_allclose(row[first : first + len(v_dot)], v_dot, rtol=0, atol=1e-8)
+        assert abs(torque[2]) == pytest.approx(abs(lam), abs=1e-8)
+    assert np.abs(other.torque["motor"]).max() > 10.0
+
+
+def test_both_targets_give_the_same_bits(compiler: object, folders: dict[str, Path]) -> None:
+    one, other = (
+        load_dynamics(folders["bad"], target=target).begin(np.linspace(0.0, END, 21))
+        for target in ("c", "numpy")
+    )
+    assert one.finish().ledger.fallbacks > 0
+    other.finish()
+    np.testing.assert_array_equal(one.state, other.state)
+    np.testing.assert_array_equal(one.save().rows, other.save().rows)
+
+
+def test_thin_bodies_have_the_thickness_with_all_rows_that_they_have_with_those_kept(
+    bodies_folder: Callable[..., Path],
+) -> None:
+    """In the plane they need none; their forces lead out of it, and are computed in space."""
+    solver = load_dynamics(bodies_folder(scene_of("rods"), OUTPUTS), target="numpy")
+    motion = solver.simulate(END, samples=3, tolerance=1e-10)
+    assert (len(solver.rows), len(solver.left_out)) == (24, 7)
+    assert motion.ledger.fallbacks > 0
+    assert motion.ledger.growth > 1e-4
