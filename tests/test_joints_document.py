@@ -158,7 +158,7 @@ def test_the_document_shows_the_joints_of_the_code_and_no_others() -> None:
 
 
 def test_couplings_have_pictures_in_which_wheels_touch() -> None:
-    assert set(COUPLED) == set(COUPLINGS) - {"linear"}
+    assert set(COUPLED) == set(COUPLINGS)
     assert all(f"](joints/{name}.svg)" in TEXT for name in COUPLED)
     small, large = sorted(COUPLED["gear"].solids, key=lambda wheel: getattr(wheel, "radius", 0.0))
     assert isinstance(small, Cylinder) and isinstance(large, Cylinder)
@@ -168,6 +168,20 @@ def test_couplings_have_pictures_in_which_wheels_touch() -> None:
     rack, pinion = COUPLED["rack_and_pinion"].solids
     assert isinstance(rack, Box) and isinstance(pinion, Cylinder)
     assert pinion.start[2] - pinion.radius == pytest.approx(rack.high[2])
+
+
+def test_the_rope_of_the_linear_coupling_keeps_its_length() -> None:
+    """Its strands touch the pulleys; the arrows, up to which both go, show the factors."""
+    factors = re.search(r'type = "linear"\n.*\nfactors = \[(.*), (.*)\]\n', TEXT)
+    assert factors is not None
+    solids = [one for one in COUPLED["linear"].solids if isinstance(one, Cylinder)]
+    pulleys = [one for one in solids if one.radius > 0.3]
+    strands = [one for one in solids if one.radius < 0.05]
+    ends = {round(one.start[0] + s * one.radius, 9) for one in pulleys for s in (-1, 1)}
+    assert sorted(one.start[0] for one in strands) == pytest.approx(sorted(ends))
+    of_i, of_j = (freedom.size for freedom in COUPLED["linear"].freedoms)
+    strands_of_j = sum(one.start[2] == pulleys[1].start[2] for one in strands)
+    assert [1, strands_of_j] == [float(factor) for factor in factors.groups()] == [1, of_i / of_j]
 
 
 @pytest.mark.parametrize("joint", [*JOINTS, *COUPLED])
