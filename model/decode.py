@@ -295,7 +295,7 @@ def _chosen(kind: Any, value: object) -> Any:
 def _refusal(value: object, kind: Any) -> str:
     problem = f"{_got(value)} stands where {_wanted(kind)} is wanted"
     if isinstance(value, str) and kind in (int, float):
-        problem += "; formulas are not evaluated in a scene, write the number itself"
+        problem += "; no formula may stand here, write the number itself"
     return problem
 
 

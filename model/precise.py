@@ -27,8 +27,8 @@ ZERO: Triple = (CONTEXT.mpf(0),) * 3
 IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
 
 
-def number(value: float | Fraction) -> High:
-    """Return a double without rounding, or a fraction rounded to 50 digits.
+def number(value: float | Fraction | High) -> High:
+    """Return a double without rounding, or a fraction rounded to 50 digits; 50 digits as they are.
 
     Of a double that depends on parameters it is the number with its formula.
     """
@@ -36,6 +36,8 @@ def number(value: float | Fraction) -> High:
         return CONTEXT.mpf(value)
     if isinstance(value, Varying):
         return value.traced
+    if isinstance(value, Traced):
+        return value
     if isinstance(value, Fraction):
         return CONTEXT.mpf(value.numerator) / value.denominator
     return CONTEXT.mpf(value)

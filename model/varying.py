@@ -106,27 +106,20 @@ def is_varying(value: object) -> bool:
     return isinstance(value, Varying)
 
 
-def fixed(value: T, other: int = 0) -> T:
+def fixed(value: T) -> T:
     """Return a number, a tuple or a record with the numbers of the scene, which nothing varies.
 
     What has no number that varies is returned as it is.
-
-    Parameters
-    ----------
-    value : number, tuple or record
-        What may have numbers that vary.
-    other : int
-        The values of the parameters that are taken: 0 of the scene, 1 and 2 are others.
     """
     found: Any = value
     if isinstance(value, Varying):
-        found = float(value.traced.values[other])
+        found = float(value)
     elif isinstance(value, tuple):
-        parts = tuple(fixed(part, other) for part in value)
+        parts = tuple(map(fixed, value))
         found = value if all(a is b for a, b in zip(parts, value, strict=True)) else parts
     elif is_dataclass(value) and not isinstance(value, type):
         given = {field.name: getattr(value, field.name) for field in fields(value)}
-        changed = {name: fixed(part, other) for name, part in given.items()}
+        changed = {name: fixed(part) for name, part in given.items()}
         changed = {name: part for name, part in changed.items() if part is not given[name]}
         found = replace(value, **changed) if changed else value
     return cast("T", found)

@@ -12,8 +12,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model import precise
-from kousoku.model.traced import Traced, at_scene, exact
-from kousoku.model.varying import Varying, fixed, is_varying
+from kousoku.model.traced import Traced, at_scene
+from kousoku.model.varying import Varying, is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -111,25 +111,6 @@ def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
     velocity = precise.add(v, precise.rotate(p, precise.cross(omega, old_origin)))
     arm, rate = (precise.rotate(turned, s) for s in (origin, precise.cross(spin, origin)))
     return precise.subtract(place, arm), turned, precise.subtract(velocity, rate), spin
-
-
-def with_other_parameters(system: System, other: int) -> System:
-    """Return a system with its numbers and its start at other values of its parameters.
-
-    Where none of its numbers depends on parameters it is the same.
-    """
-    found = fixed(system, other)
-    if found is system:
-        return system
-    bodies = []
-    for body, own in zip(found.bodies, system.bodies, strict=True):
-        (x, y, z), (e0, e1, e2, e3), (v_x, v_y, v_z), (a, b, c) = (
-            tuple(float(exact(x.values[other] if isinstance(x, Traced) else x)) for x in values)
-            for values in start_of(own)
-        )
-        placed = replace(body, r=(x, y, z), p=(e0, e1, e2, e3))
-        bodies.append(replace(placed, v=(v_x, v_y, v_z), omega_b=(a, b, c)))
-    return replace(found, bodies=tuple(bodies))
 
 
 def starts(system: System, places: Sequence[Coordinates]) -> list[tuple[int, float]]:

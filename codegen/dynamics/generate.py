@@ -94,7 +94,7 @@ def independent(
     """
     program = compose(system, wanted, may_be_planar=may_be_planar)
     fixed = fixed_system(system)
-    require_unmoved_rows_hold(system, program)
+    require_unmoved_rows_hold(fixed, program)
     freedom = freedom_of(fixed, program)
     if freedom.dropped:
         rows = kept_rows(freedom, program)

@@ -103,7 +103,9 @@ def _kept(system: System, leaders: DisjointSets) -> set[int]:
             found |= {coordinate.i, coordinate.j}
     for one in system.constraints:
         name, _, axis = one.kind.partition("_")
-        if (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
+        is_inner = len({leaders.of(body) for body in one.bodies}) == 1
+        varies = is_inner and any(is_varying(values) for _, values in one.constants)
+        if varies or (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
             found |= {*one.bodies}
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)

@@ -74,6 +74,7 @@ def record_setup(
         own = expressions[first : first + TOGETHER]
         target = column(range(DESIGN + first + 2, DESIGN + first + 2 + len(own)))
         recorder.call(Derived(own, names), parameters, into=(target,))
-    used = (name for one in expressions for name in names_of(one))
+    found = {name for one in expressions for name in names_of(one)}
+    used = [name for name in names if name in found]
     places_of = {key: place for key, (place, _) in recorder.design.items()}
     return Design.of(places_of, start, system.positive, used)

@@ -1,0 +1,214 @@
+"""Masses, lengths, points and axes that are arguments of a solver: equal to numbers folded in."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from kousoku.model.design_numbers import read_formulas, with_numbers
+from kousoku.model.errors import SolveError
+from kousoku.model.problems import Problems
+from kousoku.model.read import scene_from_toml
+from kousoku.runtime.dynamics import load_dynamics
+from tests.runtime.design_scenes import BELL, DRIVEN, FOUR_BAR, LOOP, PENDULUM, SCENES, TOP
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.model.scene import Scene
+
+OUTPUTS = ("positions", "velocities", "accelerations", "reactions", "energies")
+#: Regions with which a solver is compared.
+REGIONS = ("v_dot", "lam", "reactions", "energies", "C", "dq", "q_dot")
+
+
+def drawn(scene: Scene, seed: int) -> dict[str, float]:
+    """Return other values of the parameters, a tenth away."""
+    random = np.random.default_rng(seed)
+    return {
+        name: value * (1 + random.uniform(-0.1, 0.1)) for name, value in scene.parameters.items()
+    }
+
+
+def folded(scene: Scene, values: dict[str, float]) -> Scene:
+    """Return a scene with the numbers that some parameters make in place of its formulas."""
+    other = msgspec.structs.replace(scene, parameters=values, name=f"{scene.name}_folded")
+    return with_numbers(read_formulas(other, Problems()))
+
+
+@pytest.fixture
+def load(bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
+    def loaded(scene: Scene, target: Any = "auto") -> Any:
+        return load_dynamics(bodies_folder(scene, OUTPUTS), target=target)
+
+    return loaded
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_number_that_is_given_is_as_good_as_one_that_is_folded_in(
+    load: Callable[..., Any], name: str
+) -> None:
+    scene = scene_from_toml(SCENES[name])
+    solver = load(scene, "numpy")
+    for seed in (1, 2):
+        given = drawn(scene, seed)
+        wanted = load(folded(scene, given), "numpy")
+        state = wanted.evaluate(0.25)
+        found = solver.evaluate(0.25, wanted.q, wanted.v, given)
+        for region in REGIONS:
+            size = 1e-3 if region in {"C", "dq"} else np.abs(state[region]).max()
+            np.testing.assert_allclose(
+                found[region], state[region], rtol=0, atol=1e-12 * size, err_msg=region
+            )
+
+
+@pytest.mark.parametrize("text", [PENDULUM, FOUR_BAR, LOOP, TOP, DRIVEN])
+def test_a_motion_with_parameters_is_that_of_the_numbers(
+    load: Callable[..., Any], text: str
+) -> None:
+    scene = scene_from_toml(text)
+    given = drawn(scene, 3)
+    wanted = load(folded(scene, given))
+    there = replace(load(scene).at(given), q=wanted.q, v=wanted.v)
+    how: dict[str, Any] = {"samples": 11, "tolerance": 1e-11}
+    found, expected = there.simulate(1.0, parameters=given, **how), wanted.simulate(1.0, **how)
+    size = wanted.length / wanted.unit
+    for body, position in expected.position.items():
+        np.testing.assert_allclose(found.position[body], position, rtol=0, atol=1e-9 * size)
+    size = max(np.abs(force).max() for force in expected.force.values())
+    for joint, force in expected.force.items():
+        np.testing.assert_allclose(found.force[joint], force, rtol=0, atol=1e-8 * size)
+    energy = expected.energy["total"]
+    size = max(np.abs(part).max() for part in expected.energy.values())
+    np.testing.assert_allclose(found.energy["total"], energy, rtol=0, atol=1e-9 * size)
+
+
+def test_frames_stay_where_they_start_when_parameters_turn_principal_axes(
+    load: Callable[..., Any],
+) -> None:
+    scene = scene_from_toml(BELL)
+    given = {"a": 0.7, "b": 0.9, "m": 1.2}  # the longer arm is the other one: axes change places
+    wanted, solver = load(folded(scene, given)), load(scene)
+    how: dict[str, Any] = {"samples": 6, "tolerance": 1e-11}
+    found, expected = solver.simulate(0.5, parameters=given, **how), wanted.simulate(0.5, **how)
+    assert np.abs(solver.at(given).q - wanted.q).max() > 0.1
+    for table in ("position", "orientation", "velocity", "angular_velocity", "acceleration"):
+        a, b = getattr(found, table)["bell"], getattr(expected, table)["bell"]
+        if table == "orientation":
+            a = a * np.sign((a * b).sum(axis=1))[:, None]
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-9 * max(1.0, np.abs(b).max()))
+    np.testing.assert_allclose(found.torque["cross"], expected.torque["cross"], rtol=0, atol=1e-8)
+
+
+@pytest.mark.parametrize("name", ["four_bar", "loop", "coupled"])
+def test_c_and_numpy_make_the_same_bits_of_parameters(load: Callable[..., Any], name: str) -> None:
+    scene = scene_from_toml(SCENES[name])
+    given = drawn(scene, 4)
+    rows = [
+        load(scene, target).begin([0.0, 0.02], parameters=given, tolerance=1e-6)
+        for target in ("c", "numpy")
+    ]
+    for run in rows:
+        run.finish()
+    a, b = (run.save().rows for run in rows)
+    if name == "coupled":  # angles: libraries differ in the last digit
+        np.testing.assert_allclose(a, b, rtol=0, atol=1e-9 * np.abs(b).max())
+    else:
+        np.testing.assert_array_equal(a, b)
+
+
+def test_far_parameters_are_reached_on_the_branch_of_the_scene(load: Callable[..., Any]) -> None:
+    scene = scene_from_toml(FOUR_BAR)
+    given = {"a": 0.6, "b": 4.4, "c": 3.6, "g": 4.2, "rho": 3.0}
+    motion = load(scene).simulate(1e-6, samples=2, parameters=given)
+    pins = motion.position
+    ends = {
+        body: pins[body][0] + length * _first_axis(motion.orientation[body][0])
+        for body, length in (("crank", 0.6), ("coupler", 4.4), ("rocker", 3.6))
+    }
+    np.testing.assert_allclose(ends["crank"], pins["coupler"][0], atol=1e-12)
+    np.testing.assert_allclose(ends["coupler"], ends["rocker"], atol=1e-12)
+    np.testing.assert_allclose(pins["rocker"][0], [4.2, 0.0, 0.0], atol=1e-12)
+    assert ends["rocker"][1] > 1.0  # the coupler is above the frame, as in the scene
+
+
+def _first_axis(e: Any) -> Any:
+    w, x, y, z = e
+    return np.array([w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)])
+
+
+def test_the_origin_of_a_body_stays_while_its_centre_of_mass_moves(
+    load: Callable[..., Any],
+) -> None:
+    solver = load(scene_from_toml(PENDULUM))
+    q, _ = solver.at({"L": 80.0}).q, solver.q
+    assert 0.75 in solver.q
+    assert 0.4 in q
+    motion = solver.simulate(0.1, samples=2, parameters={"L": 80.0})
+    np.testing.assert_allclose(motion.position["bar"], np.zeros((2, 3)), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        ({"m": -1.0}, r"bodies\.bar\.mass is -1; wanted a positive number"),
+        ({"m": 0.0}, r"bodies\.bar\.mass is 0; wanted a positive number"),
+        ({"L": 0.0}, r"bodies\.bar\.inertia is 0; wanted"),
+        ({"L": 1e300}, r"no finite value"),
+    ],
+)
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_impossible_numbers_are_refused_by_name(
+    load: Callable[..., Any], target: str, given: dict[str, float], wanted: str
+) -> None:
+    solver = load(scene_from_toml(PENDULUM), target)
+    with pytest.raises(SolveError, match=wanted):
+        solver.simulate(1.0, parameters=given)
+    with pytest.raises(SolveError, match=wanted):
+        solver.evaluate(0.0, parameters=given)
+    work = np.zeros(solver.target.work_size)
+    values = np.array([{"m": 2.0, "L": 150.0}.__or__(given)[name] for name in ("m", "L")])
+    assert solver.target.evaluate(0.0, solver.q, solver.v, values, work) == -4
+
+
+def test_rows_that_depend_on_others_in_the_scene_only_are_not_lost(
+    load: Callable[..., Any],
+) -> None:
+    text = re.sub(r"\[joints.hinge\].*", "", PENDULUM, flags=re.S)
+    for name, height in (("low", '"20*m"'), ("high", "100")):
+        text += f"""
+[joints.{name}]
+type = "revolute"
+bodies = ["ground", "bar"]
+points = [[0, {height}, 0], [0, {40 if name == "low" else 100}, 0]]
+axes = [[0, 1, 0], [0, 1, 0]]
+"""
+    solver = load(scene_from_toml(text.replace('name = "pendulum"', 'name = "door"')))
+    solver.simulate(0.1, samples=2, parameters={"L": 100.0})
+    with pytest.raises(SolveError, match=r"with m = 2.5, L = 150: joints stay open: joints\."):
+        solver.simulate(0.1, samples=2, parameters={"m": 2.5})
+
+
+def test_parameters_need_no_algebra_and_no_compiler(bodies_folder: Callable[..., Path]) -> None:
+    folder = bodies_folder(scene_from_toml(PENDULUM), OUTPUTS)
+    load_dynamics(folder)  # compiles
+    script = f"""
+import os, sys
+os.environ["KOUSOKU_CC"] = "none"
+sys.path.insert(0, {str(folder.parent)!r})
+from pendulum import simulate
+a = simulate(0.2, samples=3, parameters={{"L": 80.0, "m": 3.0}})
+b = simulate(0.2, samples=3)
+assert abs(a.position["bar"]).max() < 1e-12 and abs(b.position["bar"]).max() < 1e-12
+assert a.orientation["bar"][-1][2] > b.orientation["bar"][-1][2]
+assert not {{"sympy", "jinja2", "mpmath"}} & set(sys.modules)
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
