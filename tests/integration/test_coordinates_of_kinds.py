@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
 from kousoku.generated.kinds import angle, distance, length, linear_combination
+from kousoku.runtime import load
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -117,6 +119,27 @@ def test_there_is_no_angle_along_the_axis_and_no_direction_of_no_length() -> Non
     value, jacobian = length.constraint(**points)
     assert value[0] == 0.0
     assert not jacobian.any()
+
+
+def test_no_length_has_no_direction_and_a_small_one_the_one_that_it_has(backend: str) -> None:
+    target: Any = backend
+    kernels = load(Path(length.__file__).parent, target=target)
+    places: dict[str, Any] = {"r_i": X, "p_i": AT_REST, "s_i_b": Y, "p_j": AT_REST, "s_j_b": X}
+    speeds: dict[str, Any] = {"v_i": X, "omega_i_b": Z, "v_j": 3 * Y, "omega_j_b": X + Y}
+    together = {**places, "r_j": Y}
+    assert kernels.constraint(**together)[0].tolist() == [0.0]
+    assert not kernels.constraint(**together)[1].any()
+    assert not kernels.reaction(**together, lam=[5.0])[0].any()
+    assert [x.tolist() for x in kernels.rates(**together, **speeds)] == [[0.0], [-math.inf]]
+    at_rest = {name: 0.0 * speed for name, speed in speeds.items()}
+    assert [x.tolist() for x in kernels.rates(**together, **at_rest)] == [[0.0], [0.0]]
+
+    start: dict[str, Any] = dict.fromkeys(("r_i", "s_i_b", "s_j_b"), np.zeros(3))
+    turned_ends = {"p_i": AT_REST, "p_j": AT_REST}
+    for size in (1e-153, 1e-15, 1.0):
+        value, jacobian = kernels.constraint(**start, **turned_ends, r_j=size * Y)
+        assert value.tolist() == [size]
+        assert jacobian[0, 6:9].tolist() == [0.0, 1.0, 0.0]
 
 
 def test_length_of_a_rod_is_what_distance_keeps() -> None:

@@ -218,3 +218,13 @@ def test_a_held_coordinate_that_a_driver_moves_is_named_with_it() -> None:
         assemble(system)
     assert "coordinates.theta.hold by" in str(caught.value)
     assert "drivers.motor by" in str(caught.value)
+
+
+@pytest.mark.parametrize(("law", "torn"), [("0.1*t", "0.1 m/s"), ("0.1 + t", "0.1 m")])
+def test_a_driver_of_the_distance_of_points_that_coincide_is_refused(law: str, torn: str) -> None:
+    solid = {"position": [0, 0, 0], "mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}
+    gap = {"bodies": ["a", "b"], "points": [[0, 0, 0], [0, 0, 0]]}
+    tree = {"name": "gap", "unit": "m", "bodies": {"a": solid, "b": solid}}
+    tree |= {"coordinates": {"gap": gap}, "drivers": {"d": {"coordinate": "gap", "value": law}}}
+    with pytest.raises(AssemblyError, match=rf"drivers\.d by {torn}; the joints, or other drivers"):
+        assemble(system_of(scene_from_dict(tree)))
