@@ -324,6 +324,85 @@ joint = "A"
 value = "0.3 + w*t"
 """
 
+MIXED = """
+name = "mixed"
+unit = "m"
+gravity = [0, 0, -9.81]
+outputs = ["positions", "accelerations", "reactions", "energies"]
+[parameters]
+u = 0.3
+g = 1.1
+[bodies.a]
+position = [0, 0, 0]
+mass = 1.0
+center = ["u", 0.2, 0.1]
+inertia = { xx = 0.4, yy = 0.5, zz = 0.6, xy = 0.01 }
+[bodies.b]
+position = [1, 0, 0]
+mass = "g"
+center = [0.1, 0.2, 0.3]
+inertia = { xx = "0.4*g", yy = "0.5*g", zz = "0.6*g", xy = "0.05*g", yz = "0.02*g", zx = "0.01*g" }
+[bodies.c]
+position = [2, 0.3, 0]
+mass = "g"
+inertia = { xx = 1, yy = 1.1, zz = "g" }
+[joints.j1]
+type = "revolute"
+bodies = ["ground", "a"]
+at = ["u", 0, 0]
+axis = [0, "u", 1]
+[joints.j2]
+type = "universal"
+bodies = ["a", "b"]
+points = [[1, 0, "u"], [0, 0, "u"]]
+axes = [[0, 1, 0], [0, 0, 1]]
+[joints.j3]
+type = "cylindrical"
+bodies = ["b", "c"]
+points = [[1, 0.3, 0], [0, 0, 0]]
+axes = [["u", 0, 1], ["u", 0, 1]]
+zero = [[1, "u", 0], [1, "u", 0]]
+[coordinates.len]
+bodies = ["ground", "b"]
+points = [["u", 3, 0], ["g", 0, 0]]
+[coordinates.pl]
+body = "c"
+point = ["u", 0, 0]
+along = [1, "g", 0]
+[coordinates.ang]
+joint = "j3"
+of = "angle"
+[forces.s1]
+type = "along"
+coordinate = "pl"
+force = "-3*u*sin(pl)"
+[forces.s2]
+type = "rotational_spring_damper"
+joint = "j1"
+stiffness = "4*g"
+damping = 0.2
+[forces.s3]
+type = "friction"
+joint = "j2"
+damping = "0.1*g"
+of = "angle"
+[forces.s4]
+type = "spring_damper"
+bodies = ["ground", "c"]
+points = [[0, "u", 1], ["g", 0, 0]]
+stiffness = 3
+[forces.s5]
+type = "force"
+body = "b"
+point = ["u", "g", 0]
+force_b = [1, "u*t", 0]
+[forces.s6]
+type = "spring_damper"
+bodies = ["ground", "a"]
+points = [["u", 3, 0], ["g", 0, 0]]
+tension = "4*x + 0.3*v + u"
+"""
+
 SCENES = {
     "pendulum": PENDULUM,
     "four_bar": FOUR_BAR,
@@ -332,4 +411,5 @@ SCENES = {
     "coupled": COUPLED,
     "bell": BELL,
     "driven": DRIVEN,
+    "mixed": MIXED,
 }

@@ -12,12 +12,18 @@ import msgspec
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.model.design_numbers import read_formulas, with_numbers
 from kousoku.model.errors import SolveError
 from kousoku.model.problems import Problems
 from kousoku.model.read import scene_from_toml
+from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.dynamics_targets import Memory
+from kousoku.runtime.run import BAD_ARGUMENT
 from tests.runtime.design_scenes import BELL, DRIVEN, FOUR_BAR, LOOP, PENDULUM, SCENES, TOP
+from tests.runtime.test_dynamics_fallback import BAD, END, write_without
+from tests.runtime.test_dynamics_fallback import SCENE as BRICARD
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -174,9 +180,10 @@ def test_impossible_numbers_are_refused_by_name(
         solver.simulate(1.0, parameters=given)
     with pytest.raises(SolveError, match=wanted):
         solver.evaluate(0.0, parameters=given)
-    work = np.zeros(solver.target.work_size)
-    values = np.array([{"m": 2.0, "L": 150.0}.__or__(given)[name] for name in ("m", "L")])
-    assert solver.target.evaluate(0.0, solver.q, solver.v, values, work) == -4
+    values = np.array([*({"m": 2.0, "L": 150.0} | given).values()])
+    memory = Memory(np.zeros(solver.target.state_size), np.zeros(solver.target.work_size))
+    assert solver.target.start(0.0, solver.q, solver.v, values, memory) == BAD_ARGUMENT
+    assert solver.target.evaluate(0.0, solver.q, solver.v, values, memory.work) == BAD_ARGUMENT
 
 
 def test_rows_that_depend_on_others_in_the_scene_only_are_not_lost(
@@ -212,3 +219,35 @@ assert a.orientation["bar"][-1][2] > b.orientation["bar"][-1][2]
 assert not {{"sympy", "jinja2", "mpmath"}} & set(sys.modules)
 """
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+
+
+def test_rows_that_take_over_are_weighed_with_the_masses_of_the_run(
+    compiler: object, tmp_path: Path
+) -> None:
+    text = BRICARD.read_text(encoding="utf-8").replace("mass = 1,", 'mass = "m",', 1)
+    systems = [
+        assemble(system_of(scene_from_toml(f"{text}\n[parameters]\nm = {m}\n"))) for m in (0.4, 1.5)
+    ]
+    folders = [
+        write_without(BAD, system, _made(tmp_path / str(k))) for k, system in enumerate(systems)
+    ]
+    how: dict[str, Any] = {"samples": 41, "tolerance": 1e-10}
+    solver = load_dynamics(folders[0], target="c")
+    found = solver.simulate(END, parameters={"m": 1.5}, **how)
+    wanted = load_dynamics(folders[1], target="c").simulate(END, **how)
+    assert found.ledger.fallbacks > 0
+    assert found.ledger.energy_error == pytest.approx(0.0, abs=1e-8)
+    for body, position in wanted.position.items():
+        np.testing.assert_allclose(found.position[body], position, rtol=0, atol=1e-8)
+    one, other = (
+        load_dynamics(folders[0], target=target).begin([0.0, 1.0], parameters={"m": 1.5})
+        for target in ("c", "numpy")
+    )
+    for run in (one, other):
+        run.finish()
+    np.testing.assert_array_equal(one.state, other.state)
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir()
+    return folder

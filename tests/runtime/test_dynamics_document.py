@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 import runpy
 import shutil
+import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +32,17 @@ def test_programs_of_the_document_run(
     assert names["motion"].time.tolist() == [0.0, 0.5, 1.0, 1.5]
     assert names["motion"].is_complete
     assert (tmp_path / "top.csv").is_file()
+
+
+def test_the_study_of_parameters_prints_what_the_document_says(compiler: Toolchain) -> None:
+    study = ROOT / "docs" / "examples" / "parameter_study.py"
+    done = subprocess.run([sys.executable, study], check=True, capture_output=True, text=True)
+    table = re.search(r"```text\n(crank.*?)```", TEXT, re.DOTALL)
+    assert table is not None
+    assert done.stdout == table[1]
+    for line in done.stdout.splitlines()[1:]:
+        crank, rod, force = (float(x) for x in re.findall(r"[\d.]+", line))
+        assert abs(force - 0.4 * crank * 300**2 * (1 + crank / rod)) < 0.1  # at its dead centre
 
 
 def test_table_of_the_ledger_has_every_field_of_it() -> None:
