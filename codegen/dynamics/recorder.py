@@ -11,6 +11,7 @@ and −(s + 2) is its negative.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol
 
 from kousoku.codegen.dynamics.program import Region, Segment, Task
@@ -36,6 +37,8 @@ if TYPE_CHECKING:
 CONSTANTS = 1 << 40
 #: Slots of numbers that depend on parameters.
 DESIGN = 1 << 41
+#: How many traces are kept for the next program.
+MOST_TRACES = 1024
 #: The kernel of a call that computes nothing.
 NOTHING = -1
 
@@ -92,6 +95,9 @@ class Operation(Protocol):
     @property
     def title(self) -> str:
         """What it computes, in one line; kernels and counts are named after it."""
+
+    def __hash__(self) -> int:
+        """Return a hash that equal operations share."""
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return the results in terms of the nodes of ``blocks``."""
@@ -261,11 +267,9 @@ class Recorder:
         operation: Operation,
         pattern: Pattern,
         lengths: Sequence[int],
-        pinned: Sequence[bool],
+        pinned: tuple[bool, ...],
     ) -> _Traced:
-        trace = Trace(lengths)
-        results = operation(trace, *(trace.matrix(*block) for block in pattern))
-        kernel, used, fresh, codes = traced_kernel(trace, operation.title, results, pinned)
+        kernel, used, fresh, codes = _traced_kernel(operation, pattern, tuple(lengths), pinned)
         number = self._kernel_id(kernel) if kernel.outputs else NOTHING
         return _Traced(number, used, fresh, codes)
 
@@ -275,6 +279,16 @@ class Recorder:
             self._kernel_ids[key] = len(self.kernels)
             self.kernels.append(replace(kernel, name=f"k{len(self.kernels)}"))
         return self._kernel_ids[key]
+
+
+@lru_cache(maxsize=MOST_TRACES)
+def _traced_kernel(
+    operation: Operation, pattern: Pattern, lengths: tuple[int, ...], pinned: tuple[bool, ...]
+) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
+    """Trace an operation once for all programs: a scene is composed again without some rows."""
+    trace = Trace(lengths)
+    results = operation(trace, *(trace.matrix(*block) for block in pattern))
+    return traced_kernel(trace, operation.title, results, pinned)
 
 
 def pattern_of(blocks: Sequence[Block]) -> tuple[Pattern, list[int], list[int], list[int]]:
