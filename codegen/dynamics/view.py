@@ -36,6 +36,10 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 
+#: Kernels that one function runs, and how many there are in a group where they are more.
+MOST_CASES, GROUP = 128, 64
+
+
 @dataclass(frozen=True, slots=True)
 class KernelText:
     """A kernel as a C function of runs of slots.
@@ -211,6 +215,22 @@ class DynamicsView:
     def leads(self) -> bool:
         """Whether parameters may change where bodies or drivers begin."""
         return self.varies or (self.has_drivers and bool(self.parameter_names))
+
+    @property
+    def numbered(self) -> tuple[tuple[int, KernelText], ...]:
+        """The kernels, each with its number."""
+        return tuple(enumerate(self.kernels))
+
+    @property
+    def groups(self) -> tuple[tuple[tuple[int, KernelText], ...], ...]:
+        """The kernels in groups, none where they are few: each group is a function of its own.
+
+        A compiler takes a time for a function that grows with the square of its cases.
+        """
+        if len(self.kernels) <= MOST_CASES:
+            return ()
+        starts = range(0, len(self.kernels), GROUP)
+        return tuple(self.numbered[start : start + GROUP] for start in starts)
 
     @property
     def meanings(self) -> Mapping[str, str]:

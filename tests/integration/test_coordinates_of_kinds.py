@@ -135,7 +135,7 @@ def test_no_length_has_no_direction_and_a_small_one_the_one_that_it_has(backend:
     assert [x.tolist() for x in kernels.rates(**together, **at_rest)] == [[0.0], [0.0]]
 
     start: dict[str, Any] = dict.fromkeys(("r_i", "s_i_b", "s_j_b"), np.zeros(3))
-    turned_ends = {"p_i": AT_REST, "p_j": AT_REST}
+    turned_ends: dict[str, Any] = {"p_i": AT_REST, "p_j": AT_REST}
     for size in (1e-153, 1e-15, 1.0):
         value, jacobian = kernels.constraint(**start, **turned_ends, r_j=size * Y)
         assert value.tolist() == [size]
