@@ -12,60 +12,10 @@ import numpy as np
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.model.builder import SceneBuilder
+from kousoku.model.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
 
-Z = (0, 0, 1)
-
-scene = (
-    SceneBuilder("engine", unit="m")
-    .parameter("crank", 0.05)
-    .parameter("rod", 0.15)
-    .parameter("speed", 300)
-    .body(
-        "shaft",
-        position=(0, 0, 0),
-        mass=2,
-        inertia={"xx": 0.01, "yy": 0.01, "zz": 0.01},
-    )
-    .body(
-        "conrod",
-        position=(0.05, 0, 0),
-        rods=[{"mass": "4*rod", "ends": ((0, 0, 0), ("rod", 0, 0))}],
-    )
-    .body(
-        "piston",
-        position=(0.2, 0, 0),
-        mass=0.4,
-        inertia={"xx": 1e-4, "yy": 1e-4, "zz": 1e-4},
-    )
-    .joint("bearing", type="revolute", bodies=("ground", "shaft"), at=(0, 0, 0), axis=Z)
-    .joint(
-        "crankpin",
-        type="revolute",
-        bodies=("shaft", "conrod"),
-        points=(("crank", 0, 0), (0, 0, 0)),
-        axes=(Z, Z),
-    )
-    .joint(
-        "pin",
-        type="revolute",
-        bodies=("conrod", "piston"),
-        points=(("rod", 0, 0), (0, 0, 0)),
-        axes=(Z, Z),
-    )
-    .joint(
-        "cylinder",
-        type="prismatic",
-        bodies=("ground", "piston"),
-        points=((0, 0, 0), (0, 0, 0)),
-        axes=((1, 0, 0), (1, 0, 0)),
-    )
-    .driver("motor", joint="bearing", value="speed*t")
-    .outputs("reactions")
-    .build()
-)
-
+scene = read_scene(Path(__file__).parents[2] / "scenes" / "engine.toml")
 with tempfile.TemporaryDirectory() as place:
     folder = Path(place) / scene.name
     write_tree(folder, generate_dynamics(scene))

@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -21,16 +22,19 @@ from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.run import BAD_ARGUMENT
-from tests.runtime.design_scenes import BELL, DRIVEN, FOUR_BAR, LOOP, PENDULUM, SCENES, TOP
 from tests.runtime.test_dynamics_fallback import BAD, END, write_without
 from tests.runtime.test_dynamics_fallback import SCENE as BRICARD
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.model.scene import Scene
 
+FOLDER = Path(__file__).parents[1] / "scenes" / "design"
+SCENES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.toml"))}
+BELL, DRIVEN, FOUR_BAR, LOOP, PENDULUM, TOP = (
+    SCENES[name] for name in ("bell", "driven", "four_bar", "loop", "pendulum", "top")
+)
 OUTPUTS = ("positions", "velocities", "accelerations", "reactions", "energies")
 #: Regions with which a solver is compared.
 REGIONS = ("v_dot", "lam", "reactions", "energies", "C", "dq", "q_dot")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -17,11 +18,13 @@ from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.varying import is_varying
-from tests.runtime.design_scenes import FOUR_BAR, PENDULUM
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
+FOLDER = Path(__file__).parents[2] / "scenes" / "design"
+SCENES = {path.stem: path.read_text(encoding="utf-8") for path in sorted(FOLDER.glob("*.toml"))}
+FOUR_BAR, PENDULUM = (SCENES[name] for name in ("four_bar", "pendulum"))
 WANTED = ("checks", "energies", "reactions")
 TWO = """
 name = "two"
