@@ -10,7 +10,8 @@ from kousoku.model.errors import SceneError
 from kousoku.model.frames import joint_vectors
 from kousoku.model.joints import ANGLE, DISPLACEMENT, NAMES
 from kousoku.model.mechanism import COMBINATION, Instance, Term
-from kousoku.model.precise import CONTEXT, NOISE, Traced
+from kousoku.model.precise import CONTEXT, NOISE
+from kousoku.model.traced import Traced
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

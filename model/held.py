@@ -9,8 +9,9 @@ from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
-from kousoku.model.precise import ZERO, at_scene
+from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant
+from kousoku.model.traced import at_scene
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:

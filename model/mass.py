@@ -13,8 +13,9 @@ from msgspec import structs
 
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
-from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Traced, Triple, at_scene
+from kousoku.model.precise import CONTEXT, ZERO, High, Quadruple, Square, Triple
 from kousoku.model.quaternions import quaternion
+from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator

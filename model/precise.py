@@ -9,19 +9,23 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from kousoku.model import traced
 from kousoku.model.terms import Function
-from kousoku.model.traced import CONTEXT, NOISE, Traced, applied, at_scene
+from kousoku.model.traced import Traced, applied, at_scene
 from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-__all__ = ["CONTEXT", "NOISE", "Traced", "at_scene"]
-
 High = Any  # a number of the context, or a traced one: mpmath is untyped
 Triple = tuple[High, High, High]
 Quadruple = tuple[High, High, High, High]
 Square = tuple[Triple, Triple, Triple]
+
+#: mpmath with 50 digits, apart from the context that other code may set.
+CONTEXT = traced.CONTEXT
+NOISE = traced.NOISE
+"""What is smaller than this part of the numbers it came from is a rounded zero."""
 
 ZERO: Triple = (CONTEXT.mpf(0),) * 3
 IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)

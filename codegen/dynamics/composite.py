@@ -9,7 +9,8 @@ from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import not_negative, to_vector
 from kousoku.model.mass import principal, steiner
-from kousoku.model.precise import CONTEXT, IDENTITY, ZERO, High, Quadruple, Traced, Triple
+from kousoku.model.precise import CONTEXT, IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.traced import Traced
 from kousoku.model.varying import fixed
 
 if TYPE_CHECKING:
