@@ -3,24 +3,30 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.design import Design, with_parameters
-from kousoku.runtime.given import numbers_of, require_callable, require_numbers, shown
+from kousoku.runtime.given import (
+    folder_of,
+    numbers_of,
+    require_callable,
+    require_numbers,
+    require_options,
+    shown,
+)
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
-from kousoku.runtime.options import KINEMATICS, options_of, require_options, with_values
+from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
 from kousoku.runtime.places import BodyPlaces, CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.run import Run, SavedRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+    from pathlib import Path
     from typing import Literal
 
     import numpy.typing as npt
@@ -146,7 +152,7 @@ class DynamicsSolver:
         Interrupted
             The user pressed Ctrl-C; the exception has what was computed.
         """
-        require_options(self.name, options, "end", "times", "samples", "progress")
+        require_options(self.name, options, OPTIONS, "end", "times", "samples", "progress")
         require_callable(self.name, progress)
         return self.begin(self._times(end, times, samples), **options).finish(progress)
 
@@ -166,7 +172,7 @@ class DynamicsSolver:
         SolveError
             An option is not possible, or the start is not.
         """
-        require_options(self.name, options, "times")
+        require_options(self.name, options, OPTIONS, "times")
         chosen = options_of(self, **options)
         return Run(self, self._times(None, times, 0), chosen)
 
@@ -291,9 +297,7 @@ def load_dynamics(
     """
     from kousoku.runtime.dynamics_targets import open_solver
 
-    if not isinstance(folder, str | os.PathLike):
-        raise LoadError(f"{shown(folder)} is no folder; wanted the path of one")
-    folder = Path(folder).absolute()
+    folder = folder_of(folder)
     manifest = read_manifest(folder)
     files = read_files(folder, manifest)
     if MOTION_FILE not in files:

@@ -2,20 +2,75 @@
 
 from __future__ import annotations
 
+import os
 from numbers import Integral, Real
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from kousoku.model.errors import SolveError
+from kousoku.model.errors import LoadError, SolveError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     import numpy.typing as npt
 
     Array = npt.NDArray[np.float64]
 
 #: Characters of a value that a message shows.
 LONGEST = 60
+
+
+def require_options(
+    scene: str, given: Mapping[str, object], options: Sequence[str], *also: str
+) -> None:
+    """Refuse options that there are not.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    given : mapping of str to object
+        The options.
+    options : sequence of str
+        Those that there are.
+    *also : str
+        What else the call takes.
+
+    Raises
+    ------
+    SolveError
+        The message says which name is nearest.
+    """
+    for name in given:
+        if name not in options:
+            raise SolveError(f"{scene}: {unknown('option', name, (*also, *options))}")
+
+
+def unknown(what: str, name: object, known: Sequence[str]) -> str:
+    """Say that there is no such parameter or option, and which ones there are."""
+    from difflib import get_close_matches
+
+    of = "the scene has" if what == "parameter" else "there are"
+    if not known:
+        return f"no {what} {shown(name)}: {of} none"
+    near = get_close_matches(str(name), known, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
+
+
+def folder_of(given: object) -> Path:
+    """Return the absolute path of a folder.
+
+    Raises
+    ------
+    LoadError
+        What is given is no path.
+    """
+    if not isinstance(given, str | os.PathLike):
+        raise LoadError(f"{shown(given)} is no folder; wanted the path of one")
+    return Path(given).absolute()
 
 
 def require_numbers(
@@ -94,5 +149,5 @@ def shown(value: object) -> str:
     try:
         text = " ".join(repr(value).split())
     except ValueError:  # a whole number of thousands of digits
-        text = f"a {type(value).__name__} of very many digits"
+        text = "a number of very many digits"
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"

@@ -11,6 +11,7 @@ from kousoku.model.errors import LoadError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.choice import choose
+from kousoku.runtime.given import folder_of
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_library
@@ -123,7 +124,7 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     CacheError
         With ``target="c"``: the library cannot be kept.
     """
-    folder = Path(folder).absolute()
+    folder = folder_of(folder)
     manifest = read_manifest(folder)
     files = read_files(folder, manifest)
     return choose(

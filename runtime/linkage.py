@@ -7,18 +7,19 @@ import hashlib
 import sys
 import threading
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType, ModuleType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
+from kousoku.runtime.given import require_numbers, require_options, shown
 from kousoku.runtime.library import Library, load, read_files
 from kousoku.runtime.linkage_trajectory import Trajectory
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
+    from pathlib import Path
 
     import numpy.typing as npt
 
@@ -28,6 +29,9 @@ SOLVER = "solver.py"
 #: Room for the results, in the order of the fields of ``kernels.h``.
 RESULTS = ("alpha", "position", "velocity", "acceleration")
 ANGLES = ("angle", "angle_dot", "angle_ddot")
+#: Options of a call that are counts, and all of them.
+COUNTS = ("divisions", "turns", "first_turn", "from_turn")
+OPTIONS = ("method", *COUNTS, "limit")
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53
 #: No thread sees a module that another one is still importing.
@@ -92,6 +96,7 @@ class LinkageSolver:
         return self._run_c(run) if self.target == "c" else self.module.solve(self.library, run)
 
     def _rows(self, options: dict[str, Any]) -> tuple[Any, Any]:
+        self._check(options)
         try:
             run = self.module.request(**options)
         except (ValueError, TypeError) as error:
@@ -102,9 +107,18 @@ class LinkageSolver:
             return run, self.rows(run)
         except MemoryError:
             raise SolveError(
-                f"{self.library.manifest.package}: no room for {run.rows} rows from division"
-                f" {run.first} on; ask for fewer turns or divisions"
+                f"{self.library.manifest.package}: no room for {shown(run.rows)} rows from division"
+                f" {shown(run.first)} on; ask for fewer turns or divisions"
             ) from None
+
+    def _check(self, options: Mapping[str, Any]) -> None:
+        """Refuse options that there are not, or that are no numbers where these are wanted."""
+        name = self.library.manifest.package
+        require_options(name, options, OPTIONS)
+        counts = {key: options[key] for key in COUNTS if options.get(key) is not None}
+        require_numbers(name, is_whole=True, **counts)
+        if options.get("limit") is not None:
+            require_numbers(name, limit=options["limit"])
 
     def _run_c(self, run: Any) -> Any:
         """Run the whole turn in one call of the compiled library."""
@@ -227,7 +241,7 @@ def load_scene(
     LoadError
         It is not such a folder, or a file of it was edited.
     """
-    return solver_of(load(Path(folder).absolute(), target=target))
+    return solver_of(load(folder, target=target))
 
 
 def solver_of(library: Library) -> LinkageSolver:

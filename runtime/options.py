@@ -11,11 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.given import require_numbers, shown
+from kousoku.runtime.given import require_numbers, shown, unknown
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from kousoku.runtime.dynamics import DynamicsSolver
 
 #: The method of scenes whose motion drivers determine.
@@ -139,28 +137,6 @@ def options_of(
     return Options(*numbers, bool(checks), name, int(most_steps), values)
 
 
-def require_options(scene: str, given: Mapping[str, object], *also: str) -> None:
-    """Refuse options that there are not.
-
-    Parameters
-    ----------
-    scene : str
-        What moves.
-    given : mapping of str to object
-        The options.
-    *also : str
-        What else the call takes.
-
-    Raises
-    ------
-    SolveError
-        The message says which name is nearest.
-    """
-    for name in given:
-        if name not in OPTIONS:
-            raise SolveError(f"{scene}: {_unknown('option', name, (*also, *OPTIONS))}")
-
-
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:
     possible = METHODS if solver.is_driven else RUNGE_KUTTA
     if name not in METHODS:
@@ -190,7 +166,7 @@ def with_values(
             f"{solver.name}: parameters {shown(given)}; wanted a mapping of names to numbers"
         )
     known = dict(solver.parameters)
-    problems = [_unknown("parameter", name, [*known]) for name in given if name not in known]
+    problems = [unknown("parameter", name, [*known]) for name in given if name not in known]
     for name, value in given.items():
         if name in known and not _is_finite(value):
             problems.append(f"parameter {name} is {shown(value)}, wanted a finite number")
@@ -204,15 +180,3 @@ def _is_finite(value: Any) -> bool:
         return not isinstance(value, str) and math.isfinite(value)
     except (TypeError, OverflowError):
         return False
-
-
-def _unknown(what: str, name: object, known: Sequence[str]) -> str:
-    """Say that there is no such parameter or option, and which ones there are."""
-    from difflib import get_close_matches
-
-    of = "the scene has" if what == "parameter" else "there are"
-    if not known:
-        return f"no {what} {shown(name)}: {of} none"
-    near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"

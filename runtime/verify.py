@@ -7,19 +7,20 @@ that use only + − × ÷ √ must also give the same bits in C and in NumPy.
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from kousoku.model.errors import LoadError, NoCompilerError, TargetError, VerifyError
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
+from kousoku.runtime.given import folder_of
 from kousoku.runtime.library import Library, load, read_files, read_manifest
 from kousoku.runtime.reference import read_references
 from kousoku.runtime.report import LIMIT, Report, Row
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from pathlib import Path
 
     from kousoku.model.manifest import KernelManifest
     from kousoku.runtime.evaluate import Evaluation
@@ -51,7 +52,7 @@ def verify(
     from kousoku.runtime.dynamics_verify import verify_solver
     from kousoku.runtime.linkage_verify import solver_problems
 
-    folder = package.folder if isinstance(package, Library) else Path(package).absolute()
+    folder = package.folder if isinstance(package, Library) else folder_of(package)
     try:
         manifest = read_manifest(folder)
         files = read_files(folder, manifest)

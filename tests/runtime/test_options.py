@@ -5,6 +5,7 @@ from __future__ import annotations
 from decimal import Decimal
 from fractions import Fraction
 from inspect import signature
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,12 +13,15 @@ import pytest
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.families import chain
+from kousoku.runtime import linkage, load, verify
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.linkage import load_scene
 from kousoku.runtime.options import OPTIONS, options_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
+
+GENERATED = Path(__file__).parents[2] / "generated"
 
 
 @pytest.mark.parametrize(
@@ -33,7 +37,7 @@ if TYPE_CHECKING:
         ({"times": [0, 1j]}, r"times \[0, 1j\]; wanted a row of numbers"),
         ({"end": Decimal("1")}, r"end Decimal\('1'\); wanted a number"),
         ({"end": 10**400}, "end 10{59}…; wanted a number in the range of doubles"),
-        ({"end": 1.0, "tolerance": 10**5000}, "a int of very many digits; wanted a number in"),
+        ({"end": 1.0, "tolerance": 10**5000}, "a number of very many digits; wanted a number in"),
         ({"end": 1.0, "samples": 10**12}, "1000000000000 samples; wanted an end above 0 and 2 to"),
         ({"end": 1.0, "checks": "no"}, "checks 'no'; wanted True or False"),
         ({"end": 1.0, "progress": 3}, "progress 3; wanted a function of two times"),
@@ -101,3 +105,34 @@ def test_other_calls_say_what_they_want(bodies_folder: Callable[..., Path]) -> N
         solver.evaluate(0.0, q=imaginary)
     with pytest.raises(LoadError, match="3 is no folder; wanted the path of one"):
         load_dynamics(wrong)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"divsions": 3}, "no option 'divsions': there are method, .*; did you mean 'divisions'"),
+        ({"divisions": Fraction(3)}, r"divisions Fraction\(3, 1\); wanted a whole number"),
+        ({"turns": 1.0}, r"turns 1\.0; wanted a whole number"),
+        ({"limit": "small"}, "limit 'small'; wanted a number"),
+        ({"divisions": 10**5000}, "no room for a number of very many digits rows"),
+    ],
+)
+def test_a_linkage_refuses_what_is_no_option_or_no_number(
+    options: dict[str, Any], message: str
+) -> None:
+    solver = load_scene(GENERATED / "lever_crank", target="numpy")
+    with pytest.raises(SolveError, match=message):
+        solver.solve(**options)
+
+
+def test_the_options_of_linkages_are_those_that_there_are() -> None:
+    solver = load_scene(GENERATED / "lever_crank", target="numpy")
+    assert sorted(signature(solver.module.request).parameters) == sorted(linkage.OPTIONS)
+
+
+def test_what_is_no_path_is_no_folder() -> None:
+    nothing: Any = None
+    calls: tuple[Callable[[Any], object], ...] = (load, load_scene, load_dynamics, verify)
+    for call in calls:
+        with pytest.raises(LoadError, match=r"^None is no folder; wanted the path of one$"):
+            call(nothing)
