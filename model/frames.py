@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.precise import IDENTITY, NOISE, ZERO, High, Quadruple, Triple
+from kousoku.model.traced import Traced
 from kousoku.model.varying import Varying
 
 if TYPE_CHECKING:
@@ -134,7 +135,8 @@ def _across(
     seen, axis = (second.from_ground(first.to_ground(vector)) for vector in (across_i, axis_i))
     along = precise.dot(seen, axis_j)
     cosine = precise.dot(axis, axis_j)
-    if abs(along) <= NOISE or 1 + cosine < NOISE:
+    is_level = not isinstance(along, Traced) and abs(along) <= NOISE
+    if is_level or 1 + cosine < NOISE:
         turned = precise.without(seen, axis_j)
     else:
         middle = precise.scale(along / (1 + cosine), precise.add(axis, axis_j))

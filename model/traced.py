@@ -5,7 +5,9 @@ change, all that is computed from it is a :class:`Traced`: the value in the scen
 Comparisons take the value; nothing is known to be zero or one that is so in the scene only.
 
 Whether a formula depends on parameters at all, as m/m does not, is seen at two further values of
-the parameters: a formula that has the same value at all three, to 40 digits, is a number.
+the parameters: a formula that has the same value at all three, to 40 digits, is a number. That
+holds for all values, because these formulas are made of analytic functions. What is not one
+everywhere, such as √ and max, counts there as a quantity of its own, of which nothing is known.
 """
 
 from __future__ import annotations
@@ -52,6 +54,15 @@ CALLS: dict[Function, Callable[..., Any]] = {
     Function.MAX: max,
 }
 """The functions of formulas in 50 digits."""
+
+
+OPAQUE = frozenset(
+    {
+        *(Function.SQRT, Function.ABS, Function.SIGN, Function.MIN, Function.MAX),
+        *(Function.ASIN, Function.ACOS, Function.ATAN, Function.ATAN2),
+    }
+)
+"""Functions that follow another formula elsewhere: √x² is x, and elsewhere it is −x."""
 
 
 class Traced:
@@ -208,12 +219,14 @@ def applied(function: Function, *args: Any) -> Any:
     values = [_value(function, row) for row in zip(*columns, strict=True)]
     if count == 1:
         return values[0]
+    texts = [_expression(arg) for arg in args]
+    key = _key(function.value, *(key for _, key in texts))
+    if _is_opaque(function, args):
+        values = _of_its_own(values[0], key)
     size = max((abs(x) for column in columns for x in column), default=0)
     noise = NOISE * (size if function is Function.ADD else abs(values[0]))
     if all(abs(value - values[0]) <= noise for value in values):
         return _plain(values[0], noise)
-    texts = [_expression(arg) for arg in args]
-    key = _key(function.value, *(key for _, key in texts))
     return Traced(values, apply(function, *(text for text, _ in texts)), key)
 
 
@@ -239,6 +252,19 @@ def _value(function: Function, args: Sequence[Any]) -> Any:
     except (ValueError, ZeroDivisionError, OverflowError, TypeError):
         return CONTEXT.nan
     return value if hasattr(value, "_mpf_") else CONTEXT.nan
+
+
+def _is_opaque(function: Function, args: Sequence[Any]) -> bool:
+    if function is Function.POW:
+        return isinstance(args[1], Traced) or not CONTEXT.isint(args[1])
+    return function in OPAQUE
+
+
+def _of_its_own(value: Any, key: str) -> list[Any]:
+    """Return the value in the scene and two others that no other formula has."""
+    size = abs(value) or CONTEXT.mpf(1)
+    parts = (CONTEXT.mpf(int(half, 16)) / 16**20 for half in (key[:16], key[16:]))
+    return [value, *(value + size * (part + 1) for part in parts)]
 
 
 def _plain(value: Any, noise: Any) -> Any:
