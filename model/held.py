@@ -11,15 +11,15 @@ from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vec
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
 from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant
-from kousoku.model.traced import at_scene
+from kousoku.model.traced import Traced, at_scene
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.mechanism import System
+    from kousoku.model.mechanism import Coordinate, System
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body
@@ -96,24 +96,49 @@ def held_coordinates(scene: Scene, coordinates: CoordinateList) -> Iterator[Inst
 
 
 def require_kept(system: System) -> None:
-    """Refuse to hold positions that parameters move.
+    """Refuse to hold what parameters move.
 
     Raises
     ------
     SceneError
         Assembly takes the numbers of the scene; a run with others could not keep what is held.
     """
-    moving = [
-        one.joint
-        for one in system.constraints
-        if is_varying((*(values for _, values in one.constants), one.offset))
-    ]
-    if system.held and moving:
+    held = (*system.held, *system.held_rates)
+    moving = [one.joint for one in system.constraints if held and _varies(system, one)]
+    if moving:
         raise SceneError(
-            f"is kept by assembly with the parameters of the scene only, and parameters move what"
+            "is kept by assembly with the parameters of the scene only, and parameters move what"
             f" {moving[0]} connects; leave it out, or drive the coordinate",
-            key=system.held[0].joint,
+            key=held[0].joint,
         )
+
+
+def _varies(system: System, one: Instance) -> bool:
+    """Return whether parameters move what a constraint connects, seen in the frames of the user.
+
+    Where only a centre of mass moves in its body, they do not.
+    """
+    parts: list[Instance | Coordinate] = [one]
+    parts += [system.coordinates[term.coordinate] for term in one.terms]
+    return is_varying((one.offset, *(term.factor for term in one.terms))) or any(
+        isinstance(number, Traced)
+        for part in parts
+        for name, values in part.constants
+        for number in _in_user_frame(system, part.i if "_i_" in name else part.j, name, values)
+    )
+
+
+def _in_user_frame(
+    system: System, index: int, name: str, values: tuple[float, ...]
+) -> Sequence[High]:
+    """Return a point or a direction in the frame of the user; other numbers as they are."""
+    if not name.endswith("_b") or index == GROUND_INDEX:
+        return [precise.number(value) for value in values]
+    body, seen = system.bodies[index], precise.triple(values)
+    w, x, y, z = map(precise.number, body.axes_b)
+    if name.startswith("s_"):
+        seen = precise.subtract(seen, precise.triple(body.origin_b))
+    return precise.rotate_back((w, x, y, z), seen)
 
 
 def without_held(system: System) -> System:

@@ -15,6 +15,7 @@ from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import SceneError
+from kousoku.model.held import require_kept
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.varying import is_varying
@@ -119,6 +120,14 @@ def test_what_is_held_cannot_be_kept_where_parameters_move_it() -> None:
     text = FOUR_BAR.replace("[bodies.crank]\n", '[bodies.crank]\nhold = ["orientation"]\n')
     with pytest.raises(SceneError, match=r"bodies\.crank\.hold: .*parameters of the scene only"):
         generate_dynamics(scene_from_toml(text))
+    only_the_centre = PENDULUM.replace(
+        "[bodies.bar]\n", '[bodies.bar]\nhold = ["x", "orientation"]\n'
+    )
+    require_kept(system(only_the_centre))
+    with pytest.raises(SceneError, match=r"bodies\.bar\.hold: .*what hinge connects"):
+        require_kept(
+            system(only_the_centre.replace("[[0, 0, 0], [0, 0, 0]]", '[[0, 0, 0], ["L", 0, 0]]'))
+        )
 
 
 def test_a_joint_between_what_stands_still_is_kept_where_parameters_open_it() -> None:
