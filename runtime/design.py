@@ -86,8 +86,8 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     base, size = design.place
     numbers = work[base : base + size]
     if problems := list(design.problems(numbers)):
-        told = f"{solver.name}: with {_told(solver, values)}"
-        raise SolveError(f"{told}: {'; '.join(dict.fromkeys(problems))}")
+        listed = "; ".join(dict.fromkeys(problems))
+        raise SolveError(f"{solver.name}: with {told(solver, values)}: {listed}")
     state = np.concatenate([solver.q, solver.v])
     for place, at in design.start:
         state[place] = numbers[at]
@@ -143,13 +143,14 @@ def require_closed(solver: DynamicsSolver, values: Array, state: Array) -> None:
             worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
     if worst:
         raise SolveError(
-            f"{solver.name}: with {_told(solver, values)}: joints stay open:"
+            f"{solver.name}: with {told(solver, values)}: joints stay open:"
             f" {', '.join(list(worst.values())[:SHOWN])}; only with the parameters of the scene"
             " their rows depend on those of other joints: give parameters that fit, or generate"
             " the solver with them"
         )
 
 
-def _told(solver: DynamicsSolver, values: Array) -> str:
+def told(solver: DynamicsSolver, values: Array) -> str:
+    """Return parameters and their values in one line."""
     given = zip(solver.parameters, values, strict=True)
     return ", ".join(f"{name} = {value:.6g}" for (name, _), value in given)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import require_closed, with_parameters
+from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
 from kousoku.runtime.motion import motion_of
@@ -133,9 +133,16 @@ class Run:
         status = self.solver.target.start(0.0, *given, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
-            raise SolveError(f"{self.solver.name}: {MESSAGES[status]}{self._where()}")
+            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
         state = self.state[len(COUNTERS) :][: len(self._there.q) + len(self._there.v)]
         require_closed(self.solver, self._values, state)
+
+    def _unmet(self, status: int) -> str:
+        """Say why the start is not possible."""
+        if status != NOT_ASSEMBLED or self.solver.design is None:
+            return MESSAGES[status]
+        given = told(self.solver, self._values)
+        return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
 
     def _check(self, saved: SavedRun) -> None:
         target = self.solver.target

@@ -155,6 +155,12 @@ def _first_axis(e: Any) -> Any:
     return np.array([w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)])
 
 
+def test_lengths_that_do_not_close_are_told_with_the_parameters(load: Callable[..., Any]) -> None:
+    solver = load(scene_from_toml(FOUR_BAR))
+    with pytest.raises(SolveError, match=r"with a = 9, b = 3, .*no way of closed joints leads"):
+        solver.simulate(1.0, parameters={"a": 9.0})
+
+
 def test_the_origin_of_a_body_stays_while_its_centre_of_mass_moves(
     load: Callable[..., Any],
 ) -> None:
