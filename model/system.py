@@ -32,6 +32,7 @@ from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import force_elements, gravity_law, gravity_of
+from kousoku.model.validate_unused import OUTPUTS, output_problem
 from kousoku.model.varying import fixed, is_varying, positive_numbers, varying_scene
 from kousoku.model.zero_directions import check_zero_directions
 
@@ -71,7 +72,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     Raises
     ------
     SceneError
-        The scene is planar, or gives no distance to a rod.
+        The scene is planar, or gives no distance to a rod, or there is no such output.
     """
     if not scene.is_spatial:
         raise SceneError("is missing; wanted a scene of bodies and joints", key="bodies")
@@ -89,7 +90,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         *driver_instances(scene, coordinates, frames),
     )
     forces = force_elements(scene, frames, coordinates, unit)
-    wanted = scene.outputs if outputs is None else outputs
+    wanted = _outputs(scene, outputs)
     shown = scene.coordinates if "coordinates" in wanted else ()
     places = tuple(coordinates.place(name) for name in shown)
     needed = len(coordinates.records)
@@ -113,6 +114,15 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         only_held=len(coordinates.records) - needed,
         positive=(*positive_numbers(scene), *_moments(bodies)),
     )
+
+
+def _outputs(scene: Scene, outputs: Sequence[str] | None) -> Sequence[str]:
+    """Return what is wanted, unless no scene of bodies has it."""
+    wanted = scene.outputs if outputs is None else outputs
+    for index, output in enumerate(wanted):
+        if output not in OUTPUTS:
+            raise SceneError(output_problem(scene, output), key=f"outputs[{index}]")
+    return wanted
 
 
 def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[MovingBody]:

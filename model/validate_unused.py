@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from kousoku.model.decode import join
+from kousoku.model.decode import join, unknown
 from kousoku.model.design import Formula
 from kousoku.model.formulas import used_names
 from kousoku.model.planar import Method
@@ -24,6 +24,12 @@ SPRINGS = {
     "rotational_spring_damper": ("free_angle", "moment"),
 }
 """Forces that count from where they are free: its key, and that of their own law."""
+
+OUTPUTS = ("positions", "velocities", "accelerations", "coordinates", "reactions", "energies")
+"""All outputs of a scene of bodies."""
+
+SOURCES = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
+"""The tables that an output comes from."""
 
 WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "gravity")
 """Where a formula may stand."""
@@ -68,12 +74,34 @@ def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> No
 
 def _check_outputs(scene: Scene, problems: Problems) -> None:
     """Refuse outputs of what the scene has none of."""
-    sources = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
     for index, output in enumerate(scene.outputs):
-        tables = sources.get(output, ())
-        if tables and not any(getattr(scene, table) or problems.touches(table) for table in tables):
-            problem = f"the scene has no {' and no '.join(tables)}; leave it out"
+        if output not in OUTPUTS or problems.touches(*SOURCES.get(output, ())):
+            continue  # it is refused elsewhere, or what it comes from is broken
+        if problem := output_problem(scene, output):
             problems.add(problem, f"outputs[{index}]")
+
+
+def output_problem(scene: Scene, output: str) -> str:
+    """Return what is wrong with an output of a scene of bodies: it knows none such, or has none.
+
+    Parameters
+    ----------
+    scene : Scene
+        The scene.
+    output : str
+        Its name.
+
+    Returns
+    -------
+    str
+        Empty where nothing is.
+    """
+    if output not in OUTPUTS:
+        return unknown(f"output {output[:40]!r}", output, OUTPUTS)
+    tables = SOURCES.get(output, ())
+    if tables and not any(getattr(scene, table) for table in tables):
+        return f"the scene has no {' and no '.join(tables)}; leave it out"
+    return ""
 
 
 def _check_parameters(scene: Scene, problems: Problems) -> None:

@@ -68,11 +68,15 @@ def move(scene: Scene, wish: Wish) -> None:
     """
     from kousoku.cli.motion import check_destinations
     from kousoku.cli.scenes import dynamics_of
+    from kousoku.model.validate_unused import output_problem
     from kousoku.runtime.run import Interrupted
 
     check_destinations(wish.out, wish.plot)
     if wish.body is not None and wish.body not in scene.bodies:
         raise SolveError(f"--body {wish.body}: the scene has {', '.join(scene.bodies)}")
+    for output in wish.outputs or ():
+        if problem := output_problem(scene, output):
+            raise SolveError(f"--output {output}: {problem}")
     try:
         solver, seconds = dynamics_of(scene, wish.target, wish.outputs)
         with _progress() as show:

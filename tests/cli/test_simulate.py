@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 PENDULUM = ROOT / "scenes" / "pendulum.toml"
+FREE = ROOT / "scenes" / "free_body.toml"
 BODY = ("x", "y", "z", "e0", "e1", "e2", "e3", "vx", "vy", "vz", "omega_x", "omega_y", "omega_z")
 PHASES = ("generate", "compile and load")
 WANTED = ("--output", "reactions", "--output", "energies")
@@ -239,3 +240,13 @@ def test_plots_are_drawn_into_the_folder(run: Run, tmp_path: Path) -> None:
 def test_steps_of_a_fixed_length_are_told_in_the_ledger(run: Run) -> None:
     _, out, _ = run("simulate", PENDULUM, "--end", 1, "--step", 0.01)
     assert "steps of 0.01 s without control of the error: 100 steps, 0 rejected" in out
+
+
+@pytest.mark.parametrize(
+    ("output", "says"),
+    [("reactions", "no joints and no drivers"), ("coordinates", "no coordinates")],
+)
+def test_an_output_of_what_there_is_none_of_is_refused(run: Run, output: str, says: str) -> None:
+    code, out, err = run("simulate", FREE, "--end", 1, "--output", output)
+    assert (code, out) == (2, "")
+    assert f"--output {output}: the scene has {says}; leave it out" in err

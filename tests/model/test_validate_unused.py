@@ -10,6 +10,7 @@ import pytest
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_dict, scene_from_toml
+from kousoku.model.system import system_of
 from kousoku.model.validate import check
 
 Tree = dict[str, Any]
@@ -154,3 +155,9 @@ def test_the_builder_writes_divisions_where_they_are_given() -> None:
     check(scene)
     with pytest.raises(SceneError, match="divisions: divides the way of inputs"):
         bar(divisions=60).build()
+
+
+def test_an_output_that_there_is_not_is_refused_with_the_nearest() -> None:
+    says = r"outputs\[1\]: unknown output 'reaction'; did you mean 'reactions'\?"
+    with pytest.raises(SceneError, match=says):
+        system_of(scene_from_dict(BAR), ["energies", "reaction"])
