@@ -9,17 +9,17 @@ from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import DIRECTIONS, GROUND_FRAME, joint_vectors, to_vector
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Instance, Term
+from kousoku.model.moved import moved_by_parameters
 from kousoku.model.precise import ZERO
 from kousoku.model.rows import variant
-from kousoku.model.traced import Traced, at_scene
-from kousoku.model.varying import is_varying
+from kousoku.model.traced import at_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator
 
     from kousoku.model.coordinates import CoordinateList
     from kousoku.model.frames import BodyFrame
-    from kousoku.model.mechanism import Coordinate, System
+    from kousoku.model.mechanism import System
     from kousoku.model.precise import High
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body
@@ -104,41 +104,13 @@ def require_kept(system: System) -> None:
         Assembly takes the numbers of the scene; a run with others could not keep what is held.
     """
     held = (*system.held, *system.held_rates)
-    moving = [one.joint for one in system.constraints if held and _varies(system, one)]
+    moving = [one.joint for one in system.constraints if held and moved_by_parameters(system, one)]
     if moving:
         raise SceneError(
             "is kept by assembly with the parameters of the scene only, and parameters move what"
             f" {moving[0]} connects; leave it out, or drive the coordinate",
             key=held[0].joint,
         )
-
-
-def _varies(system: System, one: Instance) -> bool:
-    """Return whether parameters move what a constraint connects, seen in the frames of the user.
-
-    Where only a centre of mass moves in its body, they do not.
-    """
-    parts: list[Instance | Coordinate] = [one]
-    parts += [system.coordinates[term.coordinate] for term in one.terms]
-    return is_varying((one.offset, *(term.factor for term in one.terms))) or any(
-        isinstance(number, Traced)
-        for part in parts
-        for name, values in part.constants
-        for number in _in_user_frame(system, part.i if "_i_" in name else part.j, name, values)
-    )
-
-
-def _in_user_frame(
-    system: System, index: int, name: str, values: tuple[float, ...]
-) -> Sequence[High]:
-    """Return a point or a direction in the frame of the user; other numbers as they are."""
-    if not name.endswith("_b") or index == GROUND_INDEX:
-        return [precise.number(value) for value in values]
-    body, seen = system.bodies[index], precise.triple(values)
-    w, x, y, z = map(precise.number, body.axes_b)
-    if name.startswith("s_"):
-        seen = precise.subtract(seen, precise.triple(body.origin_b))
-    return precise.rotate_back((w, x, y, z), seen)
 
 
 def without_held(system: System) -> System:

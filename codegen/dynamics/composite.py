@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.design import start_of
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import not_negative, to_vector
@@ -57,7 +58,8 @@ class Seat:
 
 def on_ground(body: MovingBody, ground: int) -> Seat:
     """Return the seat of a body that stands still."""
-    return Seat(ground, precise.triple(body.r), _quadruple(body.p))
+    r, p, _, _ = start_of(body)
+    return Seat(ground, r, p)
 
 
 def joined(
@@ -83,11 +85,11 @@ def joined(
         Where the principal frame of each body is.
     """
     first = bodies[0]
-    p, r = _quadruple(first.p), precise.triple(first.r)
-    places = [precise.rotate_back(p, precise.subtract(precise.triple(one.r), r)) for one in bodies]
-    turns = [precise.compose(precise.conjugate(p), _quadruple(one.p)) for one in bodies]
+    starts = [start_of(one) for one in bodies]
+    r, p, speed, spin = starts[0]
+    places = [precise.rotate_back(p, precise.subtract(own[0], r)) for own in starts]
+    turns = [precise.compose(precise.conjugate(p), own[1]) for own in starts]
     mass, center, moments, axes = _mass_of(bodies, places, turns, normal)
-    spin = precise.triple(first.omega_b)
     velocity = precise.rotate(p, precise.cross(spin, center))
     rounded = to_vector(moments)
     body = replace(
@@ -96,7 +98,7 @@ def joined(
         inertia=not_negative(rounded),
         r=fixed(_vector(precise.add(r, precise.rotate(p, center)), precise.length(r))),
         p=fixed(_turn(precise.compose(p, precise.conjugate(axes)))),
-        v=fixed(_vector(precise.add(precise.triple(first.v), velocity), precise.length(velocity))),
+        v=fixed(_vector(precise.add(speed, velocity), precise.length(velocity))),
         omega_b=fixed(_vector(precise.rotate(axes, spin))),
     )
     seats = [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.design import start_of
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -29,7 +30,7 @@ def resting_energy(system: System, seats: Mapping[int, Seat]) -> float:
     total = precise.number(0.0)
     for k, body in enumerate(system.bodies):
         if seats[k].carrier == GROUND_INDEX:
-            total -= precise.number(body.mass) * precise.dot(gravity, precise.triple(body.r))
+            total -= precise.number(body.mass) * precise.dot(gravity, start_of(body)[0])
     for force in system.forces:
         is_fixed = force.has_potential and not force.formulas and force.coordinate < 0
         if is_fixed and seats[force.i].carrier == seats[force.j].carrier:

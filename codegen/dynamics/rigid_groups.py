@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
-from kousoku.model.varying import is_varying
+from kousoku.model.moved import moved_by_parameters
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -76,8 +76,8 @@ def fixed_joints(system: System) -> list[Edge]:
     """Return the bodies of each joint that leaves no motion."""
     kinds: dict[tuple[str, int, int], list[str]] = {}
     for one in system.constraints:
-        if any(is_varying(values) for _, values in one.constants):
-            continue  # parameters move the bodies against each other
+        if moved_by_parameters(system, one):
+            continue
         kinds.setdefault((one.joint, one.i, one.j), []).append(one.kind.partition("_")[0])
     return [(i, j) for (_, i, j), parts in kinds.items() if i != j and sorted(parts) == RIGID]
 
@@ -104,8 +104,8 @@ def _kept(system: System, leaders: DisjointSets) -> set[int]:
     for one in system.constraints:
         name, _, axis = one.kind.partition("_")
         is_inner = len({leaders.of(body) for body in one.bodies}) == 1
-        varies = is_inner and any(is_varying(values) for _, values in one.constants)
-        if varies or (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
+        opens = is_inner and moved_by_parameters(system, one)
+        if opens or (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
             found |= {*one.bodies}
     for force in system.forces:
         is_inner = leaders.of(force.i) == leaders.of(force.j)

@@ -80,6 +80,27 @@ def test_a_number_that_is_given_is_as_good_as_one_that_is_folded_in(
             )
 
 
+def test_joined_bodies_take_the_masses_of_the_run(bodies_folder: Callable[..., Path]) -> None:
+    scene, outputs = scene_from_toml(SCENES["joined"]), ("accelerations", "energies")
+    given = drawn(scene, 5)
+    solver, wanted = (
+        load_dynamics(bodies_folder(one, outputs), target="numpy")
+        for one in (scene, folded(scene, given))
+    )
+    assert (len(solver.bodies), len(solver.q)) == (4, 15)  # two bodies move, and a work
+    found, state = solver.evaluate(0.0, parameters=given), wanted.evaluate(0.0)
+    for region in ("v_dot", "energies", "momenta"):
+        size = np.abs(state[region]).max()
+        np.testing.assert_allclose(found[region], state[region], rtol=0, atol=1e-13 * size)
+    places = (
+        one.simulate(1e-3, samples=2, **how)
+        for one, how in ((solver, {"parameters": given}), (wanted, {}))
+    )
+    a, b = (motion.position for motion in places)
+    for body in b:
+        np.testing.assert_allclose(a[body], b[body], rtol=0, atol=1e-13)
+
+
 @pytest.mark.parametrize("text", [PENDULUM, FOUR_BAR, LOOP, TOP, DRIVEN])
 def test_a_motion_with_parameters_is_that_of_the_numbers(
     load: Callable[..., Any], text: str

@@ -1,0 +1,43 @@
+"""What parameters move in a scene: points and directions, seen in the frames of the user."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.traced import Traced
+from kousoku.model.varying import is_varying
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import Coordinate, Instance, System
+
+
+def moved_by_parameters(system: System, one: Instance) -> bool:
+    """Return whether parameters move what a constraint connects, seen in the frames of the user.
+
+    Where only a centre of mass moves in its body, they do not.
+    """
+    if not system.parameters:
+        return False
+    parts: list[Instance | Coordinate] = [one]
+    parts += [system.coordinates[term.coordinate] for term in one.terms]
+    return is_varying((one.offset, *(term.factor for term in one.terms))) or any(
+        _moves(system, part.i if "_i_" in name else part.j, name, values)
+        for part in parts
+        for name, values in part.constants
+    )
+
+
+def _moves(system: System, index: int, name: str, values: tuple[float, ...]) -> bool:
+    """Return whether a point or a direction moves in the frame of the user, or a number changes."""
+    if not name.endswith("_b") or index == GROUND_INDEX:
+        return is_varying(values)
+    body = system.bodies[index]
+    if not is_varying((*values, *body.origin_b, *body.axes_b)):
+        return False
+    w, x, y, z = map(precise.number, body.axes_b)
+    seen = precise.triple(values)
+    if name.startswith("s_"):
+        seen = precise.subtract(seen, precise.triple(body.origin_b))
+    return any(isinstance(number, Traced) for number in precise.rotate_back((w, x, y, z), seen))
