@@ -205,6 +205,8 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     if problems.is_full:
         problems.break_(key)
         return FAILED
+    if hasattr(value, "tolist"):
+        value = value.tolist()
     kind = _without_none(kind)
     if kind == Design and isinstance(value, str):
         problems.has_formulas = True

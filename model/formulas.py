@@ -6,6 +6,9 @@ import re
 from math import isfinite
 from typing import TYPE_CHECKING
 
+import msgspec
+
+from kousoku.model.design import Formula
 from kousoku.model.errors import ExpressionError, Problem
 from kousoku.model.expression import parse_expression
 from kousoku.model.values import value_of
@@ -23,6 +26,9 @@ TIME = "t"
 
 RATE = "_dot"
 """What follows the name of a coordinate where its rate is meant."""
+
+WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "gravity")
+"""The keys of a scene of bodies under which a formula may stand."""
 
 
 def fixed_names(scene: Scene) -> frozenset[str]:
@@ -42,6 +48,32 @@ def used_names(formula: str, names: Collection[str]) -> tuple[str, ...]:
     What is multiplied by zero stands there, too: the formula cannot be read without it.
     """
     return tuple(dict.fromkeys(name for name in WORD.findall(formula) if name in names))
+
+
+def used_parameters(scene: Scene) -> dict[str, float]:
+    """Return those parameters of a scene of bodies that stand in its formulas."""
+    if not scene.parameters:
+        return {}
+    texts = " ".join(text for part in WITH_FORMULAS for text in _texts(getattr(scene, part)))
+    used = used_names(texts, scene.parameters)
+    return {name: value for name, value in scene.parameters.items() if name in used}
+
+
+def _texts(value: object) -> Iterator[str]:
+    """Yield all texts in a part of a scene, names of elements among them."""
+    if isinstance(value, str):
+        yield value
+    elif isinstance(value, Formula):
+        yield value.text
+    elif isinstance(value, msgspec.Struct):
+        for name in value.__struct_fields__:
+            yield from _texts(getattr(value, name))
+    elif isinstance(value, tuple):
+        for item in value:
+            yield from _texts(item)
+    elif hasattr(value, "values"):
+        for item in value.values():
+            yield from _texts(item)
 
 
 def values_at_start(scene: Scene) -> dict[str, float]:

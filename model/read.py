@@ -90,7 +90,8 @@ def scene_from_dict(tree: object, *, file: str = "") -> Scene:
     Parameters
     ----------
     tree : object
-        The tables of a scene; whatever is not a mapping of the right shape is refused.
+        The tables of a scene; whatever is not a mapping of the right shape is refused. NumPy's
+        numbers and arrays stand for Python's.
     file : str
         The file that messages name.
 

@@ -9,10 +9,13 @@ from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from kousoku.model import precise
 from kousoku.model.combinations import combination_of
 from kousoku.model.coordinates import CoordinateList
 from kousoku.model.errors import SceneError
+from kousoku.model.formulas import used_parameters
 from kousoku.model.frames import (
     GROUND_FRAME,
     BodyFrame,
@@ -60,7 +63,7 @@ METRES = {
 def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     """Return the system of a spatial scene, at the positions and velocities that the scene gives.
 
-    Coordinates that nothing needs are left out of it.
+    Coordinates that nothing needs, and parameters that stand in no formula, are left out of it.
 
     Parameters
     ----------
@@ -76,7 +79,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     """
     if not scene.is_spatial:
         raise SceneError("is missing; wanted a scene of bodies and joints", key="bodies")
-    scene = varying_scene(scene)
+    scene = varying_scene(msgspec.structs.replace(scene, parameters=used_parameters(scene)))
     unit = precise.number(METRES[scene.unit])
     frames = {GROUND: GROUND_FRAME}
     bodies = tuple(_bodies(scene, frames, unit))

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import msgspec
-
 from kousoku.model.decode import join, unknown
-from kousoku.model.design import Formula
 from kousoku.model.formulas import used_names
 from kousoku.model.planar import Method
 from kousoku.model.spatial import SOLIDS
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Collection
 
     from kousoku.model.loads import Force
     from kousoku.model.problems import Problems
@@ -30,9 +27,6 @@ OUTPUTS = ("positions", "velocities", "accelerations", "coordinates", "reactions
 
 SOURCES = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
 """The tables that an output comes from."""
-
-WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "gravity")
-"""Where a formula may stand."""
 
 
 def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> None:
@@ -58,8 +52,6 @@ def check_unused(scene: Scene, given: Collection[str], problems: Problems) -> No
     if "method" in given and scene.method == Method() and not problems.is_broken("method"):
         problems.add("belongs to a planar linkage; leave it out", "method")
     _check_outputs(scene, problems)
-    if not problems.touches(*WITH_FORMULAS, "parameters"):
-        _check_parameters(scene, problems)
     _check_masses(scene, problems)
     for name, body in scene.bodies.items():
         for index, held in enumerate(body.hold):
@@ -104,44 +96,14 @@ def output_problem(scene: Scene, output: str) -> str:
     return ""
 
 
-def _check_parameters(scene: Scene, problems: Problems) -> None:
-    """Refuse parameters that stand in no formula: a run that sets one would change nothing."""
-    texts = " ".join(text for part in WITH_FORMULAS for text in _texts(getattr(scene, part)))
-    used = used_names(texts, scene.parameters)
-    for name in scene.parameters:
-        if name not in used:
-            problem = "no formula has this parameter; name it in one, or leave it out"
-            problems.add(problem, join("parameters", name))
-
-
-def _texts(value: object) -> Iterator[str]:
-    """Yield all texts in a part of a scene, names of elements among them."""
-    if isinstance(value, str):
-        yield value
-    elif isinstance(value, Formula):
-        yield value.text
-    elif isinstance(value, msgspec.Struct):
-        for name in value.__struct_fields__:
-            yield from _texts(getattr(value, name))
-    elif isinstance(value, tuple):
-        for item in value:
-            yield from _texts(item)
-    elif hasattr(value, "values"):
-        for item in value.values():
-            yield from _texts(item)
-
-
 def _check_masses(scene: Scene, problems: Problems) -> None:
-    """Refuse gravity and forces where there is no mass that they could move."""
-    if not scene.bodies or problems.touches("bodies"):
+    """Refuse forces where there is no mass that they could move."""
+    if not scene.forces or not scene.bodies or problems.touches("bodies"):
         return
     if any(getattr(body, key) for body in scene.bodies.values() for key in ("mass", *SOLIDS)):
         return
-    problem = "{} nothing, since no body has a mass; give the bodies masses, or leave {} out"
-    if any(scene.gravity) and not problems.is_broken("gravity"):
-        problems.add(problem.format("moves", "it"), "gravity")
-    if scene.forces:
-        problems.add(problem.format("move", "them"), "forces")
+    problem = "move nothing, since no body has a mass; give the bodies masses, or leave them out"
+    problems.add(problem, "forces")
 
 
 def _check_free(force: Force, key: str, problems: Problems) -> None:

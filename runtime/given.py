@@ -52,7 +52,7 @@ def unknown(what: str, name: object, known: Sequence[str]) -> str:
     """Say that there is no such parameter or option, and which ones there are."""
     from difflib import get_close_matches
 
-    of = "the scene has" if what == "parameter" else "there are"
+    of = "its formulas have" if what == "parameter" else "there are"
     if not known:
         return f"no {what} {shown(name)}: {of} none"
     near = get_close_matches(str(name), known, n=1)

@@ -203,7 +203,7 @@ def test_parameters_of_a_run_are_set_and_reported(run: Run, crank: Path, tmp_pat
     [
         (
             ("--set", "raet=2"),
-            "no parameter 'raet': the scene has rate, phase; did you mean 'rate'?",
+            "no parameter 'raet': its formulas have rate, phase; did you mean 'rate'?",
         ),
         (("--set", "rate=nan"), "parameter rate is nan, wanted a finite number"),
         (("--set", "rate"), "wanted a name, = and a number"),

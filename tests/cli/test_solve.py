@@ -169,7 +169,7 @@ def test_options_of_the_other_scenes_are_refused(run: Run, crank: Path) -> None:
         (crank, ("--node", "O3"), "--node is for linkages in the plane"),
         (LEVER, ("--body", "arm"), "--body is for scenes of bodies"),
         (LEVER, ("--set", "k=3"), "--set is for scenes of bodies"),
-        (crank, ("--set", "k=3"), "the scene has none"),
+        (crank, ("--set", "k=3"), "its formulas have none"),
     ):
         code, out, err = run("solve", scene, *option)
         assert (code, out) == (2, "")

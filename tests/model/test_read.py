@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from kousoku.model.errors import SceneError
-from kousoku.model.read import LARGEST_FILE, read_scene, scene_from_dict, scene_from_toml
+from kousoku.model.errors import AssemblyError, SceneError
+from kousoku.model.read import LARGEST_FILE, located, read_scene, scene_from_dict, scene_from_toml
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "scenes").glob("*.toml"))
@@ -117,3 +118,29 @@ def test_what_is_no_table_is_no_scene(tree: object) -> None:
 def test_a_key_of_a_hundred_thousand_parts_is_refused_before_it_is_parsed() -> None:
     with pytest.raises(SceneError, match="line 2: has a key of more than 32 parts"):
         scene_from_toml('name = "x"\n' + ".".join("a" * 100_000) + " = 1\n")
+
+
+def test_numbers_and_arrays_of_numpy_stand_for_those_of_python() -> None:
+    def body(position: object, mass: object, xx: object) -> dict[str, object]:
+        inertia = {"xx": xx, "yy": 1, "zz": 1}
+        solid = {"position": position, "mass": mass, "inertia": inertia}
+        return {"name": "s", "unit": "m", "bodies": {"b": solid}}
+
+    given = body(np.arange(3.0), np.int64(2), np.float64(1.5))
+    assert scene_from_dict(given) == scene_from_dict(body([0, 1, 2], 2, 1.5))
+    with pytest.raises(SceneError, match="a list of 2 stands where a list of 3 numbers is wanted"):
+        scene_from_dict(body(np.zeros(2), 2, 1))
+
+
+def test_lines_stand_behind_whole_names_in_errors_of_assembly(tmp_path: Path) -> None:
+    path = tmp_path / "open.toml"
+    path.write_text("[joints.a]\n[joints.ab]\n[inputs.turn]\n", encoding="utf-8")
+    says = "s: open: joints.ab by 2 m, joints.a.b, joints.a by 1 m, drivers.turn by 1 rad; mend"
+    keys = ["joints.gone", "joints.ab", "joints.a", "drivers.turn"]
+    found = located(AssemblyError(says, keys), path)
+    assert isinstance(found, AssemblyError)
+    assert found.keys == tuple(keys)
+    assert str(found) == (
+        f"{path}:2: s: open: joints.ab (line 2) by 2 m, joints.a.b, joints.a (line 1) by 1 m, "
+        "drivers.turn (line 3) by 1 rad; mend"
+    )

@@ -64,17 +64,10 @@ def problems_of(tree: Tree) -> list[tuple[str, str]]:
             "no joints and no drivers",
         ),
         (changed(method={}), "method", "belongs to a planar linkage"),
-        (changed(parameters={"k": 3}), "parameters.k", "no formula has this parameter"),
-        (changed(parameters={"turn_dot2": 3}), "parameters.turn_dot2", "no formula"),
         (
             changed(bodies={"bar": {"position": ZERO, "mass": 1, "hold": ["x", "y", "x"]}}),
             "bodies.bar.hold[2]",
             "'x' stands there twice",
-        ),
-        (
-            changed(bodies={"bar": {"position": ZERO}}, gravity=[0, 0, -9.81]),
-            "gravity",
-            "no body has a mass",
         ),
         (force(SPRING) | {"bodies": {"bar": {"position": ZERO}}}, "forces", "no body has a mass"),
         (force(SPRING, free_length=2), "forces.f.free_length", "it has no stiffness"),
@@ -102,7 +95,8 @@ def test_what_has_no_effect_is_refused(tree: Tree, key: str, says: str) -> None:
         | {"gravity": [0, 0, -9.81]},
         force(SPRING, stiffness=3, free_length=2),
         force(SPRING, damping=None, tension="5*v + x", free_length=2),
-        changed(bodies={"bar": {"position": ZERO}}, gravity=ZERO),
+        changed(bodies={"bar": {"position": ZERO}}, gravity=[0, 0, -9.81]),
+        changed(parameters={"k": 3}),
         changed(nodes={}, links={}, inputs={}),
     ],
 )
@@ -121,7 +115,6 @@ def test_what_may_need_a_part_that_is_wrong_is_not_refused() -> None:
     tree = changed(
         outputs=["coordinates", "reactions"],
         joints={"a": hinge | {"type": "hing"}},
-        parameters={"k": 3},
         divisions=5,
         inputs={"alpha": {"joint": "a", "spede": 3}},
     )
@@ -137,13 +130,12 @@ outputs = ["coordinates"]
 [bodies.bar]
 position = [0, 0, 0]
 mass = 1
-[parameters]
-k = 3
+hold = ["x", "x"]
 """
     with pytest.raises(SceneError) as caught:
         scene_from_toml(text)
     found = [(one.line, one.key) for one in caught.value.problems]
-    assert found == [(3, "divisions"), (4, "outputs[0]"), (9, "parameters.k")]
+    assert found == [(3, "divisions"), (4, "outputs[0]"), (8, "bodies.bar.hold[1]")]
 
 
 def test_the_builder_writes_divisions_where_they_are_given() -> None:
@@ -161,3 +153,13 @@ def test_an_output_that_there_is_not_is_refused_with_the_nearest() -> None:
     says = r"outputs\[1\]: unknown output 'reaction'; did you mean 'reactions'\?"
     with pytest.raises(SceneError, match=says):
         system_of(scene_from_dict(BAR), ["energies", "reaction"])
+
+
+def test_parameters_that_stand_in_no_formula_are_no_arguments_of_the_solver() -> None:
+    drivers = {"d": {"joint": "a", "value": "k*t + turn_dot2"}}
+    tree = changed(parameters={"m": 1, "k": 2, "turn": 4, "turn_dot2": 3}, drivers=drivers)
+    del tree["coordinates"]
+    system = system_of(scene_from_dict(tree))
+    assert system.parameters == (("k", 2.0), ("turn_dot2", 3.0))
+    system = system_of(scene_from_dict(tree | {"gravity": ["-m", 0, 0], "drivers": {}}))
+    assert system.parameters == (("m", 1.0),)

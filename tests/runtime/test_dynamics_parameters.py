@@ -92,7 +92,7 @@ def test_a_saved_run_keeps_its_parameters(arm: Any) -> None:
     [
         (
             {"rat": 1.0},
-            r"arm: no parameter 'rat': the scene has rate, phase; did you mean 'rate'\?",
+            r"arm: no parameter 'rat': its formulas have rate, phase; did you mean 'rate'\?",
         ),
         (
             {"x": 1.0, "rate": np.inf},
@@ -109,7 +109,7 @@ def test_parameters_that_cannot_be_are_named_at_once(
 
 
 def test_scenes_without_parameters_say_so(load: Load) -> None:
-    with pytest.raises(SolveError, match="no parameter 'k': the scene has none"):
+    with pytest.raises(SolveError, match="no parameter 'k': its formulas have none"):
         load(n_four_bar(1)).begin(TIMES, parameters={"k": 1.0})
 
 

@@ -42,7 +42,7 @@ GENERATED = Path(__file__).parents[2] / "generated"
         ({"end": 1.0, "checks": "no"}, "checks 'no'; wanted True or False"),
         ({"end": 1.0, "progress": 3}, "progress 3; wanted a function of two times"),
         ({"end": 1.0, "parameters": [("k", 3)]}, "wanted a mapping of names to numbers"),
-        ({"end": 1.0, "parameters": {3: 3}}, "no parameter 3: the scene has none"),
+        ({"end": 1.0, "parameters": {3: 3}}, "no parameter 3: its formulas have none"),
         ({"end": 1.0, "tolerence": 3}, "no option 'tolerence'.*; did you mean 'tolerance'"),
         ({"end": 1.0, "sample": 3}, "no option 'sample': there are end, .*did you mean 'samples'"),
     ],

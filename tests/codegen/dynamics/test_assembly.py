@@ -264,6 +264,7 @@ def test_velocities_that_are_held_against_a_joint_are_named() -> None:
     with pytest.raises(AssemblyError, match=r"these are torn: .*by 1 m/s") as caught:
         assemble(system)
     assert "joints.rod by" in str(caught.value) and "bodies.b.hold by" in str(caught.value)
+    assert sorted(caught.value.keys) == ["bodies.b.hold", "joints.rod"]
 
 
 def test_a_large_system_that_does_not_fit_is_refused_at_once() -> None:
