@@ -172,7 +172,9 @@ def test_drivers_whose_speeds_contradict_each_other_are_both_named() -> None:
 def test_a_formula_that_is_no_number_at_the_start_is_named(value: str) -> None:
     driver = Instance("motor", COMBINATION, -1, 0, law=value)
 
-    with pytest.raises(AssemblyError, match=r"drivers\.motor: the .* is no number at t = 0") as caught:
+    with pytest.raises(
+        AssemblyError, match=r"drivers\.motor: the .* is no number at t = 0"
+    ) as caught:
         law_at_start(driver, ())
     assert caught.value.keys == ("drivers.motor",)
 
