@@ -64,6 +64,10 @@ class DynamicsSolver:
         Joint or driver of each constraint, and the unit of its residual: m or rad.
     left_out : tuple of (str, str)
         The same of constraints that depend on others and are not solved for.
+    reduced : tuple of (str, str)
+        The same of constraints that hold by themselves: bodies are put onto these joints.
+    checked : tuple of str
+        The joints and drivers of all of them, in the order of the scene.
     parts : tuple of (str, int)
         What a row has beyond time, q and v, and how many numbers.
     reactions : tuple of ReactionPlaces
@@ -100,6 +104,8 @@ class DynamicsSolver:
     length: float
     rows: tuple[tuple[str, str], ...]
     left_out: tuple[tuple[str, str], ...]
+    reduced: tuple[tuple[str, str], ...]
+    checked: tuple[str, ...]
     parts: tuple[tuple[str, int], ...]
     reactions: tuple[ReactionPlaces, ...]
     not_unique: tuple[str, ...]
@@ -313,6 +319,8 @@ def load_dynamics(
         length=data["length"],
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
+        reduced=tuple((joint, unit) for joint, unit in data["reduced"]),
+        checked=tuple(data["checked"]),
         parts=tuple((part, size) for part, size in data["parts"]),
         reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),
         not_unique=tuple(data["not_unique"]),

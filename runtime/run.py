@@ -17,7 +17,7 @@ from kousoku.runtime.given import require_callable, require_numbers
 from kousoku.runtime.motion import motion_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_ledger import COUNTERS, ledger_of
-from kousoku.runtime.run_stop import joints_at_stop
+from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -252,7 +252,10 @@ class Run:
         residuals, pivots = self._residuals(), self._scratch()
         if self.solver.target.pivots(self._memory, pivots) != GOOD:
             return ""
-        return joints_at_stop(self.solver.rows, residuals, pivots[:-1])
+        text = joints_at_stop(self.solver.rows, residuals, pivots[:-1])
+        return text + joints_of_bodies(
+            self.solver.rows, self.solver.reduced, is_driven=self.options.method == KINEMATICS
+        )
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
@@ -265,6 +268,8 @@ class Run:
             {},
             solver.works,
             left_out=solver.left_out,
+            reduced=solver.reduced,
+            order=solver.checked,
             kept=solver.kept,
             length=solver.length,
             is_weighed=solver.is_weighed,

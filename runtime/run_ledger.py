@@ -240,6 +240,8 @@ def ledger_of(
     works: Sequence[tuple[str, int]] = (),
     *,
     left_out: Sequence[tuple[str, str]] = (),
+    reduced: Sequence[tuple[str, str]] = (),
+    order: Sequence[str] = (),
     kept: Sequence[KeptPlaces] = (),
     length: float = 1.0,
     is_weighed: bool = True,
@@ -260,6 +262,10 @@ def ledger_of(
         What does work, and where that stands in q.
     left_out : sequence of (str, str)
         Joint and unit of each constraint that depends on others and is not solved for.
+    reduced : sequence of (str, str)
+        Joint and unit of each constraint that holds by itself, bodies being put onto their joints.
+    order : sequence of str
+        In which joints are told; in that of their constraints unless given.
     kept : sequence of KeptPlaces
         Parts that keep some momentum.
     length : float [m]
@@ -269,7 +275,7 @@ def ledger_of(
     """
     numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
     counts = {name: int(numbers[name]) for name in COUNTS}
-    checked = [*rows, *left_out]
+    checked = [*rows, *left_out, *reduced]
     first = len(state) - 3 * len(checked)
     worst = state[first:].reshape(3, len(checked))
     changes = state[first - sum(len(one.linear) + len(one.angular) for one in kept) : first]
@@ -287,8 +293,8 @@ def ledger_of(
         energy_error=numbers["energy error"] if options.checks and is_weighed else None,
         works=MappingProxyType(_works(state, works, options) if is_weighed else {}),
         momenta=momenta_of(kept, changes.tolist()) if options.checks else (),
-        violations=MappingProxyType(_violations(worst, checked) if options.checks else {}),
-        released=_released(worst[0, len(rows) :], left_out, length) if options.checks else (),
+        violations=MappingProxyType(_violations(worst, checked, order) if options.checks else {}),
+        released=_released(worst[0], len(rows), left_out, length) if options.checks else (),
         seconds=MappingProxyType(dict(seconds)),
         **counts,
     )
@@ -301,10 +307,13 @@ def _works(state: Array, works: Sequence[tuple[str, int]], options: Options) -> 
     return {name: float(state[len(COUNTERS) + place]) for name, place in works}
 
 
-def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Violation]:
-    sizes: dict[str, dict[str, Array]] = {}
+def _violations(
+    worst: Array, rows: Sequence[tuple[str, str]], order: Sequence[str]
+) -> dict[str, Violation]:
+    joints = dict.fromkeys((*order, *(joint for joint, _ in rows)))
+    sizes = {joint: {name: np.zeros(len(LEVELS)) for name in UNITS} for joint in joints}
     for (joint, unit), column in zip(rows, worst.T, strict=True):
-        own = sizes.setdefault(joint, {name: np.zeros(len(LEVELS)) for name in UNITS})
+        own = sizes[joint]
         own[unit] = np.maximum(own[unit], column)
     return {
         joint: Violation(*(tuple(own[unit].tolist()) for unit in UNITS))
@@ -312,12 +321,15 @@ def _violations(worst: Array, rows: Sequence[tuple[str, str]]) -> dict[str, Viol
     }
 
 
-def _released(worst: Array, left_out: Sequence[tuple[str, str]], length: float) -> tuple[str, ...]:
-    """Return the joints that came open where a row was left out."""
+def _released(
+    worst: Array, first: int, left_out: Sequence[tuple[str, str]], length: float
+) -> tuple[str, ...]:
+    """Return the joints that came open where a row was left out: those rows from the first on."""
+    sizes = worst[first : first + len(left_out)].tolist()
     limits = [RELEASED * (length if unit == "m" else 1.0) for _, unit in left_out]
     open_rows = [
         joint
-        for (joint, _), size, limit in zip(left_out, worst.tolist(), limits, strict=True)
+        for (joint, _), size, limit in zip(left_out, sizes, limits, strict=True)
         if not size <= limit
     ]
     return tuple(dict.fromkeys(open_rows))

@@ -58,3 +58,25 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     names = ", ".join(map(key_of, list(weak)[:SHOWN]))
     dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
     return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"
+
+
+def joints_of_bodies(
+    rows: Sequence[tuple[str, str]], reduced: Sequence[tuple[str, str]], *, is_driven: bool
+) -> str:
+    """Return the end of a message: the drivers that lead bodies, or the joints that they are on.
+
+    Parameters
+    ----------
+    rows, reduced : sequence of (str, str)
+        Joint and unit of each constraint that is solved for, and of those of joints that bodies are
+        put onto.
+    is_driven : bool
+        Whether drivers determine the motion.
+    """
+    names = dict.fromkeys(name for name, _ in reduced)
+    drivers = [name for name in names if "." in name]
+    if is_driven and drivers:
+        return f"; {', '.join(drivers[:SHOWN])} cannot lead on"
+    if names and not rows:
+        return f"; bodies move on {', '.join(map(key_of, list(names)[:SHOWN]))}"
+    return ""

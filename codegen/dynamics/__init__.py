@@ -7,17 +7,18 @@ positions and velocities that fit
     ``turns``, ``least``, ``block_factors``, ``fixed_points``, ``violations``
 fewer bodies and columns
     ``merge``, ``rigid_groups``, ``composite``, ``resting_energy``; ``planar``, ``turned``,
-    ``forces_plane``; ``weights``
+    ``forces_plane``; ``weights``; ``reduction``, ``reduced_mass``, ``reduced_program``
 which rows depend on others
     ``freedom``, ``loops``, ``branch``, ``rank``, ``driven``, ``unmoved``, ``left_out``,
     ``out_of_plane``
 operations, which one task each computes
     ``operations``, ``coordinates``, ``forces``, ``forces_along``, ``formulas``, ``elimination``,
-    ``sums``
+    ``sums``, ``reduced_operations``
 the program, segment by segment
     ``compose``, ``bodies``, ``joints``, ``joint_tasks``, ``coordinate_tasks``, ``combinations``,
     ``auxiliary``, ``force_tasks``, ``schur``, ``ordering``, ``reactions``, ``least_norm``,
-    ``momentum``, ``contacts``, ``length``; ``design``, ``setup``
+    ``momentum``, ``contacts``, ``energies``, ``length``; ``reduced``, ``reduced_tasks``;
+    ``design``, ``setup``
 what operations are recorded on
     ``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``
 running a program without its source

@@ -45,6 +45,9 @@ class BodyBlocks:
         A, (3, 3).
     inverse_mass : Block
         Diagonal of M⁻¹ in the columns, one row.
+    basis, inverse : Block, optional
+        R and (Rᵀ M R)⁻¹ of a body that is reduced; see
+        :mod:`~kousoku.codegen.dynamics.reduction`.
     """
 
     coordinates: tuple[int, ...]
@@ -57,6 +60,13 @@ class BodyBlocks:
     omega_b: Block
     orientation: Block
     inverse_mass: Block
+    basis: Block | None = None
+    inverse: Block | None = None
+
+    @property
+    def weights(self) -> Block:
+        """The inverse of the mass that other joints move."""
+        return self.inverse or self.inverse_mass
 
     def spread(self, entries: Sequence[int]) -> tuple[Block, Block]:
         """Return (δr, δθ′) with zeros where there is no column."""

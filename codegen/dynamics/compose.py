@@ -7,6 +7,7 @@ S for each joint; see :mod:`kousoku.codegen.dynamics.solve`.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.auxiliary import WORK, Auxiliaries, Copy, drivers_of, entries_of
@@ -21,7 +22,7 @@ from kousoku.codegen.dynamics.bodies import (
 )
 from kousoku.codegen.dynamics.combinations import Combinations
 from kousoku.codegen.dynamics.coordinate_tasks import CoordinateTasks
-from kousoku.codegen.dynamics.design import number
+from kousoku.codegen.dynamics.energies import record_energies
 from kousoku.codegen.dynamics.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.formulas import Names
 from kousoku.codegen.dynamics.joint_tasks import JointTasks
@@ -32,7 +33,6 @@ from kousoku.codegen.dynamics.length import characteristic_length
 from kousoku.codegen.dynamics.loops import loops_of
 from kousoku.codegen.dynamics.momentum import kept_of, record_momenta
 from kousoku.codegen.dynamics.operations import (
-    Energy,
     FreeAcceleration,
     Motion,
     Move,
@@ -42,6 +42,7 @@ from kousoku.codegen.dynamics.planar import plane_of
 from kousoku.codegen.dynamics.program import ON_DEMAND, Program
 from kousoku.codegen.dynamics.reactions import record_reactions, record_wrenches
 from kousoku.codegen.dynamics.recorder import Block, Recorder, column, zeros
+from kousoku.codegen.dynamics.reduced import Reduced
 from kousoku.codegen.dynamics.schur import Schur
 from kousoku.codegen.dynamics.setup import record_setup
 from kousoku.codegen.dynamics.sums import summed
@@ -61,6 +62,7 @@ def compose(
     rows: Mapping[int, Sequence[int]] | None = None,
     dependent: Sequence[Sequence[str]] = (),
     may_be_planar: bool = True,
+    most_free: int = -1,
 ) -> Program:
     """Return the program of a system: its segments are those of ``SEGMENTS``.
 
@@ -79,6 +81,9 @@ def compose(
         The joints of each set of rows that depend on each other: what they carry is not unique.
     may_be_planar : bool
         Whether a scene that stays in a coordinate plane gets planar coordinates.
+    most_free : int
+        Bodies on a joint with the ground that leaves so many velocities at most are described by
+        these, see :mod:`~kousoku.codegen.dynamics.reduction`; not together with ``rows``.
 
     Returns
     -------
@@ -96,13 +101,14 @@ def compose(
     shift = plane_of(system) if may_be_planar else None
     if shift is None:
         require_masses(system, is_planar=False)
-        return _Composer(system, wanted, kept, dependent, is_planar=False).program()
+        composer = _Composer(system, wanted, kept, dependent, is_planar=False, most_free=most_free)
+        return composer.program()
     other = turned(system, shift)
     require_masses(other, is_planar=True)
     kinds = [instance.kind for instance in system.constraints]
     kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
-    program = _Composer(other, wanted, kept, dependent, is_planar=True).program()
-    return named_back(program, system, shift)
+    composer = _Composer(other, wanted, kept, dependent, is_planar=True, most_free=most_free)
+    return named_back(composer.program(), system, shift)
 
 
 class _Composer:
@@ -116,6 +122,7 @@ class _Composer:
         dependent: Sequence[Sequence[str]],
         *,
         is_planar: bool,
+        most_free: int,
     ) -> None:
         self.system = system
         self.dependent = dependent
@@ -142,12 +149,16 @@ class _Composer:
             self.recorder, self.coordinates, self.time, self.parameters, given
         )
         self.tasks = JointTasks(system, self.recorder, self.body, combinations)
+        self.reduced = Reduced(system, self.recorder, self.body, combinations)
+        self.reduced.find(most_free, is_planar=is_planar)
+        rows = self.reduced.rows or rows
         self.joints = joints_of(system, self.recorder, rows, self.body)
         self.rows = sum(joint.count for joint in self.joints)
-        rest = others(system, rows) if rows else None
-        self.left_out = [] if rest is None else joints_of(system, self.recorder, rest, self.body)
+        rest = others(system, rows) if rows else {}
+        beside = joints_of(system, self.recorder, rest, self.body) if rest else []
+        self.left_out, self.held = ([], beside) if self.reduced.tasks else (beside, [])
         self.residuals = region("C", self.rows)
-        self.others = region("C_left_out", sum(joint.count for joint in self.left_out))
+        self.others = region("C_left_out", sum(joint.count for joint in beside))
         self.schur = Schur(self.recorder, region("pivots", self.rows))
 
     def body(self, index: int) -> BodyBlocks:
@@ -161,12 +172,11 @@ class _Composer:
         self._move()
         self._velocity()
         self._acceleration()
-        if "reactions" in self.wanted:
-            self._reaction()
-        if "coordinates" in self.wanted:
-            self._coordinates()
+        for name, record in (("reactions", self._reaction), ("coordinates", self._coordinates)):
+            if name in self.wanted:
+                record()
         if "energies" in self.wanted:
-            self._energy()
+            record_energies(self.recorder, self.system, self.bodies, self.forces)
         kept = kept_of(self.system, is_planar=self.is_planar) if "checks" in self.wanted else ()
         if kept:
             record_momenta(self.recorder, self.system, kept, self.body)
@@ -188,6 +198,8 @@ class _Composer:
             bodies=places,
             rows=rows_of(self.joints),
             left_out=rows_of(self.left_out),
+            reduced=rows_of(self.held),
+            placed=self.reduced.placed,
             is_planar=self.is_planar,
             auxiliary=self.auxiliary.placed(self.q),
             parameters=tuple(value for _, value in self.system.parameters),
@@ -201,6 +213,7 @@ class _Composer:
         for k, blocks in enumerate(self.bodies):
             (orientation,) = self.recorder.call(Orientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
+        self.reduced.geometry(self.bodies)
         for joint in self.joints:
             self.tasks.jacobian(joint, self._rows_of(self.residuals, joint))
         self.schur.factorise(self.joints)
@@ -215,35 +228,38 @@ class _Composer:
         self._pull(self.schur.solve(residuals), None, self.dq)
 
     def _pull(
-        self, multipliers: Sequence[Block], free: Sequence[Block] | None, region: Block
+        self,
+        multipliers: Sequence[Block],
+        free: Sequence[Block] | None,
+        region: Block,
+        beyond: Mapping[int, Block] | None = None,
     ) -> None:
-        """Write free − M⁻¹ C_qᵀ λ of each body."""
+        """Write free − M⁻¹ C_qᵀ λ of each body, of one that is reduced R u and what is beyond."""
         terms: list[list[tuple[Block, Block]]] = [[] for _ in self.bodies]
         for joint, block in zip(self.joints, multipliers, strict=True):
             for index, scaled in joint.scaled.items():
                 if index != GROUND_INDEX:
                     terms[index].append((scaled.T, block))
-        for k, blocks in enumerate(self.bodies):
-            count = len(blocks.columns)
-            total = free[k] if free else zeros(count, 1)
-            self.schur.gather(total, terms[k], region.part(blocks.v, count))
+        totals = list(free or (zeros(blocks.weights.width, 1) for blocks in self.bodies))
+        self.reduced.spread(self.schur, totals, terms, beyond)
+        for blocks, total, products in zip(self.bodies, totals, terms, strict=True):
+            self.schur.gather(total, products, region.part(blocks.v, len(blocks.columns)))
 
     def _move(self) -> None:
         self.recorder.begin("move")
-        for blocks in self.bodies:
-            change = self.dq.part(blocks.v, len(blocks.columns))
+        laws: dict[int, Block] = {}
+        for k, blocks in enumerate(self.bodies):
+            change = blocks.spread(self.dq.part(blocks.v, len(blocks.columns)).entries)
             target = self.q_moved.part(blocks.q, len(blocks.coordinates))
-            self.recorder.call(
-                Move(blocks.coordinates),
-                blocks.r,
-                blocks.p,
-                *blocks.spread(change.entries),
-                into=(target,),
-            )
+            if k in self.reduced.tasks:
+                laws |= self.reduced.tasks[k].put(*change, target)
+            else:
+                at = (blocks.r, blocks.p)
+                self.recorder.call(Move(blocks.coordinates), *at, *change, into=(target,))
         kept, targets = self.auxiliary.kept(self.q), self.auxiliary.kept(self.q_moved)
         for block, target in zip(kept, targets, strict=True):
             self.recorder.call(Copy(), block, into=(target,))
-        self.coordinates.count_turns(self.q_moved)
+        self.coordinates.count_turns(self.q_moved, laws)
 
     def _rates(
         self,
@@ -251,18 +267,21 @@ class _Composer:
         by_body: Sequence[Block],
         region: Block | None = None,
         joints: Sequence[JointBlocks] | None = None,
+        beyond: Mapping[int, Block] | None = None,
     ) -> list[Block]:
         """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
         for joint in self.joints if joints is None else joints:
             into = self._rows_of(region, joint) if region else None
-            found.append(self.tasks.rates(joint, output, by_body, into))
+            found.append(self.tasks.rates(joint, output, by_body, into, beyond))
         return found
 
     def _velocity(self) -> None:
         self.recorder.begin("velocity")
-        rates = self._rates("nu", self._by_body(self.v))
-        self._pull(self.schur.solve(rates), None, self.dv)
+        by_body = self._by_body(self.v)
+        lacks, beyond = self.reduced.fit(by_body)
+        rates = self._rates("nu", by_body, beyond=beyond)
+        self._pull(self.schur.solve(rates), None, self.dv, lacks)
 
     def _by_body(self, region: Block) -> list[Block]:
         """Return the parts of a region in the order of v."""
@@ -287,13 +306,26 @@ class _Composer:
             operation = FreeAcceleration(blocks.columns)
             free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
         self._add_forces(free)
+        if lam:
+            self.reduced.keep(free)
+        drift = self.reduced.condense(free)
         targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
-        multipliers = self.schur.solve(self._rates("gamma", free), targets)
-        self._pull(multipliers, free, self.v_dot)
-        powers = self.tasks.powers(self.joints, multipliers)
-        for name in drivers_of(self.system):
+        multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
+        self._pull(multipliers, free, self.v_dot, drift)
+        powers = zip(drivers_of(self.system), self._powers(multipliers), strict=True)
+        for name, power in powers:
             target = self.auxiliary.of(self.q_dot, WORK, name)
-            self.recorder.call(Copy(), powers.get(name, column((0,))), into=(target,))
+            self.recorder.call(Copy(), power, into=(target,))
+
+    def _powers(self, multipliers: Sequence[Block], *, is_whole: bool = True) -> list[Block]:
+        """Record the power of each driver, or what multipliers add to it."""
+        powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
+        told = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)
+        for name, one in told:
+            powers.setdefault(name, []).append(one)
+        nothing = [column((0,))]
+        names = drivers_of(self.system)
+        return [summed(self.recorder, powers.get(name, nothing)) for name in names]
 
     def _add_forces(self, free: list[Block]) -> None:
         """Add what forces beside gravity give each body, and write the power of those that work."""
@@ -310,9 +342,12 @@ class _Composer:
             target = self.auxiliary.of(self.q_dot, WORK, name)
             self.recorder.call(Copy(), summed(self.recorder, parts), into=(target,))
 
-    def _reaction(self, record: Callable[..., None] = record_reactions) -> None:
+    def _reaction(self, record: Callable[..., None] | None = None) -> None:
         """Record force and torque of each joint."""
         length = characteristic_length(self.system)
+        told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
+        known = partial(self.reduced.wrenches, *told)
+        record = record or partial(record_reactions, held=self.held, known=known)
         record(
             self.recorder,
             self.schur,
@@ -336,19 +371,19 @@ class _Composer:
         count = self.rows + self.others.height
         rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
         self.recorder.begin("check")
-        for joint in self.left_out:
-            self.tasks.jacobian(joint, self._rows_of(self.others, joint))
+        for joint in (*self.left_out, *self.held):
+            self.tasks.watch(joint, self._rows_of(self.others, joint))
         for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
             by_body = self._by_body(values)
             self._rates(output, by_body, region)
             rest = region.part(self.rows, self.others.height)
-            self._rates(output, by_body, rest, self.left_out)
+            self._rates(output, by_body, rest, [*self.left_out, *self.held])
 
     def _where_rank_drops(self) -> None:
         """Record what runs need where rows become dependent; without a loop they do not."""
         if self.left_out or loops_of(self.system):
             self._refinement()
-        if "reactions" in self.wanted and take_over(self.rows, self.others.height):
+        if "reactions" in self.wanted and take_over(self.rows, len(rows_of(self.left_out))):
             self._reaction(record_wrenches)
 
     def _refinement(self) -> None:
@@ -361,26 +396,5 @@ class _Composer:
         rates = self._rates("gamma", self._by_body(self.v_dot))
         multipliers = self.schur.solve(rates, targets)
         self._pull(multipliers, None, self.dv)
-        powers = self.tasks.powers(self.joints, multipliers)
-        for k, name in enumerate(names):
-            more = powers.get(name, column((0,)))
+        for k, more in enumerate(self._powers(multipliers, is_whole=False)):
             self.recorder.call(Copy(), more, into=(power.part(k, 1),))
-
-    def _energy(self) -> None:
-        target = self.recorder.region("energies", 2)
-        self.recorder.begin("energy")
-        gravity = self.forces.gravity(self.system)
-        parts: list[Block] = []
-        for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
-            mass = number(body.mass)
-            halves = self.recorder.constant([mass / 2] * 3 + [number(x) / 2 for x in body.inertia])
-            weight = self.forces.weight(self.system, gravity, mass)
-            parts += self.recorder.call(
-                Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight
-            )
-        for force in self.system.forces:
-            if force.has_potential:
-                parts.append(self.forces.stored(force))
-        if self.system.resting:
-            parts.append(self.recorder.constant((0, self.system.resting)))
-        summed(self.recorder, parts, target)

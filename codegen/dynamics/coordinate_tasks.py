@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.program import AFTER_GEOMETRY
 from kousoku.codegen.dynamics.recorder import Block, column
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.auxiliary import Auxiliaries
     from kousoku.codegen.dynamics.bodies import BodyBlocks
@@ -84,12 +84,15 @@ class CoordinateTasks:
         (rate,) = self._recorder.call(Along(), *pairs, less or column((0,)), into=(into,))
         return rate
 
-    def count_turns(self, q_moved: Block) -> None:
-        """Record φ of a position that was moved: what the angle is counted to there."""
-        for one in self.all:
+    def count_turns(self, q_moved: Block, laws: Mapping[int, Block]) -> None:
+        """Record φ of a position that was moved: what the angle is counted to there.
+
+        ``laws`` has what drivers make of angles that they set; those are counted from that.
+        """
+        for place, one in enumerate(self.all):
             if one.counts_turns:
                 ends = (self._ends_at(self._body(k), q_moved) for k in (one.i, one.j))
-                turns = self._auxiliary.of(self._q, TURNS, one.name)
+                turns = laws.get(place) or self._auxiliary.of(self._q, TURNS, one.name)
                 self._recorder.call(
                     Value(one.kind, _names(one), counts_turns=True),
                     *(block for end in ends for block in end),

@@ -18,6 +18,7 @@ from kousoku.codegen.dynamics.freedom import freedom_of
 from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
 from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
+from kousoku.codegen.dynamics.reduced_program import PRESCRIBED, reduced
 from kousoku.codegen.dynamics.rigid_groups import fixed_joints
 from kousoku.codegen.dynamics.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.weights import weighted
@@ -40,6 +41,8 @@ if TYPE_CHECKING:
 #: Everything that can be computed.
 ALL = (*LEDGER, "reactions")
 BYTES = 8
+#: Bodies that a line names.
+SHOWN = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,16 +125,18 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     apart, system = _heavy(each), weighted(found.system).system
     kept, freedom = independent(system, wanted)
     full = compose(system, wanted) if freedom.dropped else kept
-    program = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
+    whole = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
+    prescribed = reduced(system, wanted, whole, PRESCRIBED)
+    program = reduced(system, wanted, whole)
     final = inline(program)
     structure = structure_of(system, program)
     steps = [
         *_counted(system, program),
         *_compared(apart, replace(found, system=system), full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, kept),
-        *_out_of_plane(kept, program),
+        *_out_of_plane(kept, whole),
         Step("parts solved apart", f"{structure.parts} without a common moving body"),
-        *_of_coordinates(system, freedom),
+        *_of_reduction(system, freedom, (whole, prescribed, program)),
         _step("straight-line code", _of_code(final, program), program, final),
         *_of_design(system, program),
     ]
@@ -183,7 +188,7 @@ def _out_of_plane(kept: Program, program: Program) -> list[Step]:
 
 
 def _step(name: str, detail: str, before: Program, after: Program) -> Step:
-    columns = before.region("v").size - after.region("v").size
+    columns = _columns(before) - _columns(after)
     return Step(
         name=name,
         detail=detail,
@@ -192,6 +197,11 @@ def _step(name: str, detail: str, before: Program, after: Program) -> Step:
         operations=operations(before) - operations(after),
         bytes=BYTES * (before.size - after.size),
     )
+
+
+def _columns(program: Program) -> int:
+    """Return how many columns C_q has, or C_q R."""
+    return program.region("v").size - len(program.reduced)
 
 
 def _counted(system: System, program: Program) -> list[Step]:
@@ -287,18 +297,56 @@ def _of_moments(system: System) -> str:
     return f"{gone} of {3 * len(ratios)} are zero in space: equal moments of inertia"
 
 
-def _of_coordinates(system: System, freedom: Freedom) -> list[Step]:
-    """Return what is not done: it would change how a scene is solved, not only what it costs."""
-    drivers = drivers_of(system)
-    prescribed = "no driver"
-    if drivers:
-        prescribed = f"not done: rows hold {', '.join(drivers)}, and their bodies are integrated"
-        if not freedom.degrees:
-            prescribed = f"all: {', '.join(drivers)}, nothing is left to integrate"
+def _of_reduction(
+    system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
+) -> list[Step]:
+    """Return what it saves to describe bodies by what their joints with the ground leave free.
+
+    ``programs`` are without that, with bodies that drivers lead, and with all.
+    """
+    whole, prescribed, program = programs
     return [
-        Step("prescribed bodies evaluated", prescribed),
-        Step("dependent coordinates eliminated", "not done: all bodies keep their coordinates"),
+        _step(
+            "prescribed bodies evaluated",
+            _of_drivers(system, prescribed, freedom),
+            whole,
+            prescribed,
+        ),
+        _step(
+            "dependent coordinates eliminated",
+            _of_ground(system, prescribed, program),
+            prescribed,
+            program,
+        ),
     ]
+
+
+def _of_drivers(system: System, prescribed: Program, freedom: Freedom) -> str:
+    """Say which bodies drivers lead: their positions are formulas of the time."""
+    drivers = drivers_of(system)
+    if not drivers:
+        return "no driver"
+    led = _bodies_of(system, prescribed) or "no body that hangs on the ground alone"
+    found = f"{', '.join(drivers)}: {led}"
+    return found if freedom.degrees else f"{found}; nothing is left to integrate"
+
+
+def _of_ground(system: System, prescribed: Program, program: Program) -> str:
+    """Say which bodies have the velocities that their joint with the ground leaves."""
+    if program.left_out:
+        return "rows depend on others: all are needed"
+    names = _bodies_of(system, program, prescribed)
+    return f"{names}: by what the ground leaves free" if names else "none hangs on the ground alone"
+
+
+def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:
+    """Return the names of bodies that are put onto joints."""
+    known = without.reduced if without else ()
+    rows = (system.constraints[row.instance] for row in program.reduced if row not in known)
+    bodies = dict.fromkeys(max(one.bodies) for one in rows)
+    names = [system.bodies[k].name for k in bodies]
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more
 
 
 def _of_elements(structure: Structure) -> str:

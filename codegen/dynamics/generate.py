@@ -14,6 +14,7 @@ from kousoku.codegen.dynamics.inline import inline
 from kousoku.codegen.dynamics.merge import merged
 from kousoku.codegen.dynamics.motion_data import is_flat
 from kousoku.codegen.dynamics.out_of_plane import held_twice
+from kousoku.codegen.dynamics.reduced_program import reduced
 from kousoku.codegen.dynamics.reference import REFERENCE_FILE, solver_references
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
@@ -73,9 +74,10 @@ def generate_dynamics(
     system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
     require_driven(found, freedom, wanted)
-    program = replace(program, is_weighed=not found.missing)
     if "reactions" in wanted:
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
+    program = reduced(system, (*LEDGER, *wanted), program)
+    program = replace(program, is_weighed=not found.missing)
     more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
     return emit_dynamics(inline(program), system, wanted, more)
 

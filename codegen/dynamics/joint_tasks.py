@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.coordinates import Along
-from kousoku.codegen.dynamics.operations import Joint, Rates
+from kousoku.codegen.dynamics.operations import Joint, Rates, Rows
 from kousoku.codegen.dynamics.recorder import column
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
     from kousoku.codegen.dynamics.combinations import Combinations
@@ -43,31 +43,58 @@ class JointTasks:
 
     def jacobian(self, joint: JointBlocks, residuals: Block | None) -> None:
         """Record C and C_q of a joint, and put C_q into it; ``residuals`` says where C goes."""
-        (i, j, *others), n = map(self.body, joint.bodies), len(joint.bodies)
-        _, *found, joint.own = self.recorder.call(
-            Joint(joint.parts, tuple(one.columns for one in (i, j, *others))),
-            *(i.r, i.p, i.orientation, i.inverse_mass),
-            *(j.r, j.p, j.orientation, j.inverse_mass),
-            *(one.inverse_mass for one in others),
+        ends, n = [self.body(k) for k in joint.bodies], len(joint.bodies)
+        i, j, *others = ends
+        reduced = tuple(k for k, one in enumerate(ends) if one.basis)
+        _, *found = self.recorder.call(
+            Joint(joint.parts, tuple(one.columns for one in ends), reduced),
+            *(i.r, i.p, i.orientation, i.weights, j.r, j.p, j.orientation, j.weights),
+            *(one.weights for one in others),
+            *(one.basis for one in ends if one.basis),
             *self._of_parts(joint, "C"),
             into=(residuals,),
         )
         joint.jacobian = dict(zip(joint.bodies, found[:n], strict=True))
-        joint.scaled = dict(zip(joint.bodies, found[n:], strict=True))
+        joint.scaled = dict(zip(joint.bodies, found[n : 2 * n], strict=True))
+        joint.own, whole = found[2 * n], found[2 * n + 1 :]
+        joint.whole = joint.jacobian | {
+            joint.bodies[k]: block for k, block in zip(reduced, whole, strict=True)
+        }
+
+    def watch(self, joint: JointBlocks, residuals: Block) -> None:
+        """Record C and C_q of rows that are not solved for."""
+        i, j, *others = map(self.body, joint.bodies)
+        _, *found = self.recorder.call(
+            Rows(joint.parts, tuple(one.columns for one in (i, j, *others))),
+            *(i.r, i.p, i.orientation, j.r, j.p, j.orientation),
+            *self._of_parts(joint, "C"),
+            into=(residuals,),
+        )
+        joint.whole = dict(zip(joint.bodies, found, strict=True))
 
     def rates(
-        self, joint: JointBlocks, output: str, by_body: Sequence[Block], into: Block | None
+        self,
+        joint: JointBlocks,
+        output: str,
+        by_body: Sequence[Block],
+        into: Block | None,
+        beyond: Mapping[int, Block] | None = None,
     ) -> Block:
-        """Record C_q x minus ν or γ of a joint, for x in the order of v, body by body."""
+        """Record C_q x minus ν or γ of a joint, for x in the order of v, body by body.
+
+        With ``beyond`` it is x = R u + what that says of bodies that are reduced, and u is given.
+        """
         i, j = self.body(joint.i), self.body(joint.j)
+        slopes = joint.whole if beyond is None else joint.jacobian
         x_i, x_j, *others = (column(()) if k == GROUND_INDEX else by_body[k] for k in joint.bodies)
-        slopes = (joint.jacobian[k] for k in joint.others)
+        pairs = [(x, slopes[k]) for x, k in zip(others, joint.others, strict=True)]
+        pairs += [(x, joint.whole[k]) for k, x in (beyond or {}).items() if k in joint.bodies]
         (difference,) = self.recorder.call(
-            Rates(joint.parts, output, len(others)),
-            *(i.p, i.orientation, i.v_r, i.omega_b, x_i, joint.jacobian[joint.i]),
-            *(j.p, j.orientation, j.v_r, j.omega_b, x_j, joint.jacobian[joint.j]),
+            Rates(joint.parts, output, len(pairs)),
+            *(i.p, i.orientation, i.v_r, i.omega_b, x_i, slopes[joint.i]),
+            *(j.p, j.orientation, j.v_r, j.omega_b, x_j, slopes[joint.j]),
             *(i.r, j.r),
-            *(block for pair in zip(others, slopes, strict=True) for block in pair),
+            *(block for pair in pairs for block in pair),
             *self._of_parts(joint, output),
             into=(into,),
         )

@@ -44,7 +44,9 @@ class JointBlocks:
     first, count : int
         Its rows.
     jacobian, scaled : dict of int to Block
-        C_q and C_q M⁻¹ by body.
+        C_q and C_q M⁻¹ by body; C_q R and C_q R (Rᵀ M R)⁻¹ of a body that is reduced.
+    whole : dict of int to Block
+        C_q by body.
     own : Block
         C_q M⁻¹ C_qᵀ.
     """
@@ -58,6 +60,7 @@ class JointBlocks:
     count: int
     jacobian: dict[int, Block] = field(default_factory=dict)
     scaled: dict[int, Block] = field(default_factory=dict)
+    whole: dict[int, Block] = field(default_factory=dict)
     own: Block = field(default_factory=lambda: column(()))
 
     @property

@@ -55,6 +55,8 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "length": characteristic_length(system),
         "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
         "left_out": [_row(row, system.constraints[row.instance]) for row in program.left_out],
+        "reduced": [_row(row, system.constraints[row.instance]) for row in program.reduced],
+        "checked": _checked(program, system),
         "places": {
             region.name: [region.base, region.size]
             for region in program.regions
@@ -148,9 +150,18 @@ def _row(row: Row, instance: Instance) -> list[str]:
     return [name, instance.unit or ("m" if is_length else "rad")]
 
 
+def _checked(program: Program, system: System) -> list[str]:
+    """Return the joints and drivers of all rows, in the order of the scene."""
+    rows = sorted(
+        (*program.rows, *program.left_out, *program.reduced), key=lambda row: row.instance
+    )
+    return list(dict.fromkeys(_row(row, system.constraints[row.instance])[0] for row in rows))
+
+
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:
     """Return on which body each joint acts, where, and which of its components are computed."""
-    rows = sorted((*program.rows, *program.left_out), key=lambda row: row.instance)
+    every = (*program.rows, *program.left_out, *program.reduced)
+    rows = sorted(every, key=lambda row: row.instance)
     joints: dict[str, list[Instance]] = {}
     for row in rows:
         joints.setdefault(row.joint, []).append(system.constraints[row.instance])

@@ -57,17 +57,18 @@ class Orientation:
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return A (3, 3)."""
-        return (_orientation(trace, blocks[0]),)
+        return (orientation_of(trace, blocks[0]),)
 
 
-def _orientation(trace: Trace, p: Matrix) -> Matrix:
+def orientation_of(trace: Trace, p: Matrix) -> Matrix:
+    """Return A of a body."""
     nodes = trace.inline(frozen("rotation", "orientation"), {"p": p.flat})["A"]
     return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
 
 
 def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
     """Let A be read where a kind computes it from p."""
-    trace.is_known(_orientation(trace, p).flat, orientation.flat)
+    trace.is_known(orientation_of(trace, p).flat, orientation.flat)
 
 
 def _title(parts: Sequence[Part]) -> str:
@@ -95,7 +96,59 @@ class Joint:
     """Residual, Jacobian, and the joint's own block of the Schur complement.
 
     Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, that diagonal of the other
-    bodies, and what belongs to the parts.
+    bodies, R of each body that is reduced, and what belongs to the parts. A body that is reduced
+    has (Rᵀ M R)⁻¹ for M⁻¹.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        What the joint is composed of.
+    columns : tuple of tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    reduced : tuple of int
+        Which of the bodies have velocities R u.
+    """
+
+    parts: tuple[Part, ...]
+    columns: tuple[tuple[int, ...], ...]
+    reduced: tuple[int, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Name the kinds."""
+        return f"joint {_title(self.parts)}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
+
+        Of a body that is reduced it is C_q R and C_q R (Rᵀ M R)⁻¹; C_q itself stands last.
+        """
+        weights_i, weights_j = blocks[3], blocks[7]
+        others, count = len(self.columns) - 2, len(self.reduced)
+        rest = blocks[8:]
+        weights = (weights_i, weights_j, *rest[:others])
+        bases = dict(zip(self.reduced, rest[others : others + count], strict=True))
+        residuals, full = rows_of_parts(
+            trace, self.parts, self.columns, (*blocks[:3], *blocks[4:7], *rest[others + count :])
+        )
+        jacobians = [one @ bases[k] if k in bases else one for k, one in enumerate(full)]
+        scaled = [
+            own @ weight if k in bases else own.scaled(weight)
+            for k, (own, weight) in enumerate(zip(jacobians, weights, strict=True))
+        ]
+        pairs = list(zip(scaled, jacobians, strict=True))
+        graph = trace.graph
+        lower = [
+            [graph.sum(_dot(a, b, i, j) for a, b in pairs) for j in range(i + 1)]
+            for i in range(len(jacobians[0].rows))
+        ]
+        whole = [full[k] for k in self.reduced]
+        return residuals, *jacobians, *scaled, square(lower, graph), *whole
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Residual and Jacobian alone. Blocks: r, p, A of body i and j, what belongs to the parts.
 
     Parameters
     ----------
@@ -111,54 +164,55 @@ class Joint:
     @property
     def title(self) -> str:
         """Name the kinds."""
-        return f"joint {_title(self.parts)}"
+        return f"rows {_title(self.parts)}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n)."""
-        r_i, p_i, a_i, weights_i, r_j, p_j, a_j, weights_j, *rest = blocks
-        share(trace, p_i, a_i)
-        share(trace, p_j, a_j)
-        state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
-        others = len(self.columns) - 2
-        weights = (weights_i, weights_j, *rest[:others])
-        given = iter(rest[others:])
-        graph = trace.graph
-        residuals: list[Matrix] = []
-        slopes: list[list[Matrix]] = [[] for _ in self.columns]
-        for part in self.parts:
-            if part.kind == COMBINATION:
-                residuals.append(next(given))
-                own = [next(given) for _ in self.columns]
-            else:
-                constants = [next(given) for _ in part.constants]
-                found = _evaluate(trace, part, "constraint", state, constants)
-                residuals.append(_pick(trace, found["C"], part, 1))
-                own = self._by_body(_pick(trace, found["C_q"], part, 2 * COLUMNS))
-            for body, matrix in zip(slopes, own, strict=True):
-                body.append(matrix)
-        jacobians = [
-            stack(graph, own, len(columns))
-            for own, columns in zip(slopes, self.columns, strict=True)
-        ]
-        scaled = [own.scaled(weight) for own, weight in zip(jacobians, weights, strict=True)]
-        pairs = list(zip(scaled, jacobians, strict=True))
-        lower = [
-            [graph.sum(_dot(a, b, i, j) for a, b in pairs) for j in range(i + 1)]
-            for i in range(len(jacobians[0].rows))
-        ]
-        return stack(graph, residuals, 1), *jacobians, *scaled, square(lower, graph)
+        """Return C (n,), C_q of i, of j and of the others."""
+        residuals, jacobians = rows_of_parts(trace, self.parts, self.columns, blocks)
+        return residuals, *jacobians
 
-    def _by_body(self, jacobian: Matrix) -> list[Matrix]:
-        """Cut the Jacobian of a kind, which knows bodies i and j only."""
-        found = [
-            jacobian.columns([side * COLUMNS + k for k in columns])
-            for side, columns in enumerate(self.columns[:2])
-        ]
-        zero = jacobian.graph.const(0)
-        for columns in self.columns[2:]:
-            rows = ((zero,) * len(columns),) * len(jacobian.rows)
-            found.append(Matrix(jacobian.graph, rows, len(columns)))
-        return found
+
+def rows_of_parts(
+    trace: Trace,
+    parts: Sequence[Part],
+    columns: Sequence[tuple[int, ...]],
+    blocks: Sequence[Matrix],
+) -> tuple[Matrix, list[Matrix]]:
+    """Return C and C_q by body of the parts of a joint."""
+    r_i, p_i, a_i, r_j, p_j, a_j, *rest = blocks
+    share(trace, p_i, a_i)
+    share(trace, p_j, a_j)
+    state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
+    given = iter(rest)
+    residuals: list[Matrix] = []
+    slopes: list[list[Matrix]] = [[] for _ in columns]
+    for part in parts:
+        if part.kind == COMBINATION:
+            residuals.append(next(given))
+            own = [next(given) for _ in columns]
+        else:
+            constants = [next(given) for _ in part.constants]
+            found = _evaluate(trace, part, "constraint", state, constants)
+            residuals.append(_pick(trace, found["C"], part, 1))
+            own = _by_body(_pick(trace, found["C_q"], part, 2 * COLUMNS), columns)
+        for body, matrix in zip(slopes, own, strict=True):
+            body.append(matrix)
+    graph = trace.graph
+    jacobians = [stack(graph, own, len(kept)) for own, kept in zip(slopes, columns, strict=True)]
+    return stack(graph, residuals, 1), jacobians
+
+
+def _by_body(jacobian: Matrix, columns: Sequence[tuple[int, ...]]) -> list[Matrix]:
+    """Cut the Jacobian of a kind, which knows bodies i and j only."""
+    found = [
+        jacobian.columns([side * COLUMNS + k for k in kept])
+        for side, kept in enumerate(columns[:2])
+    ]
+    zero = jacobian.graph.const(0)
+    for kept in columns[2:]:
+        rows = ((zero,) * len(kept),) * len(jacobian.rows)
+        found.append(Matrix(jacobian.graph, rows, len(kept)))
+    return found
 
 
 def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:

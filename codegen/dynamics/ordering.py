@@ -27,7 +27,10 @@ class Pivot:
 
 
 def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot, ...]:
-    """Return the order that eliminates what has the fewest neighbours; of equals the first.
+    """Return the order that eliminates what has the fewest neighbours.
+
+    Of equals that comes which has to wait for the fewest others, one after another: a chain is
+    eliminated from both ends in turn, and a processor works on both at once.
 
     Parameters
     ----------
@@ -39,13 +42,14 @@ def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot,
     beside: list[dict[int, None]] = [{} for _ in range(count)]
     for a, b in pairs:
         beside[a][b] = beside[b][a] = None
-    queue = [(len(neighbours), joint) for joint, neighbours in enumerate(beside)]
+    levels = [0] * count
+    queue = [(len(neighbours), 0, joint) for joint, neighbours in enumerate(beside)]
     heapq.heapify(queue)
     order: list[tuple[int, tuple[int, ...]]] = []
     place: dict[int, int] = {}
     while queue:
-        degree, joint = heapq.heappop(queue)
-        if joint in place or degree != len(beside[joint]):
+        degree, level, joint = heapq.heappop(queue)
+        if joint in place or (degree, level) != (len(beside[joint]), levels[joint]):
             continue
         place[joint] = len(order)
         neighbours = tuple(beside[joint])
@@ -53,7 +57,8 @@ def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot,
         for a in neighbours:
             del beside[a][joint]
             beside[a].update((b, None) for b in neighbours if b != a)
-            heapq.heappush(queue, (len(beside[a]), a))
+            levels[a] = max(levels[a], level + 1)
+            heapq.heappush(queue, (len(beside[a]), levels[a], a))
     return tuple(
         Pivot(joint, tuple(sorted(neighbours, key=place.__getitem__)))
         for joint, neighbours in order

@@ -198,6 +198,11 @@ class Program:
         Whether all bodies move in parallel coordinate planes.
     left_out : tuple of Row
         Rows that depend on others, in the order of the region ``C_left_out``.
+    reduced : tuple of Row
+        Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
+        that bodies are put onto. Where there are some no row is left out.
+    placed : tuple of int
+        Bodies whose centre of mass follows from all else where they are put onto a joint.
     not_unique : tuple of str
         Joints whose reactions are not unique.
     is_weighed : bool
@@ -226,6 +231,8 @@ class Program:
     auxiliary: tuple[Auxiliary, ...] = ()
     kept: tuple[Kept, ...] = ()
     left_out: tuple[Row, ...] = ()
+    reduced: tuple[Row, ...] = ()
+    placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()
@@ -258,12 +265,13 @@ REGIONS = {
     "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
     "q_moved": "q after dq, Euler parameters of norm one",
     "C": "residuals, joint by joint",
-    "C_left_out": "residuals of rows that depend on others and are left out; right behind C",
+    "C_left_out": "residuals of rows that depend on others, or hold by themselves; right behind C",
     "pivots": "D^-1 of the factors, in the order of C: very large where the rank is nearly lost",
     "dv": "correction of v",
     "q_dot": "time derivative of q",
     "v_dot": "time derivative of v",
     "lam": "multipliers, in the order of C",
+    "free": "M^-1 f of each body that is put onto a joint with the ground",
     "reactions": "force (frame O) and torque (body frame) of each joint on body j, or on i if j is"
     " the ground, at the centre of mass; the columns of that body only",
     "coordinates": "value and rate of each coordinate that is shown, and its acceleration where"
@@ -287,10 +295,10 @@ ON_DEMAND_REGIONS = ("more_lam", "more_power", "all_lam", "wrenches")
 SEGMENTS = {
     "geometry": "q, t -> C, the Jacobian, and the factors of C_q M^-1 C_q^T",
     "position": "C -> dq = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 C",
-    "move": "q, dq -> q_moved",
+    "move": "q, dq, t -> q_moved",
     "velocity": "v, t -> dv = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 (C_q v - nu)",
-    "acceleration": "v, t -> q_dot, v_dot, lam",
-    "reaction": "lam -> reactions",
+    "acceleration": "v, t -> q_dot, v_dot, lam, free",
+    "reaction": "lam, v_dot, free -> reactions",
     "coordinate": "q, v, v_dot -> coordinates",
     "energy": "q, v -> energies",
     "momentum": "q, v -> momenta",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.least_norm import LeastNorm, merged
@@ -10,7 +11,7 @@ from kousoku.codegen.dynamics.recorder import zeros
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.bodies import BodyBlocks
     from kousoku.codegen.dynamics.joints import JointBlocks
@@ -32,7 +33,9 @@ class Reaction:
     ends : tuple of int
         The bodies whose force and torque are given, see :func:`ends_of`.
     kept, left_out : JointBlocks or None
-        With their Jacobians; one of them is there.
+        With their Jacobians; one of them is there, unless it is known what the joint does.
+    known : JointBlocks or None
+        Rows of which that is known without multipliers.
     multipliers : list of (JointBlocks, Block)
         Rows, and their multipliers.
     """
@@ -43,12 +46,13 @@ class Reaction:
     ends: tuple[int, ...]
     kept: JointBlocks | None = None
     left_out: JointBlocks | None = None
+    known: JointBlocks | None = None
     multipliers: list[tuple[JointBlocks, Block]] = field(default_factory=list)
 
     @property
     def parts(self) -> list[JointBlocks]:
         """Its rows."""
-        return [rows for rows in (self.kept, self.left_out) if rows]
+        return [rows for rows in (self.kept, self.left_out, self.known) if rows]
 
 
 def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
@@ -62,16 +66,22 @@ def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
     return (i if j == GROUND_INDEX else j,)
 
 
-def reactions_of(kept: Sequence[JointBlocks], left_out: Sequence[JointBlocks]) -> list[Reaction]:
+def reactions_of(
+    kept: Sequence[JointBlocks],
+    left_out: Sequence[JointBlocks],
+    known: Sequence[JointBlocks] = (),
+) -> list[Reaction]:
     """Return all joints in the order of the system."""
     found: dict[tuple[str, int, int], Reaction] = {}
-    for joint in (*kept, *left_out):
+    for joint in (*kept, *left_out, *known):
         ends = ends_of(joint.bodies)
         end = joint.i if joint.j == GROUND_INDEX else joint.j
         new = Reaction(joint.name, end, joint.j, ends)
         one = found.setdefault((joint.name, joint.i, joint.j), new)
         if any(joint is rows for rows in kept):
             one.kept = joint
+        elif any(joint is rows for rows in known):
+            one.known = joint
         else:
             one.left_out = joint
     return sorted(found.values(), key=lambda one: min(min(x.instances) for x in one.parts))
@@ -85,6 +95,8 @@ def record_reactions(
     rows: tuple[Sequence[JointBlocks], Sequence[JointBlocks]],
     geometry: Callable[[JointBlocks], None],
     scale: Scale,
+    held: Sequence[JointBlocks] = (),
+    known: Callable[[], Mapping[tuple[str, int], Block]] = dict,
 ) -> None:
     """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
 
@@ -102,13 +114,18 @@ def record_reactions(
         Records the Jacobians of the latter.
     scale : Scale
         What is least where reactions are not unique.
+    held : sequence of JointBlocks
+        Joints with the ground that bodies are put onto.
+    known : callable
+        Records force and torque of these, by the name of the joint and the body.
     """
     joints, left_out = rows
-    found = reactions_of(joints, left_out)
+    found = reactions_of(joints, left_out, held)
     widths = [len(body(end).columns) for one in found for end in one.ends]
     target = recorder.region("reactions", sum(widths))
     lam = recorder.known("lam")
     recorder.begin("reaction")
+    told = known()
     for one in found:
         if one.kept:
             one.multipliers = [(one.kept, lam.part(one.kept.first, one.kept.count))]
@@ -118,19 +135,22 @@ def record_reactions(
         own = [one for one in found if one.name in group]
         if any(one.left_out for one in own):
             LeastNorm(recorder, schur, body, joints, scale).share_out(own)
-    _write_reactions(schur, found, widths, target)
+    _write_reactions(schur, found, widths, target, told)
 
 
 def _write_reactions(
-    schur: Schur, found: Sequence[Reaction], widths: Sequence[int], target: Block
+    schur: Schur,
+    found: Sequence[Reaction],
+    widths: Sequence[int],
+    target: Block,
+    told: Mapping[tuple[str, int], Block] = MappingProxyType({}),
 ) -> None:
     """Record force and torque of each joint on its bodies, as its multipliers are."""
     first = 0
     for (one, end), width in zip(((x, end) for x in found for end in x.ends), widths, strict=True):
-        products = [
-            (rows.jacobian[end].T, x) for rows, x in one.multipliers if end in rows.jacobian
-        ]
-        schur.gather(zeros(width, 1), products, target.part(first, width))
+        products = [(rows.whole[end].T, x) for rows, x in one.multipliers if end in rows.whole]
+        total = told.get((one.name, end)) or zeros(width, 1)
+        schur.gather(total, products, target.part(first, width))
         first += width
 
 

@@ -65,6 +65,10 @@ class Block:
         entries = tuple(x for k in range(self.width) for x in self.entries[k :: self.width])
         return Block(entries, self.width, self.height)
 
+    def __neg__(self) -> Block:
+        entries = tuple(-x for x in self.entries)
+        return Block(entries, self.height, self.width)
+
     def part(self, start: int, count: int) -> Block:
         """Return some entries of a column, one after the other."""
         return Block(self.entries[start : start + count], count, 1)

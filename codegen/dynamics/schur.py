@@ -87,7 +87,7 @@ class Schur:
         by_body: dict[int, list[int]] = {}
         for k, joint in enumerate(joints):
             for body in joint.bodies:
-                if body == GROUND_INDEX:
+                if body == GROUND_INDEX or not joint.scaled[body].width:
                     continue
                 for other in by_body.setdefault(body, []):
                     block = blocks.get((k, other), zeros(joint.count, joints[other].count))
@@ -152,10 +152,11 @@ class Schur:
             )
         return [solution[k] for k in range(len(right))]
 
-    def gather(self, total: Block, products: Sequence[Product], into: Block) -> None:
-        """Record into = total − Σ products."""
+    def gather(self, total: Block, products: Sequence[Product], into: Block | None = None) -> Block:
+        """Record total − Σ products; ``into`` says where to put it."""
         total, rest = self._head(total, products)
-        self.recorder.call(Gather(), total, *(x for pair in rest for x in pair), into=(into,))
+        call = self.recorder.call
+        return call(Gather(), total, *(x for pair in rest for x in pair), into=(into,))[0]
 
     def _head(self, total: Block, products: Sequence[Product]) -> tuple[Block, Sequence[Product]]:
         """Subtract products until few enough are left for one task."""

@@ -9,12 +9,13 @@ import numpy as np
 
 from kousoku.codegen.dynamics.disjoint import DisjointSets
 from kousoku.codegen.dynamics.freedom import columns_of
+from kousoku.codegen.dynamics.operations import COLUMNS
 from kousoku.codegen.dynamics.ordering import minimum_degree
 from kousoku.codegen.dynamics.residuals import Residuals
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.program import Place, Program
     from kousoku.model.mechanism import System
@@ -33,8 +34,10 @@ class Structure:
     ----------
     positions, velocities, rows : int
         Coordinates of bodies, velocities, and rows of C_q that are kept.
+    dependent : int
+        Velocities that follow from the others by joints with the ground, or from drivers of these.
     elements : int
-        Elements of C_q that are not structurally zero.
+        Elements of C_q that are not structurally zero; of C_q R where velocities are R u.
     dense : int
         Elements of the blocks of C_q, with six columns for each body.
     schur : int
@@ -47,6 +50,7 @@ class Structure:
 
     positions: int
     velocities: int
+    dependent: int
     rows: int
     elements: int
     dense: int
@@ -57,8 +61,9 @@ class Structure:
 
 def structure_of(system: System, program: Program) -> Structure:
     """Return the structure of a program."""
+    free = _free(system, program)
     ends, sizes = _joints(system, program)
-    pairs = _coupled(ends)
+    pairs = _coupled(ends, free)
     schur = sum(n * (n + 1) // 2 for n in sizes) + sum(sizes[a] * sizes[b] for a, b in pairs)
     factors = sum(
         sizes[pivot.joint] * (sizes[pivot.joint] + 1) // 2
@@ -68,8 +73,9 @@ def structure_of(system: System, program: Program) -> Structure:
     return Structure(
         positions=program.region("q").size - len(program.auxiliary),
         velocities=program.region("v").size,
+        dependent=len(program.reduced),
         rows=len(program.rows),
-        elements=_elements(system, program),
+        elements=_elements(system, program, free),
         dense=sum(
             6 * size * sum(body != GROUND_INDEX for body in bodies)
             for size, bodies in zip(sizes, ends, strict=True)
@@ -90,13 +96,24 @@ def _joints(system: System, program: Program) -> tuple[list[tuple[int, ...]], li
     return [bodies for _, bodies in sizes], list(sizes.values())
 
 
-def _coupled(ends: Sequence[tuple[int, ...]]) -> list[tuple[int, int]]:
-    """Return the pairs of joints that share a moving body."""
+def _free(system: System, program: Program) -> dict[int, int]:
+    """Return how many velocities bodies have that are put onto a joint with the ground."""
+    free: dict[int, int] = {}
+    for row in program.reduced:
+        body = max(system.constraints[row.instance].bodies)
+        places = program.bodies[body]
+        free.setdefault(body, sum(x.slot >= 0 for x in (*places.v, *places.omega_b)))
+        free[body] -= 1
+    return free
+
+
+def _coupled(ends: Sequence[tuple[int, ...]], free: Mapping[int, int]) -> list[tuple[int, int]]:
+    """Return the pairs of joints that share a body that moves by what acts on it."""
     by_body: dict[int, list[int]] = {}
     pairs: dict[tuple[int, int], None] = {}
     for k, bodies in enumerate(ends):
         for body in bodies:
-            if body != GROUND_INDEX:
+            if body != GROUND_INDEX and free.get(body) != 0:
                 pairs.update(((k, other), None) for other in by_body.get(body, ()))
         for body in bodies:
             by_body.setdefault(body, []).append(k)
@@ -113,8 +130,11 @@ def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
     return len(together.sets())
 
 
-def _elements(system: System, program: Program) -> int:
-    """Count what is not zero at a position without a pattern."""
+def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
+    """Count what is not zero at a position without a pattern.
+
+    Of a body that is put onto a joint each row that has any has so many as it has velocities.
+    """
     residuals = Residuals.of(system, system.constraints)
     numbers = iter(range(1, 7 * len(program.bodies) + 1))
 
@@ -136,5 +156,7 @@ def _elements(system: System, program: Program) -> int:
     kept_columns = np.zeros(residuals.columns, bool)
     kept_columns[columns_of(program, range(len(program.bodies)))] = True
     there = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > ZERO)
-    places = rows[there] * residuals.columns + columns[there]
-    return int(np.unique(places).size)  # two coordinates of a row may share a body
+    places = np.unique(rows[there] * residuals.columns + columns[there])  # bodies may be shared
+    blocks, counts = np.unique(places // COLUMNS, return_counts=True)
+    bodies = (blocks % (residuals.columns // COLUMNS)).tolist()
+    return sum(free.get(k, n) for k, n in zip(bodies, counts.tolist(), strict=True))

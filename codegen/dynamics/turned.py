@@ -78,7 +78,7 @@ def named_back(program: Program, system: System, shift: int) -> Program:
         )
         for body in program.bodies
     )
-    rows, left_out = (
+    rows, left_out, reduced = (
         tuple(
             replace(
                 row,
@@ -88,9 +88,9 @@ def named_back(program: Program, system: System, shift: int) -> Program:
             )
             for row in own
         )
-        for own in (program.rows, program.left_out)
+        for own in (program.rows, program.left_out, program.reduced)
     )
-    return replace(program, bodies=bodies, rows=rows, left_out=left_out)
+    return replace(program, bodies=bodies, rows=rows, left_out=left_out, reduced=reduced)
 
 
 def _triple(values: Sequence[T], shift: int) -> Triple[T]:

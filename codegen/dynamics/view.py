@@ -212,6 +212,11 @@ class DynamicsView:
         return dict(self.sizes)["MOMENTA"] > 0
 
     @property
+    def fits(self) -> bool:
+        """Whether bodies are put onto joints with the ground."""
+        return dict(self.sizes)["FITS"] > 0
+
+    @property
     def leads(self) -> bool:
         """Whether parameters may change where bodies or drivers begin."""
         return self.varies or (self.has_drivers and bool(self.parameter_names))

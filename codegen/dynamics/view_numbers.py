@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.auxiliary import WORK
+from kousoku.codegen.dynamics.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.bodies import inverse_masses, thickened
 from kousoku.codegen.dynamics.left_out import take_over
 from kousoku.model import precise
@@ -33,12 +33,18 @@ def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
     found = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
     counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
     found += [(name, program.region(region).size) for name, region in counts.items()]
-    found.append(("NCHECK", len(program.rows) + len(program.left_out)))
+    beside = len(program.left_out) + len(program.reduced)
+    found.append(("NCHECK", len(program.rows) + beside))
+    found += [("FITS", int(bool(program.reduced))), ("ADDED", _added(program))]
     found += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
+    found += [("N_FREE", one.size) for one in program.regions if one.name == "free"]
     works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
     found.append(("WORKS", works))
-    counted = {"more_power": "N_POWER", "wrenches": "N_WRENCHES"}
-    found += [(counted[one.name], one.size) for one in program.regions if one.name in counted]
+    sized = {"more_power": "N_POWER", "wrenches": "N_WRENCHES"}
+    found += [(sized[one.name], one.size) for one in program.regions if one.name in sized]
+    counted = [one.place.slot for one in program.auxiliary if one.kind == TURNS]
+    first = min(counted, default=0) - program.region("q").base if counted else 0
+    found += [("COUNTED", first), ("COUNTED_END", first + len(counted))]
     found.append(("MOMENTA", sum(one.count for one in program.kept)))
     found += _parameter_sizes(program)
     if program.design:
@@ -115,7 +121,8 @@ def positive_places(program: Program) -> list[int]:
 
 def is_driven(program: Program, system: System) -> bool:
     """Return whether drivers and joints leave no freedom, so that the motion is kinematics."""
-    return has_drivers(system) and len(program.rows) == program.region("v").size
+    count = len(program.rows) + len(program.reduced)
+    return has_drivers(system) and count == program.region("v").size
 
 
 def slots(program: Program, name: str) -> range:
@@ -133,11 +140,17 @@ def floors(program: Program, length: float) -> list[float]:
 
 
 def shift_slots(program: Program) -> list[tuple[int, int]]:
-    """Return the slots of each length that changes, in q and in v."""
-    pairs = (
-        (r.slot, v.slot) for body in program.bodies for r, v in zip(body.r, body.v, strict=True)
-    )
+    """Return the slots of each length that changes, in q and in v; first what is added to."""
+    places = sorted(range(len(program.bodies)), key=program.placed.__contains__)
+    bodies = (program.bodies[k] for k in places)
+    pairs = ((r.slot, v.slot) for body in bodies for r, v in zip(body.r, body.v, strict=True))
     return [(r, v) for r, v in pairs if v >= 0]
+
+
+def _added(program: Program) -> int:
+    """Return to how many lengths corrections are added; the others follow from all else."""
+    placed = (program.bodies[k] for k in program.placed)
+    return len(shift_slots(program)) - sum(x.slot >= 0 for body in placed for x in body.v)
 
 
 def turn_slots(program: Program) -> list[tuple[int, int, int]]:

@@ -75,7 +75,9 @@ def _print(found: "Explanation") -> None:
     )
     s = found.structure
     typer.echo(
-        f"{s.positions} coordinates, {s.velocities} velocities, {_counted(s.rows, 'row')}; C_q has"
+        f"{s.positions} coordinates, {s.velocities} velocities"
+        f"{f', {s.dependent} of which follow from the others' if s.dependent else ''},"
+        f" {_counted(s.rows, 'row')}; C_q has"
         f" {s.elements} elements that are not zero, S {s.schur} in its lower triangle, its factors"
         f" {s.fill_in} more; solved in {_counted(s.parts, 'part')}"
         f"{', in a coordinate plane' if found.is_planar else ''}"

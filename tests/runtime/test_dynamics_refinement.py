@@ -36,7 +36,7 @@ END = 0.5
 AT_START = (math.cos(0.5), math.sin(0.5))
 DRIVER = '[drivers]\nmotor = { joint = "ground_0", value = "-0.497*t" }\n'
 #: How far above the line the ends of the cranks are looked at [m].
-HEIGHTS = np.array([2e-4, 1.5e-4, 1e-4, 7e-5, 5e-5])
+HEIGHTS = np.array([5e-5, 4e-5, 2.5e-5, 1.8e-5, 1.3e-5])
 
 
 @pytest.fixture
@@ -83,8 +83,8 @@ def test_rows_near_a_position_of_lower_rank_have_the_accelerations_of_fifty_digi
         for name, found in (("v_dot", v_dot), ("reactions", reactions)):
             lost[name] = max(lost[name], worst(once[name], exact[name]))
             left[name] = max(left[name], worst(found, exact[name]))
-    assert lost["v_dot"] > 2e-10 > 20 * left["v_dot"]
-    assert lost["reactions"] > 1e-8 > 20 * left["reactions"]
+    assert lost["v_dot"] > 5e-8 > 1000 * left["v_dot"]
+    assert lost["reactions"] > 1e-7 > 100 * left["reactions"]
     ledger = run.motion().ledger
     assert len(HEIGHTS) <= ledger.refinements < ledger.derivatives / 20
     assert f"{ledger.refinements} accelerations refined" in str(ledger)

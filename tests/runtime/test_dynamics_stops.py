@@ -64,10 +64,10 @@ def test_error_falls_with_the_tolerance_where_stages_come_near_a_loss_of_rank(lo
 
 
 def test_ledger_notes_where_the_rank_nearly_dropped_and_how_it_was_passed(load: Load) -> None:
-    ledger = load(four_bars()).simulate(10.0, samples=1001, tolerance=1e-9).ledger
+    ledger = load(four_bars()).simulate(10.0, samples=1001, tolerance=1e-11).ledger
     assert ledger.avoided > 0
     assert ledger.growth < 1e-4
-    rows = load(four_bars()).simulate(times=[0.0, ledger.growth_time], tolerance=1e-9)
+    rows = load(four_bars()).simulate(times=[0.0, ledger.growth_time], tolerance=1e-11)
     x, y = rows.position["coupler_0"][-1, :2]
     assert abs(y) < 0.2 < abs(x)
     elsewhere = load(four_bars(-math.pi / 2)).simulate(0.3, tolerance=1e-9).ledger

@@ -155,8 +155,27 @@ def test_the_steps_add_up_to_what_remains() -> None:
     assert sum(n for _, n in more.segments) > sum(n for _, n in found.segments)
 
 
+def test_bodies_on_joints_with_the_ground_save_rows_columns_and_operations() -> None:
+    cranks = saved(explain(n_four_bar(2)), "dependent coordinates eliminated")
+    assert (cranks.rows, cranks.columns) == (6, 6)
+    assert cranks.operations > 300
+    assert "crank_0, crank_1, crank_2: by what the ground leaves free" in cranks.detail
+
+    gears = explain(read_scene(SCENES / "gear_train.toml"))
+    pinion, others = (
+        saved(gears, name)
+        for name in ("prescribed bodies evaluated", "dependent coordinates eliminated")
+    )
+    assert (pinion.rows, pinion.columns) == (3, 3)
+    assert (others.rows, others.columns) == (4, 4)
+    assert min(pinion.operations, others.operations) > 0
+    assert "motor: pinion" in pinion.detail
+    assert gears.structure.dependent == 7
+
+
 def test_the_row_of_bricard_that_is_left_out_is_named() -> None:
     found = explain(read_scene(SCENES / "bricard.toml"))
+    assert "all are needed" in saved(found, "dependent coordinates eliminated").detail
 
     assert saved(found, "redundant rows removed").rows == 1
     assert saved(found, "redundant rows removed").operations > 0

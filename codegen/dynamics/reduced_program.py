@@ -1,0 +1,54 @@
+"""The program of a scene with bodies reduced to what their joints with the ground leave free."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.bodies import thickened
+from kousoku.codegen.dynamics.compose import compose
+from kousoku.codegen.dynamics.counts import counts
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.program import Program
+    from kousoku.model.mechanism import System
+
+#: How many velocities a joint may leave: none of bodies that drivers lead, and any number.
+PRESCRIBED, ALL = 0, 6
+#: The segments that every stage of a step runs: what they cost decides, whatever is wanted beside.
+OFTEN = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
+
+
+def reduced(
+    system: System, wanted: Sequence[str], program: Program, most_free: int = ALL
+) -> Program:
+    """Return the program in which bodies on joints with the ground have no rows of these joints.
+
+    That is the program itself where there are no such bodies, where it would cost more, and where
+    rows depend on others: there all rows are needed, to watch them and to take over.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    wanted : sequence of str
+        What is computed.
+    program : Program
+        What :func:`~kousoku.codegen.dynamics.generate.independent` returned, or the program that
+        tells the forces of joints.
+    most_free : int
+        How many velocities a joint may leave to a body.
+    """
+    if program.left_out:
+        return program
+    heavy = system if program.is_planar else thickened(system)
+    found = compose(heavy, wanted, may_be_planar=program.is_planar, most_free=most_free)
+    if not found.reduced or _cost(found) >= _cost(program):
+        return program
+    return replace(found, not_unique=program.not_unique, is_weighed=program.is_weighed)
+
+
+def _cost(program: Program) -> int:
+    return sum(one.operations for one in counts(program) if one.segment in OFTEN)
