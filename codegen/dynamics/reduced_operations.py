@@ -101,9 +101,8 @@ class Fit:
     Blocks: v, ω′, the arm, a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m of
     the turns; then the rates that drive turn and displacement.
 
-    What turns about an axis turns as ω′ says. About a point it does as both v and ω′ say, the least
-    change in the metric of the masses: in the frame of a body that spins ω′ changes fast, and is
-    known less well than v.
+    They are changed by the least in the metric of the masses, as all rows would do it: a turn is
+    what both ω′ and v say of it.
 
     Parameters
     ----------
@@ -131,17 +130,17 @@ class Fit:
         beta, spin = zero, zero
         if self.turn == NOTHING:
             turning, lacks = zero, -omega
-        elif self.turn == POINT:
-            lacks = masses @ (arm.T @ (v - arm @ omega))
-            free.append(omega + lacks)
-            turning = arm @ free[0]
         elif self.is_turned:
             rate = next(given)
             beta, spin = arm @ rate, axis_b @ rate
             turning, lacks = beta, spin - omega
         else:
-            free.append(axis_b.T @ omega)
-            lacks = -(across_b @ (across_b.T @ omega))
+            turn = axis_b.T @ omega
+            more = masses @ (arm.T @ (v - arm @ turn))
+            lacks = axis_b @ more
+            if self.turn == AXIS:
+                lacks -= across_b @ (across_b.T @ omega)
+            free.append(turn + more)
             turning = arm @ free[0]
         if self.is_slid:
             slide = axis @ next(given)
