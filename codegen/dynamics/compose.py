@@ -159,7 +159,7 @@ class _Composer:
         self.left_out, self.held = ([], beside) if self.reduced.tasks else (beside, [])
         self.residuals = region("C", self.rows)
         self.others = region("C_left_out", sum(joint.count for joint in beside))
-        self.schur = Schur(self.recorder, region("pivots", self.rows))
+        self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=not self.left_out)
 
     def body(self, index: int) -> BodyBlocks:
         """Return the blocks of a body, or of the ground."""

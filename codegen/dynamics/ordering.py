@@ -26,11 +26,13 @@ class Pivot:
     neighbours: tuple[int, ...]
 
 
-def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot, ...]:
+def minimum_degree(
+    count: int, pairs: Iterable[tuple[int, int]], *, at_once: bool = True
+) -> tuple[Pivot, ...]:
     """Return the order that eliminates what has the fewest neighbours.
 
     Of equals that comes which has to wait for the fewest others, one after another: a chain is
-    eliminated from both ends in turn, and a processor works on both at once.
+    eliminated from both ends in turn, and a processor works on both at once. Or the first comes.
 
     Parameters
     ----------
@@ -38,6 +40,8 @@ def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot,
         Count of joints, numbered from 0.
     pairs : iterable of (int, int)
         Which are coupled.
+    at_once : bool
+        Whether the order may leave a processor several pivots to work on at once.
     """
     beside: list[dict[int, None]] = [{} for _ in range(count)]
     for a, b in pairs:
@@ -57,7 +61,7 @@ def minimum_degree(count: int, pairs: Iterable[tuple[int, int]]) -> tuple[Pivot,
         for a in neighbours:
             del beside[a][joint]
             beside[a].update((b, None) for b in neighbours if b != a)
-            levels[a] = max(levels[a], level + 1)
+            levels[a] = max(levels[a], level + 1) if at_once else 0
             heapq.heappush(queue, (len(beside[a]), levels[a], a))
     return tuple(
         Pivot(joint, tuple(sorted(neighbours, key=place.__getitem__)))

@@ -42,11 +42,17 @@ class Schur:
         Where they are recorded.
     pivots : Block, optional
         The region of D⁻¹.
+    at_once : bool
+        Whether the order leaves a processor several pivots to work on at once. One after the other
+        the last of them shows a loss of rank earlier.
     """
 
-    def __init__(self, recorder: Recorder, pivots: Block | None = None) -> None:
+    def __init__(
+        self, recorder: Recorder, pivots: Block | None = None, *, at_once: bool = True
+    ) -> None:
         self.recorder = recorder
         self.pivots = pivots
+        self.at_once = at_once
         self.order: tuple[Pivot, ...] = ()
         self._factors: dict[int, tuple[Block, Block]] = {}
         self._panels: dict[int, dict[int, Block]] = {}
@@ -65,7 +71,8 @@ class Schur:
         counts : sequence of int
             Rows of each block row.
         """
-        self.order = minimum_degree(len(counts), [pair for pair in blocks if pair[0] != pair[1]])
+        pairs = [pair for pair in blocks if pair[0] != pair[1]]
+        self.order = minimum_degree(len(counts), pairs, at_once=self.at_once)
         place = {pivot.joint: k for k, pivot in enumerate(self.order)}
         late = {}
         for (a, b), block in blocks.items():

@@ -12,6 +12,7 @@ import pytest
 from kousoku.codegen.dynamics.assembly import assemble
 from kousoku.codegen.dynamics.generate import LEDGER, independent
 from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.reduced_program import reduced
 from kousoku.codegen.dynamics.run import Workspace
 from kousoku.codegen.interpret import HIGH
 from kousoku.model.families import chain, n_four_bar
@@ -98,7 +99,8 @@ def test_power_of_a_driver_is_refined_with_the_accelerations(
     target: Any = backend
     run = load_dynamics(bodies_folder(scene, OUTPUTS), target=target).begin([0.0, 1.0])
     assert run.finish().ledger.refinements > 0
-    program, _ = independent(assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS))
+    system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
+    program = reduced(system, wanted, independent(system, wanted)[0])
     work = Workspace(inline(program))
     sizes = [len(COUNTERS), len(work["q"]), len(work["v"])]
     _, q, v, rest = np.split(run.state, np.cumsum(sizes))

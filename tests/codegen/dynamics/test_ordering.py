@@ -11,6 +11,11 @@ def test_a_chain_is_eliminated_from_both_ends_without_fill() -> None:
     assert order == tuple(ends)
 
 
+def test_a_chain_is_eliminated_from_one_end_where_that_is_asked() -> None:
+    order = minimum_degree(5, [(k, k + 1) for k in range(4)], at_once=False)
+    assert order == tuple(Pivot(k, (k + 1,) if k < 4 else ()) for k in range(5))
+
+
 def test_the_middle_of_a_star_comes_last() -> None:
     order = minimum_degree(5, [(0, k) for k in range(1, 5)])
     assert [pivot.joint for pivot in order] == [1, 2, 3, 4, 0]
