@@ -152,3 +152,20 @@ def test_a_motor_does_the_work_that_turns_a_wheel(bodies_folder: Callable[..., P
     assert motion.ledger.works["motor"] == pytest.approx(MOMENT * 36.0 / 2, rel=1e-8)
     np.testing.assert_allclose(motion.torque["motor"][-1], (0, 0, -6 * MOMENT), atol=1e-12)
     np.testing.assert_allclose(motion.force["axle"][-1], (0, 0, -19.62), atol=1e-12)
+
+
+@pytest.mark.usefixtures("compiler")
+def test_turns_of_a_motor_are_counted_by_its_formula_however_long_steps_are(
+    bodies_folder: Callable[..., Path],
+) -> None:
+    builder = SceneBuilder("apart", unit="m").gravity(0, 0, -9.81)
+    for name, x in (("wheel", 0), ("ball", 9)):
+        builder.body(name, position=(x, 0, 0), boxes=[{"mass": 2, "size": [3, 3, 1]}])
+    builder.joint("axle", type="revolute", bodies=("ground", "wheel"), at=(0, 0, 0), axis=(0, 0, 1))
+    builder.driver("motor", joint="axle", value="3000*sin(t)").coordinate("turn", joint="axle")
+    scene = builder.outputs("coordinates").build()
+    solver = load_dynamics(bodies_folder(scene, ("coordinates",)))
+    motion = solver.simulate(10.0, samples=7, tolerance=0.1)
+    assert motion.ledger.steps < 20
+    wanted = 3000 * np.sin(motion.time)
+    np.testing.assert_allclose(motion.coordinate["turn"], wanted, rtol=0, atol=1e-11)
