@@ -36,8 +36,9 @@ BELL, DRIVEN, FOUR_BAR, LOOP, PENDULUM, TOP = (
     SCENES[name] for name in ("bell", "driven", "four_bar", "loop", "pendulum", "top")
 )
 OUTPUTS = ("positions", "velocities", "accelerations", "reactions", "energies")
-#: Regions with which a solver is compared.
-REGIONS = ("v_dot", "lam", "reactions", "energies", "C", "dq", "q_dot")
+#: Regions with which a solver is compared; further ones where both solve for the same rows.
+REGIONS = ("v_dot", "reactions", "energies", "q_dot")
+OF_ROWS = ("lam", "C", "dq")
 
 
 def drawn(scene: Scene, seed: int) -> dict[str, float]:
@@ -73,7 +74,7 @@ def test_a_number_that_is_given_is_as_good_as_one_that_is_folded_in(
         wanted = load(folded(scene, given), "numpy")
         state = wanted.evaluate(0.25)
         found = solver.evaluate(0.25, wanted.q, wanted.v, given)
-        for region in REGIONS:
+        for region in (*REGIONS, *(OF_ROWS if solver.rows == wanted.rows else ())):
             size = 1e-3 if region in {"C", "dq"} else np.abs(state[region]).max()
             np.testing.assert_allclose(
                 found[region], state[region], rtol=0, atol=1e-12 * size, err_msg=region
