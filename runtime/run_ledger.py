@@ -193,11 +193,12 @@ class RunLedger:
                 " where it was looked at, does not depend on them here: this is not the motion of"
                 " the scene"
             )
-        yield (
-            f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
-            f" {self.refinements} accelerations refined and {self.avoided} steps made shorter near"
-            " such places"
-        )
+        if self.factorisations:
+            yield (
+                f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
+                f" {self.refinements} accelerations refined and {self.avoided} steps made shorter"
+                " near such places"
+            )
 
     def __str__(self) -> str:
         lines = [
