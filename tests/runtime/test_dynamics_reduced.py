@@ -108,6 +108,7 @@ def test_the_motion_is_that_with_all_rows(
     assert max(found.ledger.worst("position")) < 1e-14
     assert max(found.ledger.worst("velocity")) < 1e-13
     assert max(found.ledger.worst("acceleration")) < 1e-11
+    assert found.ledger.energy_error is not None
     assert found.ledger.energy_error < 1e-9
 
 
