@@ -1,7 +1,7 @@
 """From a system to its program: bodies, joints, and the equations that couple them.
 
 M v̇ + C_qᵀλ = f with C_q v̇ = γ is solved by S λ = C_q M⁻¹f − γ, S = C_q M⁻¹ C_qᵀ, with one block of
-S for each joint; see :mod:`kousoku.codegen.dynamics.solve`.
+S for each joint; see :mod:`kousoku.codegen.dynamics.schur`.
 """
 
 from __future__ import annotations
@@ -305,7 +305,8 @@ class _Composer:
             ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))
             operation = FreeAcceleration(blocks.columns)
             free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
-        self._add_forces(free)
+        for name, power in self.forces.act(self.system.forces, free).items():
+            self._keep_rate(name, power)
         if lam:
             self.reduced.keep(free)
         drift = self.reduced.condense(free)
@@ -314,8 +315,12 @@ class _Composer:
         self._pull(multipliers, free, self.v_dot, drift)
         powers = zip(drivers_of(self.system), self._powers(multipliers), strict=True)
         for name, power in powers:
-            target = self.auxiliary.of(self.q_dot, WORK, name)
-            self.recorder.call(Copy(), power, into=(target,))
+            self._keep_rate(name, power)
+
+    def _keep_rate(self, name: str, power: Block) -> None:
+        """Record the power of a force or a driver as the rate of its work."""
+        target = self.auxiliary.of(self.q_dot, WORK, name)
+        self.recorder.call(Copy(), power, into=(target,))
 
     def _powers(self, multipliers: Sequence[Block], *, is_whole: bool = True) -> list[Block]:
         """Record the power of each driver, or what multipliers add to it."""
@@ -326,21 +331,6 @@ class _Composer:
         nothing = [column((0,))]
         names = drivers_of(self.system)
         return [summed(self.recorder, powers.get(name, nothing)) for name in names]
-
-    def _add_forces(self, free: list[Block]) -> None:
-        """Add what forces beside gravity give each body, and write the power of those that work."""
-        shares: list[list[Block]] = [[block] for block in free]
-        powers: dict[str, list[Block]] = {}
-        for force in self.system.forces:
-            added, power = self.forces.effect(force)
-            for index, block in added.items():
-                shares[index].append(block)
-            if power is not None:
-                powers.setdefault(force.name, []).append(power)
-        free[:] = [summed(self.recorder, parts) for parts in shares]
-        for name, parts in powers.items():
-            target = self.auxiliary.of(self.q_dot, WORK, name)
-            self.recorder.call(Copy(), summed(self.recorder, parts), into=(target,))
 
     def _reaction(self, record: Callable[..., None] | None = None) -> None:
         """Record force and torque of each joint."""

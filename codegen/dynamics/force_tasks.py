@@ -76,6 +76,27 @@ class ForceTasks:
         added = {index: block for index, block in ends if index != GROUND_INDEX}
         return added, found[2] if force.works else None
 
+    def act(self, forces: Sequence[ForceElement], free: list[Block]) -> dict[str, Block]:
+        """Add what forces give to accelerations; return the power of those that work, by name.
+
+        Parameters
+        ----------
+        forces : sequence of ForceElement
+            Those of the scene.
+        free : list of Block
+            Accelerations by body, which are replaced by the sums.
+        """
+        shares = [[block] for block in free]
+        powers: dict[str, list[Block]] = {}
+        for force in forces:
+            added, power = self.effect(force)
+            for index, block in added.items():
+                shares[index].append(block)
+            if power is not None:
+                powers.setdefault(force.name, []).append(power)
+        free[:] = [summed(self.recorder, parts) for parts in shares]
+        return {name: summed(self.recorder, parts) for name, parts in powers.items()}
+
     def stored(self, force: ForceElement) -> Block:
         """Record (0, V) of a force that has a potential energy."""
         constants = self._constants(force)
