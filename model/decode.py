@@ -154,8 +154,6 @@ class UnknownNameError(SceneError):
         if self.key.endswith(".type"):  # no name of an element
             return self.problems
         also = broken({"body": "bodies"}.get(self.what, f"{self.what}s"))
-        if self.name in also:
-            return ()
         known = tuple(dict.fromkeys((*self.known, *also)))
         return UnknownNameError(self.what, self.name, known, self.key).problems
 

@@ -297,6 +297,22 @@ def test_which_freedom_of_a_plane_is_meant_must_be_said() -> None:
         scene_from_dict(puck(ACROSS, joints=joints, inputs={"i": {"joint": "slide"}}))
 
 
+@pytest.mark.parametrize("of", ["displacement", "second_displacement"])
+def test_displacements_in_a_plane_are_no_angles(of: str) -> None:
+    spring = {"type": "rotational_spring_damper", "stiffness": 3}
+    place = {"joint": "plane", "of": of}
+    for tables, says in (
+        ({"forces": {"f": spring | place}}, r"forces\.f\.of: is no angle"),
+        (
+            {"coordinates": {"x": place}, "forces": {"f": spring | {"coordinate": "x"}}},
+            r"forces\.f\.coordinate: x is no angle",
+        ),
+        ({"coordinates": {"x": place | {"near": 0}}}, r"coordinates\.x\.near: belongs to an angle"),
+    ):
+        with pytest.raises(SceneError, match=says):
+            scene_from_dict(puck(ACROSS, **{"outputs": [], **tables}))
+
+
 def test_friction_in_a_plane_is_in_all_of_its_freedoms_without_a_direction() -> None:
     friction = {"type": "friction", "joint": "plane", "damping": 3}
     tree = puck({"axes": ACROSS["axes"]}, forces={"f": friction}, outputs=[])
