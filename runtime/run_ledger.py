@@ -86,8 +86,9 @@ class RunLedger:
         Smallest ratio of the smallest to the largest pivot of a factorisation, and when that was:
         it is near zero where the rank drops.
     passed, passed_time : int, float or None [s]
-        Rows that stand where rows of the constraints are dependent, and when the last of them is:
-        the polynomial between the states before and after tells them, and forces of joints are NaN.
+        Rows that stand where rows of the constraints are dependent, or as good as that, and when
+        the last of them is: the polynomial between the states before and after tells their
+        accelerations, and forces of joints are NaN.
     fallbacks, fallback_time : int, float or None [s]
         Factorisations of all rows, those too that were left out, where those that are kept are
         nearly dependent, and when the last of them was.
