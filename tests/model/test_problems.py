@@ -305,7 +305,7 @@ def test_the_names_of_broken_elements_are_listed() -> None:
 def test_a_type_is_no_name_of_a_broken_element() -> None:
     broken = {"type": "ball", "bodies": ["ground", "rod"], "at": [0, 0]}
     tree = {"name": "x", "unit": "m", "bodies": {"rod": {"position": [0, 0, 0]}}}
-    joints = {"balls": broken, "a": broken | {"type": "ballz", "at": [0, 0, 0]}}
+    joints = {"ballzz": broken, "a": broken | {"type": "ballz", "at": [0, 0, 0]}}
     with pytest.raises(SceneError) as caught:
         scene_from_dict(tree | {"joints": joints})
     (told,) = (one.problem for one in caught.value.problems if one.key == "joints.a.type")
