@@ -11,21 +11,24 @@ from kousoku.model.decode import LARGEST, join
 from kousoku.model.design import Formula
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import TIME, state_names, used_names
+from kousoku.model.formulas import TIME, WORD, state_names, used_names
 from kousoku.model.terms import Number
+from kousoku.model.traced import CONTEXT, traced
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Collection, Mapping
 
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
-    from kousoku.model.terms import Expression
 
     T = TypeVar("T")
 
 TABLES = ("bodies", "joints", "coordinates", "drivers", "forces")
 """The tables with numbers of a design."""
+
+FORMULAS = "formulas"
+"""What a wrong formula breaks in an element, beside the element: what is computed of it all."""
 
 
 def read_formulas(scene: Scene, problems: Problems) -> Scene:
@@ -39,15 +42,25 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
         Where to note what is wrong; such a formula becomes the number 1, and its element is broken.
     """
     read: dict[str, float] = {}
+    wrong = problems.broken("parameters")
+    moving = state_names(scene) - {*scene.parameters}
+    exact = {name: CONTEXT.mpf(value) for name, value in scene.parameters.items()}
 
     def number(given: Formula, key: str) -> float:
-        if given.text not in read:
+        if given.text in read:
+            return read[given.text]
+        is_known = not problems.is_broken("parameters") and not used_names(given.text, wrong)
+        if is_known and not problems.is_full:
             try:
-                read[given.text] = _value(given.text, scene)
+                _require_fixed(given.text, moving)
+                read[given.text] = _value(given.text, scene.parameters, exact)
+                return read[given.text]
             except ExpressionError as error:
-                problems.add(str(error), key, breaks=".".join(key.split(".")[:2]))
-                return 1.0
-        return read[given.text]
+                problems.add(str(error), key)
+        element = ".".join(key.split(".")[:2])
+        problems.break_(element)
+        problems.break_(join(element, FORMULAS))
+        return 1.0
 
     return changed_scene(scene, number)
 
@@ -59,26 +72,20 @@ def with_numbers(scene: Scene) -> Scene:
     return changed_scene(scene, lambda given, _: float(given))
 
 
-def expression_of(text: str, scene: Scene) -> Expression:
-    """Return the formula of a number of a design.
-
-    Raises
-    ------
-    ExpressionError
-        It is none, or depends on what is no parameter.
-    """
-    for name in used_names(text, state_names(scene) - {*scene.parameters}):
-        what = "the time" if name == TIME else f"{name}, which moves"
-        problem = f"depends on {what}; a number of the design may depend on parameters only"
-        raise ExpressionError(problem, column=text.index(name) + 1)
-    return parse_expression(text, scene.parameters)
+def _require_fixed(text: str, moving: Collection[str]) -> None:
+    """Refuse a formula of what changes in a run."""
+    for found in WORD.finditer(text):
+        if (name := found.group()) in moving:
+            what = "the time" if name == TIME else f"{name}, which moves"
+            problem = f"depends on {what}; a number of the design may depend on parameters only"
+            raise ExpressionError(problem, column=found.start() + 1)
 
 
-def _value(text: str, scene: Scene) -> float:
-    """Return the number that a formula is in a scene."""
-    expression = expression_of(text, scene)
-    value = value_of(expression, scene.parameters)
-    if not isfinite(value) or not abs(value) <= LARGEST:
+def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any]) -> float:
+    """Return the number that a formula is in a scene: it has one in 50 digits and in doubles."""
+    expression = parse_expression(text, parameters)
+    value = float(traced(expression, exact))
+    if not abs(value) <= LARGEST or not isfinite(value_of(expression, parameters)):
         problem = "has no finite value with the parameters of the scene"
         raise ExpressionError(f"{problem}; wanted at most {LARGEST:g}", column=1)
     return value if isinstance(expression, Number) else Formula(text, value)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections import ChainMap
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import msgspec
 
@@ -31,9 +32,12 @@ WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "gravit
 """The keys of a scene of bodies under which a formula may stand."""
 
 
-def fixed_names(scene: Scene) -> frozenset[str]:
-    """Return what a formula may depend on that does not change in a run: the parameters."""
-    return frozenset(scene.parameters)
+def fixed_names(scene: Scene, *also: str) -> Mapping[str, float]:
+    """Return the parameters, which do not change in a run, and names `also` with the value 0.
+
+    The parameters are not copied: each formula asks for them.
+    """
+    return ChainMap(dict.fromkeys(also, 0.0), cast("dict[str, float]", scene.parameters))
 
 
 def state_names(scene: Scene) -> frozenset[str]:
@@ -76,9 +80,9 @@ def _texts(value: object) -> Iterator[str]:
             yield from _texts(item)
 
 
-def values_at_start(scene: Scene) -> dict[str, float]:
+def values_at_start(scene: Scene) -> Mapping[str, float]:
     """Return the values that are known before the scene is put together: parameters, and t = 0."""
-    return {**scene.parameters, TIME: 0.0}
+    return fixed_names(scene, TIME)
 
 
 def formula_problems(

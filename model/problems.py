@@ -31,6 +31,7 @@ class Problems:
         self.found: list[Problem] = []
         self.has_formulas = False
         self._broken: dict[str, None] = {}
+        self._touched: dict[str, None] = {}
 
     @property
     def is_full(self) -> bool:
@@ -46,6 +47,7 @@ class Problems:
     def break_(self, key: str) -> None:
         """Note that an element (``links.l1``) or a table (``links``) cannot be used."""
         self._broken[key] = None
+        self._touched[key.partition(".")[0]] = None
 
     def is_broken(self, *keys: str) -> bool:
         """Return whether one of some elements, or its table, cannot be used."""
@@ -53,7 +55,7 @@ class Problems:
 
     def touches(self, *tables: str) -> bool:
         """Return whether something in one of some tables, or all of it, cannot be used."""
-        return any(key.partition(".")[0] in tables for key in self._broken)
+        return any(table in self._touched for table in tables)
 
     def check(
         self, key: str, uses: Iterable[str], function: Callable[P, R], /, *a: P.args, **k: P.kwargs

@@ -32,6 +32,10 @@ CONTEXT.dps = 50
 NOISE = CONTEXT.mpf(10) ** -40
 """What is smaller than this part of the numbers it came from is a rounded zero."""
 
+LARGEST_EXPONENT = 4096
+"""Powers of two beyond which there is no value, and below whose inverse it is zero: doubles end at
+1024, and the time and memory for a sine of a number grow with its exponent."""
+
 CALLS: dict[Function, Callable[..., Any]] = {
     Function.ADD: lambda a, b: a + b,
     Function.MUL: lambda a, b: a * b,
@@ -188,8 +192,8 @@ def parameter(name: str, value: float, place: int) -> Traced:
     return Traced((first, first + size * more, first - size * less), Name(name), _key("name", name))
 
 
-def traced(expression: Expression, parameters: Mapping[str, Traced]) -> Any:
-    """Return the value of a formula of parameters, with the formula."""
+def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
+    """Return the value of a formula of parameters, with the formula where these are traced."""
     known: dict[int, Any] = {}
     for part in ordered(expression):
         match part:
@@ -246,12 +250,17 @@ def _short(function: Function, args: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def _value(function: Function, args: Sequence[Any]) -> Any:
-    """Return a value; not a number where there is none that is real."""
+    """Return a value; not a number where there is none that is real, or only a huge one."""
     try:
         value = CALLS[function](*args)
     except (ValueError, ZeroDivisionError, OverflowError, TypeError):
         return CONTEXT.nan
-    return value if hasattr(value, "_mpf_") else CONTEXT.nan
+    if not hasattr(value, "_mpf_"):
+        return CONTEXT.nan
+    size = CONTEXT.mag(value)
+    if size < -LARGEST_EXPONENT:
+        return CONTEXT.mpf(0)
+    return value if size <= LARGEST_EXPONENT else CONTEXT.nan
 
 
 def _is_opaque(function: Function, args: Sequence[Any]) -> bool:

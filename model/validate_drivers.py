@@ -10,7 +10,7 @@ from kousoku.model.derivative import derivative
 from kousoku.model.drivers import text_of
 from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME
+from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of
 from kousoku.model.terms import Apply, Function, ordered
 from kousoku.model.validate_coordinates import (
@@ -144,8 +144,9 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
     float
         Its value at the start.
     """
+    start = values_at_start(scene)
     try:
-        law = parse_expression(text_of(value), (TIME, *scene.parameters))
+        law = parse_expression(text_of(value), start)
     except ExpressionError as error:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     for part in ordered(law):
@@ -157,7 +158,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
             )
     starts = []
     for what in ("value", "rate", "acceleration"):
-        starts.append(value_of(law, {**scene.parameters, TIME: 0.0}))
+        starts.append(value_of(law, start))
         if not isfinite(starts[-1]):
             raise SceneError(f"has no finite {what} at t = 0; wanted one", key=key)
         law = derivative(law, TIME)

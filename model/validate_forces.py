@@ -168,7 +168,7 @@ def _check_formulas(scene: Scene, force: Force, key: str, names: Collection[str]
     """Refuse texts that are no formulas, all of them."""
     fixed, start = fixed_names(scene), values_at_start(scene)
     may_name = dict.fromkeys(("stiffness", "damping", "free_length", "free_angle"), fixed)
-    may_name |= dict.fromkeys(("tension", "moment"), fixed.union(LAW_NAMES))
+    may_name |= dict.fromkeys(("tension", "moment"), fixed_names(scene, *LAW_NAMES))
     found = [
         problem
         for name, known in (may_name | dict.fromkeys(OF_MOTION, names)).items()

@@ -6,6 +6,7 @@ from math import hypot
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, join, require_known
+from kousoku.model.design_numbers import FORMULAS
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import state_names
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
@@ -86,7 +87,7 @@ def _check_body(body: Body, key: str, problems: Problems) -> None:
     problems.check(key, (), _check_turning, body, key)
     if body.orientation is not None:
         problems.check(key, (), check_orientation, body.orientation, f"{key}.orientation")
-    problems.check(key, (), check_mass, body, key)
+    problems.check(key, [join(key, FORMULAS)], check_mass, body, key)
 
 
 def _check_turning(body: Body, key: str) -> None:

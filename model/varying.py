@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, cast
 import msgspec
 
 from kousoku.model.design import Formula, Guarded
-from kousoku.model.design_numbers import changed_scene, expression_of
+from kousoku.model.design_numbers import changed_scene
+from kousoku.model.expression import parse_expression
 from kousoku.model.traced import Traced, at_scene, parameter, traced
 
 if TYPE_CHECKING:
@@ -60,7 +61,7 @@ def varying_scene(scene: Scene) -> Scene:
     known = {name: parameter(name, value, place) for place, (name, value) in pairs}
 
     def read(given: Formula, _: str) -> float:
-        value = traced(expression_of(given.text, scene), known)
+        value = traced(parse_expression(given.text, scene.parameters), known)
         return Varying(value) if isinstance(value, Traced) else float(value)
 
     return changed_scene(scene, read)
@@ -80,7 +81,7 @@ POSITIVE: dict[str, tuple[str, ...]] = {
 
 def positive_numbers(scene: Scene) -> Iterator[tuple[str, float]]:
     """Yield the numbers that depend on parameters and must be positive, with their keys."""
-    for table in ("bodies", "joints"):
+    for table in ("bodies", "joints") if scene.parameters else ():
         for name, item in getattr(scene, table).items():
             yield from _positive(item, f"{table}.{name}", is_wanted=False)
 

@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import pytest
 
+from kousoku.model import design_numbers
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.design import Formula
 from kousoku.model.design_numbers import with_numbers
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import MOST_FOUND, SceneError
+from kousoku.model.expression import parse_expression
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.varying import fixed_system, is_varying
 from kousoku.model.write import to_toml
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from kousoku.model.terms import Expression
 
 SCENE = """
 name = "bar"
@@ -85,8 +93,10 @@ def test_a_formula_of_numbers_only_is_a_number() -> None:
     [
         ('"L/2"', '"L/2 + k"', r"line 10: bodies\.bar\.center\[0\]: column 7: unknown name 'k'"),
         ('"L/2"', '"L*t"', r"center\[0\]: column 3: depends on the time; .* parameters only"),
+        ('"L/2"', '"sqrt(L)*t"', r"center\[0\]: column 9: depends on the time"),
         ('"L/2"', '"L +"', r"center\[0\]: column 4: the formula ends where"),
         ('"L/2"', '"1/(L-150)"', r"center\[0\]: .*has no finite value"),
+        ('"L/2"', '"L + (1 + 1e-40)^1e49"', r"center\[0\]: .*has no finite value"),
         ('mass = "m"', 'mass = "-m"', r"line 9: bodies\.bar\.mass: .*positive"),
         (
             'yy = "m*L^2/12"',
@@ -100,6 +110,27 @@ def test_a_formula_of_numbers_only_is_a_number() -> None:
 def test_formulas_are_checked_with_line_and_key(old: str, new: str, wanted: str) -> None:
     with pytest.raises(SceneError, match=wanted):
         scene_from_toml(SCENE.replace(old, new, 1))
+
+
+def test_a_parameter_that_is_wrong_is_one_problem() -> None:
+    with pytest.raises(SceneError) as caught:
+        scene_from_toml(SCENE.replace("L = 150", "L = nan"))
+    assert [problem.key for problem in caught.value.problems] == ["parameters.L"]
+
+
+def test_many_wrong_formulas_end_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[str] = []
+
+    def parse(text: str, names: Collection[str]) -> Expression:
+        read.append(text)
+        return parse_expression(text, names)
+
+    monkeypatch.setattr(design_numbers, "parse_expression", parse)
+    points = ", ".join(f'{{ mass = "k{k}", at = [0, 0, 0] }}' for k in range(MOST_FOUND + 50))
+    with pytest.raises(SceneError, match="at least"):
+        scene_from_toml(SCENE.replace("center =", f"mass_points = [{points}]\ncenter ="))
+    assert [text for text in read if not text.startswith("k")] == ["m", "L/2", "m*L^2/12"]
+    assert len(read) == 3 + MOST_FOUND
 
 
 def test_a_coordinate_is_no_parameter() -> None:

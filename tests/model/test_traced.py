@@ -66,6 +66,20 @@ def test_what_is_fixed_near_the_scene_only_still_depends_on_parameters(
     assert value_of(found.expression, VALUES | other) == pytest.approx(wanted)
 
 
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("2 + sin(exp(exp(1000*z)))", 2 + math.sin(math.e)),
+        ("2 + sin((1 + z)^1e30)", 2 + math.sin(1)),
+        ("a + exp(-1e49)", 0.5),
+        ("a + atan2(0.5^1e9, 1)", 0.5),
+    ],
+)
+def test_numbers_that_no_double_has_cost_no_time(text: str, wanted: float) -> None:
+    found = traced(parse_expression(text, VALUES), {"z": Z, "a": A})
+    assert float(at_scene(found)) == pytest.approx(wanted, rel=1e-14)
+
+
 def test_zero_in_the_scene_is_not_zero_for_good() -> None:
     assert Z != 0
     assert bool(Z)
