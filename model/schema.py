@@ -44,6 +44,28 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
 }
 """Limits of single values that the types do not say, by record and key."""
 
+NUMBER = {"type": "number", "minimum": -LARGEST, "maximum": LARGEST}
+
+
+def _three(name: str) -> dict[str, Any]:
+    item = {"$ref": f"#/$defs/{name}"}
+    return {
+        "type": "array",
+        "prefixItems": [item, item, item],
+        "minItems": 3,
+        "maxItems": 3,
+        "items": False,
+    }
+
+
+SHARED: dict[str, dict[str, Any]] = {
+    "number": NUMBER,
+    "formula": {"anyOf": [{"$ref": "#/$defs/number"}, {"type": "string"}]},
+    "vector": _three("number"),
+    "place": _three("formula"),
+}
+"""What stands in many places is defined once, under these names."""
+
 
 def scene_schema() -> dict[str, Any]:
     """Return the JSON schema (draft 2020-12) of a scene.
@@ -68,7 +90,8 @@ def scene_schema() -> dict[str, Any]:
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "A scene of kousoku",
     }
-    return head | dict(_bounded(schema))
+    found = dict(_shared(_bounded(schema)))
+    return head | found | {"$defs": found["$defs"] | SHARED}
 
 
 def schema_text() -> str:
@@ -109,7 +132,7 @@ def _bounded(node: Any) -> Any:
         return _or_formula({key: item for key, item in node.items() if key != "formula"})
     bounded = {key: _bounded(item) for key, item in node.items() if item is not None}
     if bounded.get("type") == "number":
-        bounded = {"minimum": -LARGEST, "maximum": LARGEST} | bounded
+        bounded = NUMBER | bounded
         if "exclusiveMinimum" in bounded:
             del bounded["minimum"]
     return bounded
@@ -122,6 +145,19 @@ def _or_formula(node: dict[str, Any]) -> Any:
     return _bounded({key: item for key, item in told.items() if item is not None}) | {
         "anyOf": [_bounded(number), {"type": "string"}]
     }
+
+
+def _shared(node: Any) -> Any:
+    """Return a schema with references to :data:`SHARED` in place of what stands there."""
+    if isinstance(node, list):
+        return [_shared(item) for item in node]
+    if not isinstance(node, dict):
+        return node
+    found = {key: _shared(item) for key, item in node.items()}
+    told = {key: found[key] for key in ("description", "default") if key in found}
+    rest = {key: item for key, item in found.items() if key not in told}
+    name = next((name for name, shape in SHARED.items() if rest == shape), None)
+    return found if name is None else {"$ref": f"#/$defs/{name}"} | told
 
 
 if __name__ == "__main__":

@@ -175,4 +175,10 @@ def test_the_schema_says_where_a_formula_may_stand() -> None:
     mass = records["Body"]["properties"]["mass"]["anyOf"]
     assert {"type": "string"} in mass
     assert {"maximum": 1e50, "type": "number", "exclusiveMinimum": 0} in mass
-    assert "anyOf" not in records["Body"]["properties"]["position"]["prefixItems"][0]
+    body = records["Body"]["properties"]
+    assert [body[key]["$ref"] for key in ("position", "center")] == [
+        "#/$defs/vector",
+        "#/$defs/place",
+    ]
+    assert "anyOf" in records["formula"]
+    assert "anyOf" not in records["number"]

@@ -10,7 +10,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from kousoku.model.schema import scene_schema, schema_text
+from kousoku.model.schema import SHARED, scene_schema, schema_text
 
 ROOT = Path(__file__).parents[2]
 COMMITTED = ROOT / "model" / "scene.schema.json"
@@ -64,9 +64,18 @@ def test_the_schema_refuses_values_that_are_wrong_by_themselves(name: str, valid
 
 def test_every_key_is_described() -> None:
     for name, definition in scene_schema()["$defs"].items():
+        if name in SHARED:
+            continue
         assert definition["description"], name
         for key, value in definition["properties"].items():
             assert value.get("description"), f"{name}.{key}"
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_what_stands_in_many_places_is_defined_once(name: str) -> None:
+    text = json.dumps(scene_schema(), sort_keys=True)
+    assert text.count(json.dumps(SHARED[name], sort_keys=True)) == 1
+    assert f'"#/$defs/{name}"' in text
 
 
 def test_no_key_takes_null_which_toml_does_not_have() -> None:
