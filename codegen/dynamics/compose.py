@@ -54,6 +54,10 @@ if TYPE_CHECKING:
 
     from kousoku.model.mechanism import System
 
+#: A tree of so few joints is eliminated in one go: a processor gains nothing from the two ends of a
+#: chain, which want more kernels.
+SHORT = 16
+
 
 def compose(
     system: System,
@@ -159,7 +163,8 @@ class _Composer:
         self.left_out, self.held = ([], beside) if self.reduced.tasks else (beside, [])
         self.residuals = region("C", self.rows)
         self.others = region("C_left_out", sum(joint.count for joint in beside))
-        self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=not self.left_out)
+        at_once = not self.left_out and (len(self.joints) > SHORT or bool(loops_of(system)))
+        self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
     def body(self, index: int) -> BodyBlocks:
         """Return the blocks of a body, or of the ground."""

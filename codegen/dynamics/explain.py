@@ -336,7 +336,7 @@ def _of_ground(system: System, prescribed: Program, program: Program) -> str:
     if program.left_out:
         return "rows depend on others: all are needed"
     names = _bodies_of(system, program, prescribed)
-    return f"{names}: by what the ground leaves free" if names else "none hangs on the ground alone"
+    return f"{names}: by what the ground leaves free" if names else "cheaper for no body"
 
 
 def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:

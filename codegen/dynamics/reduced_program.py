@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.bodies import thickened
 from kousoku.codegen.dynamics.compose import compose
 from kousoku.codegen.dynamics.counts import counts
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 #: How many velocities a joint may leave: none of bodies that drivers lead, and any number.
 PRESCRIBED, ALL = 0, 6
+#: Of so many rows one must go at least, or a second program takes longer than it will ever save.
+WORTH = 8
 #: The segments that every stage of a step runs: what they cost decides, whatever is wanted beside.
 OFTEN = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
 
@@ -26,8 +29,9 @@ def reduced(
 ) -> Program:
     """Return the program in which bodies on joints with the ground have no rows of these joints.
 
-    That is the program itself where there are no such bodies, where it would cost more, and where
-    rows depend on others: there all rows are needed, to watch them and to take over.
+    That is the program itself where there are no such bodies, or few in a large scene and drivers
+    lead none of them, where it would cost more, and where rows depend on others: there all rows are
+    needed, to watch them and to take over.
 
     Parameters
     ----------
@@ -41,13 +45,22 @@ def reduced(
     most_free : int
         How many velocities a joint may leave to a body.
     """
-    if program.left_out:
+    if program.left_out or not _is_worth(system, program):
         return program
     heavy = system if program.is_planar else thickened(system)
     found = compose(heavy, wanted, may_be_planar=program.is_planar, most_free=most_free)
     if not found.reduced or _cost(found) >= _cost(program):
         return program
     return replace(found, not_unique=program.not_unique, is_weighed=program.is_weighed)
+
+
+def _is_worth(system: System, program: Program) -> bool:
+    """Return whether drivers act on bodies at the ground, or joints there have many of the rows."""
+    grounded = [len(one.bodies) == 2 and GROUND_INDEX in one.bodies for one in system.constraints]
+    if any(one.is_driver for one, at in zip(system.constraints, grounded, strict=True) if at):
+        return True
+    count = sum(grounded[row.instance] for row in program.rows)
+    return 0 < len(program.rows) <= WORTH * count
 
 
 def _cost(program: Program) -> int:

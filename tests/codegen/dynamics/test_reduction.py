@@ -222,6 +222,20 @@ def test_no_body_is_reduced_where_rows_depend_on_others() -> None:
     assert reduced(given, WANTED, program) is program
 
 
+def test_one_body_of_many_is_reduced_only_where_a_driver_leads_it() -> None:
+    for law, count in ((None, 0), ("2*t", 6)):
+        builder = SceneBuilder("chain", unit="m").gravity(0, 0, -9.81)
+        for k in range(9):
+            builder.body(f"b{k}", position=(k, 0, 0), boxes=[{"mass": 1, "size": [1, 0.1, 0.2]}])
+            ends, axis = ("ground" if k == 0 else f"b{k - 1}", f"b{k}"), (0, k % 2, 1 - k % 2)
+            builder.joint(f"j{k}", type="revolute", bodies=ends, at=(k - 0.5, 0, 0), axis=axis)
+        if law:
+            builder.driver("motor", joint="j0", value=law)
+        given = system(builder.build())
+        whole, _ = independent(given, WANTED)
+        assert len(reduced(given, WANTED, whole).reduced) == count
+
+
 def test_the_four_bars_of_a02_keep_the_rows_of_their_couplers() -> None:
     given = assemble(system_of(n_four_bar(4), ()))
     whole, _ = independent(given, ("checks", "energies"))
