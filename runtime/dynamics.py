@@ -220,9 +220,12 @@ class DynamicsSolver:
         Returns
         -------
         dict of str to array
-            ``v_dot``, the accelerations; ``C``, ``C_dot`` and ``C_ddot``, what is left of the
-            constraints; ``dq`` and ``dv``, what brings the state onto them; ``energies``; ``lam``
-            and ``reactions`` where these are wanted.
+            ``v_dot``, the accelerations; ``C``, what is left of the constraints that are solved
+            for, and ``C_left_out`` of all others, those too of joints that bodies are put onto;
+            ``C_dot`` and ``C_ddot``, the same of both, one after the other; ``dq``, which brings
+            the state onto those that are solved for, ``q_moved``, which is there and on all joints
+            that bodies are put onto, and ``dv``, which brings the velocities onto both;
+            ``energies``; ``lam`` and ``reactions`` where these are wanted.
 
         Raises
         ------

@@ -60,7 +60,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         "places": {
             region.name: [region.base, region.size]
             for region in program.regions
-            if region.size and region.name not in GIVEN
+            if region.name not in GIVEN
         },
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
