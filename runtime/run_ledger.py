@@ -27,7 +27,8 @@ COUNTERS = (
     *("key", "time", "next step", "error", "next row", "time before"),
     *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
     *("growth", "growth time", "best growth", "energy", "energy error"),
-    *("corrections", "passed", "passed time", "fallbacks", "fallback time", "refinements", "ratio"),
+    *("corrections", "passed", "passed time", "fallbacks", "fallback time"),
+    *("refinements", "ratio", "least"),
 )
 #: Those that are counts, and fields of the ledger.
 COUNTS = (

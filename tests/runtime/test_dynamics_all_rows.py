@@ -204,18 +204,23 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     solver = load_dynamics(bodies_folder(scene_of(), ()), target="numpy")
     target: Any = solver.target
     module = target.module
-    tried: list[
-        float
-    ] = []  # the ratios of rows kept where all rows did not help, 0 where forgotten
-    factorise = module.factorise
+    tried: list[float] = []  # ratios of rows kept where all rows did not help, 0 where forgotten
+    are_better, factorise = module.are_better, module.factorise
+    made: list[float] = []
 
-    def noted(w: Array) -> float:
-        ratio, found = module.pivot_ratio(w), factorise(w)
-        helps = found > module.HELPS * ratio
-        tried.append(0.0 if helps else ratio)
-        return float(found)
+    def made_of(w: Array) -> float:
+        made.append(factorise(w))
+        return made[-1]
 
-    monkeypatch.setattr(module, "factorise", noted)
+    def noted(ratio: float, w: Array) -> bool:
+        before = len(made)
+        helps = bool(are_better(ratio, w))
+        if len(made) > before:
+            tried.append(0.0 if helps else ratio)
+        return helps
+
+    monkeypatch.setattr(module, "factorise", made_of)
+    monkeypatch.setattr(module, "are_better", noted)
     forget = module.forget
 
     def forgot(w: Array) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -170,3 +171,24 @@ def test_turns_of_a_motor_are_counted_by_its_formula_however_long_steps_are(
     assert motion.ledger.steps < 20
     wanted = 3000 * np.sin(motion.time)
     np.testing.assert_allclose(motion.coordinate["turn"], wanted, rtol=0, atol=1e-11)
+
+
+def test_a_single_row_tells_that_it_is_nearly_lost(
+    backend: str, bodies_folder: Callable[..., Path]
+) -> None:
+    """The pivot of x = cos θ grows with sin² θ; there is no other one beside it."""
+    builder = SceneBuilder("reach", unit="m")
+    builder.body(
+        "arm",
+        position=(0, 0, 0),
+        orientation={"axis": [0, 0, 1], "angle": math.acos(0.5)},
+        boxes=[{"mass": 1, "size": [1, 0.1, 0.1], "at": [0.5, 0, 0]}],
+    )
+    builder.joint("base", type="revolute", bodies=("ground", "arm"), at=(0, 0, 0), axis=(0, 0, 1))
+    builder.coordinate("x", body="arm", point=(1, 0, 0), along=(1, 0, 0))
+    builder.driver("reach", coordinate="x", value="0.5 + t")
+    target: Any = backend
+    solver = load_dynamics(bodies_folder(builder.build(), ()), target=target)
+    for method in ("kinematics", "dopri5"):
+        ledger = solver.simulate(times=[0.0, 0.4999], tolerance=1e-8, method=method).ledger
+        assert ledger.growth == pytest.approx((1 - 0.9999**2) / (1 - 0.5**2), rel=1e-6)

@@ -115,6 +115,19 @@ def test_rows_that_rounding_of_positions_decides_about_take_accelerations_of_the
         assert np.isfinite(force[[0, -1]]).all()
 
 
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_a_run_may_end_where_the_rank_drops(solver: DynamicsSolver, method: str) -> None:
+    """The cranks are in the line after ∫ dθ/√(49 + 2 k (1 − cos θ)) over a quarter of a turn."""
+    x, weights = np.polynomial.legendre.leggauss(40)
+    speed = np.sqrt(49 + 2 * 9.81 * 3.5 / 3 * (1 - np.cos(math.pi / 4 * (x + 1))))
+    end = math.pi / 4 * float(np.sum(weights / speed))
+    motion = solver.simulate(times=[0.0, end], tolerance=1e-9, method=method)
+    np.testing.assert_allclose(motion.position["coupler_0"][-1, :2], [1, 0], rtol=0, atol=1e-9)
+    alpha = motion.angular_acceleration["crank_0"][-1, 2]
+    assert alpha == pytest.approx(-9.81 * 3.5 / 3, abs=1e-3)
+    assert (motion.ledger.passed, motion.ledger.passed_time) == (1, end)
+
+
 def test_power_of_a_driver_is_refined_with_the_accelerations(
     backend: str, bodies_folder: Callable[..., Path]
 ) -> None:
