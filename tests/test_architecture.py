@@ -165,11 +165,16 @@ def test_nothing_is_left_behind() -> None:
                 assert "TODO" not in text and "type: ignore" not in text, path
 
 
-def test_the_map_of_dynamics_names_every_module_once() -> None:
+def test_the_map_of_dynamics_names_every_folder_and_module_once() -> None:
     folder = ROOT / "codegen" / "dynamics"
-    text = (folder / "__init__.py").read_text(encoding="utf-8")
-    modules = {path.stem for path in folder.glob("*.py")} - {"__init__", "generate"}
-    assert sorted(re.findall(r"``(\w+)``", text)) == sorted(modules)
+    parts = sorted(path.parent for path in folder.glob("*/__init__.py"))
+    assert parts
+    assert not {path.stem for path in folder.glob("*.py")} - {"__init__", "generate"}
+    maps = [(folder, [part.name for part in parts])]
+    maps += [(part, [p.stem for p in part.glob("*.py") if p.stem != "__init__"]) for part in parts]
+    for place, names in maps:
+        text = (place / "__init__.py").read_text(encoding="utf-8")
+        assert sorted(re.findall(r"``(\w+)``", text)) == sorted(names), place
 
 
 def test_every_file_that_the_pipeline_names_is_there() -> None:

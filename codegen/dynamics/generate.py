@@ -5,20 +5,20 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.bodies import thickened
-from kousoku.codegen.dynamics.compose import compose
-from kousoku.codegen.dynamics.emit import emit_dynamics
-from kousoku.codegen.dynamics.freedom import freedom_of, kept_rows
-from kousoku.codegen.dynamics.inline import inline
-from kousoku.codegen.dynamics.merge import merged
-from kousoku.codegen.dynamics.motion_data import is_flat
-from kousoku.codegen.dynamics.out_of_plane import held_twice
-from kousoku.codegen.dynamics.reduced_program import reduced
-from kousoku.codegen.dynamics.reference import REFERENCE_FILE, solver_references
-from kousoku.codegen.dynamics.run import Workspace
-from kousoku.codegen.dynamics.unmoved import require_unmoved_rows_hold
-from kousoku.codegen.dynamics.weights import require_driven, weighted
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.checking.reference import REFERENCE_FILE, solver_references
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.bodies import thickened
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.emission.emit import emit_dynamics
+from kousoku.codegen.dynamics.emission.motion_data import is_flat
+from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, kept_rows
+from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
+from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
+from kousoku.codegen.dynamics.simplification.merge import merged
+from kousoku.codegen.dynamics.simplification.reduced_program import reduced
+from kousoku.codegen.dynamics.simplification.weights import require_driven, weighted
 from kousoku.model.errors import SceneError
 from kousoku.model.held import require_kept, without_held
 from kousoku.model.system import system_of
@@ -27,8 +27,8 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.freedom import Freedom
-    from kousoku.codegen.dynamics.program import Program
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 

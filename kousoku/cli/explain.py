@@ -10,7 +10,7 @@ import typer
 from kousoku.cli.console import AsJson, print_json, print_table
 
 if TYPE_CHECKING:
-    from kousoku.codegen.dynamics.explain import Explanation
+    from kousoku.codegen.dynamics.explanation.explain import Explanation
     from kousoku.model.scene import Scene
 
 #: Joints that a line names.
@@ -32,7 +32,7 @@ def explain(
         _explain_linkage(scene, as_json=as_json)
         return
     from kousoku.cli.scenes import naming
-    from kousoku.codegen.dynamics.explain import explain as explained
+    from kousoku.codegen.dynamics.explanation.explain import explain as explained
 
     with naming(scene_file):
         found = explained(scene)

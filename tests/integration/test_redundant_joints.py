@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.model import precise
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of

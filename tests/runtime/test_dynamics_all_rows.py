@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.compose import compose
-from kousoku.codegen.dynamics.emit import emit_dynamics
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.emission.emit import emit_dynamics
+from kousoku.codegen.dynamics.emission.view_numbers import weights
 from kousoku.codegen.dynamics.generate import LEDGER, independent
-from kousoku.codegen.dynamics.inline import inline
-from kousoku.codegen.dynamics.run import Workspace
-from kousoku.codegen.dynamics.view_numbers import weights
+from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.codegen.dynamics.program import Program
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 

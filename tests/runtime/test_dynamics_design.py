@@ -13,7 +13,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.model.design_numbers import read_formulas, with_numbers
 from kousoku.model.errors import SolveError
 from kousoku.model.problems import Problems

@@ -14,10 +14,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.compose import compose
-from kousoku.codegen.dynamics.emit import emit_dynamics
-from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.emission.emit import emit_dynamics
+from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics

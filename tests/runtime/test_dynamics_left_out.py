@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.compose import compose
-from kousoku.codegen.dynamics.emit import emit_dynamics
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.model.read import read_scene

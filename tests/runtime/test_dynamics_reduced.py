@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
-from kousoku.codegen.dynamics.emit import emit_dynamics
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER, independent
-from kousoku.codegen.dynamics.inline import inline
+from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.assembly import assemble
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.generate import LEDGER, independent
-from kousoku.codegen.dynamics.inline import inline
-from kousoku.codegen.dynamics.reduced_program import reduced
-from kousoku.codegen.dynamics.run import Workspace
+from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.interpret import HIGH
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml

@@ -1,0 +1,188 @@
+"""Assembly: the nearest positions and velocities that fit, from those that a scene gives.
+
+Positions are the q with C(q) = 0 whose displacement d from the start has the least dᵀ W d, where
+W holds masses and moments of inertia: d = W⁻¹ C_qᵀ λ. Velocities are those with C_q v = ν for which
+v − v₀ is least in the same way. Drivers are rows like all others, taken at t = 0. Rows are
+evaluated in 50 digits and equations solved in doubles, again and again, until the result no longer
+depends on how: it is rounded once.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.least import Metric, Solver
+from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
+from kousoku.codegen.dynamics.assembly.pose import Pose
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers, with_turns_counted
+from kousoku.codegen.dynamics.assembly.violations import key_of, listed, worst_first
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.model import precise
+from kousoku.model.errors import AssemblyError
+from kousoku.model.varying import fixed_system
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.precise import High
+
+MOST_ROWS = 6000
+"""Rows of the largest system whose positions are moved."""
+
+NOISE = 1e-20
+"""Components below this part of the size of the system are zeros that iterations left."""
+
+
+def assemble(system: System) -> System:
+    """Return a system at the nearest positions and velocities that joints and drivers allow.
+
+    What fits to rounding stays as it is, and so does what is held. Angles count from the values
+    that they have there, on the turn on which their drivers start.
+
+    Raises
+    ------
+    AssemblyError
+        No position near fits, or no velocity does; the message names the joints and drivers that
+        stay violated, by how many metres and radians, or metres and radians per second.
+    """
+    fixed = fixed_system(system)
+    placed = _assembled(fixed)
+    return placed if fixed is system else _with_places(system, placed)
+
+
+def _with_places(system: System, placed: System) -> System:
+    """Return a system whose numbers depend on parameters, where its bodies were placed."""
+    bodies = tuple(
+        replace(body, r=at.r, p=at.p, v=at.v, omega_b=at.omega_b)
+        for body, at in zip(system.bodies, placed.bodies, strict=True)
+    )
+    coordinates = tuple(
+        replace(one, near=at.near)
+        for one, at in zip(system.coordinates, placed.coordinates, strict=True)
+    )
+    return replace(system, bodies=bodies, coordinates=coordinates)
+
+
+def _assembled(system: System) -> System:
+    """Return a system whose numbers are those of the scene, assembled."""
+    system = on_turns_of_drivers(system)
+    positions = Residuals.of(system, system.constraints + system.held)
+    speeds = Residuals.of(system, system.constraints + system.held_rates)
+    metric = Metric(system)
+    fits = _fits(system, positions, metric)
+    moves = _moves(system, speeds, metric)
+    if fits and moves:
+        return with_turns_counted(system)
+    if max(positions.rows, speeds.rows) > MOST_ROWS:
+        raise AssemblyError(
+            f"{system.name}: the positions and velocities of the scene do not fit, and it has "
+            f"{positions.rows} rows; assembly moves at most {MOST_ROWS}: give those that fit"
+        )
+    pose = Pose.of(system.bodies, system.coordinates)
+    if not fits:
+        pose = nearest(system, positions, metric)
+    v = _velocities(system, speeds, metric, pose)
+    fastest = max(_speed(v, k, metric.size) for k in range(len(system.bodies)))
+    bodies = tuple(
+        _placed(body, pose, v, k, (metric.size, fastest), is_moved=not fits)
+        for k, body in enumerate(system.bodies)
+    )
+    coordinates = tuple(
+        replace(one, near=float(near))
+        for one, near in zip(system.coordinates, pose.near, strict=True)
+    )
+    return with_turns_counted(replace(system, bodies=bodies, coordinates=coordinates))
+
+
+def _fits(system: System, rows: Residuals, metric: Metric) -> bool:
+    """Return whether all rows hold to rounding."""
+    c, _ = rows.fast(system.bodies)
+    far = max((max(map(abs, body.r)) for body in system.bodies), default=0.0)
+    limits = ROUNDING * (np.where(rows.in_metres, metric.size + far, 1.0) + rows.sizes)
+    return bool(np.all(np.abs(c) <= limits))
+
+
+def _moves(system: System, rows: Residuals, metric: Metric) -> bool:
+    """Return whether velocities keep all joints closed to rounding."""
+    _, rates = rows.fast(system.bodies)
+    kept = rows.first[len(system.constraints)]
+    fastest = max((max(map(abs, body.omega_b)) for body in system.bodies), default=0.0)
+    speed = max((max(map(abs, body.v)) for body in system.bodies), default=0.0)
+    limits = ROUNDING * np.where(rows.in_metres, speed + fastest * metric.size, fastest)
+    return bool(np.all(np.abs(rates) <= limits, where=np.arange(rows.rows) < kept))
+
+
+def _speed(v: Sequence[High], k: int, size: float) -> High:
+    """Return the largest velocity of a point of body k near its centre."""
+    turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
+    return precise.length(turning) * size + precise.length(v[COLUMNS * k : COLUMNS * k + 3])
+
+
+def _placed(
+    body: MovingBody,
+    pose: Pose,
+    v: Sequence[High],
+    k: int,
+    sizes: tuple[float, High],
+    *,
+    is_moved: bool,
+) -> MovingBody:
+    """Return a body where assembly put it; sizes are the system's length and largest velocity."""
+    size, fastest = sizes
+    vx, vy, vz = v[COLUMNS * k : COLUMNS * k + 3]
+    turning = v[COLUMNS * k + 3 : COLUMNS * k + COLUMNS]
+    vx, vy, vz = precise.rounded((vx, vy, vz), fastest, NOISE)
+    wx, wy, wz = precise.rounded(turning, fastest / size, NOISE)
+    moving = replace(body, v=(vx, vy, vz), omega_b=(wx, wy, wz))
+    if not is_moved:
+        return moving
+    x, y, z = precise.rounded(pose.r[k], size, NOISE)
+    norm = precise.length(pose.p[k])
+    w, e1, e2, e3 = precise.rounded([component / norm for component in pose.p[k]], 1, NOISE)
+    return replace(moving, r=(x, y, z), p=(w, e1, e2, e3))
+
+
+def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> list[High]:
+    """Return the velocities nearest to those of the scene at which all joints stay closed."""
+    given = [precise.number(x) for body in system.bodies for x in (*body.v, *body.omega_b)]
+    _, jacobian = rows.at(pose)
+    kept = rows.first[len(system.constraints)]
+    rates = [x - y for x, y in zip(jacobian.times(given), rows.nu, strict=True)]
+    wanted = [-x if row < kept else precise.ZERO[0] for row, x in enumerate(rates)]
+    lengths = metric.lengths(rows)
+    change = Solver(jacobian, metric, rows).displacement(wanted)
+    v = [x + y for x, y in zip(given, change, strict=True)]
+    torn = [x - y for x, y in zip(jacobian.times(change), wanted, strict=True)]
+    prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)
+    _check_velocities(system, rows, torn, max(metric.norm(given), prescribed))
+    return v
+
+
+def _check_velocities(
+    system: System, rows: Residuals, missing: Sequence[High], speed: High
+) -> None:
+    """Refuse velocities that tear joints, or that bodies hold against each other."""
+    torn: dict[str, list[float]] = {}
+    for instance, first, end in zip(rows.constraints, rows.first, rows.first[1:], strict=False):
+        worst = torn.setdefault(key_of(instance), [0.0, 0.0])
+        for row in range(first, end):
+            unit = 0 if rows.in_metres[row] else 1
+            worst[unit] = max(worst[unit], abs(float(missing[row])))
+    if named := worst_first(torn, CLOSED * float(speed)):
+        is_driven = any(one.is_driver and key_of(one) in named for one in system.constraints)
+        advice = (
+            "the joints, or other drivers, do not allow what drivers prescribe, or it stands at a"
+            " dead centre of theirs: start it elsewhere, or leave out drivers of what others move"
+            if is_driven
+            else "hold less, or give velocities that fit"
+        )
+        raise AssemblyError(
+            f"{system.name}: no velocities near those of the scene keep its joints closed; as near "
+            f"as they come, these are torn: {listed(named, ('m/s', 'rad/s'))}; {advice}",
+            [*named],
+        )

@@ -1,0 +1,91 @@
+"""Positions of all bodies of a system in 50 digits, and displacements between them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.model import precise
+from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.mechanism import Coordinate, MovingBody
+
+
+@dataclass(frozen=True, slots=True)
+class Pose:
+    """Positions of all bodies; that of the ground stands last, where its index −1 finds it.
+
+    Parameters
+    ----------
+    r : tuple of (3,) [m]
+        Centres of mass, frame O.
+    p : tuple of (4,)
+        Euler parameters of the principal frames, of norm one.
+    near : tuple of number
+        Where the coordinates are counted from: angles within half a turn of those here.
+    """
+
+    r: tuple[Triple, ...]
+    p: tuple[Quadruple, ...]
+    near: tuple[High, ...] = ()
+
+    @classmethod
+    def of(cls, bodies: Sequence[MovingBody], coordinates: Sequence[Coordinate] = ()) -> Pose:
+        """Return the positions at the start."""
+        r = [precise.triple(body.r) for body in bodies]
+        p = [normalised(body.p) for body in bodies]
+        near = tuple(precise.number(coordinate.near) for coordinate in coordinates)
+        return cls((*r, ZERO), (*p, IDENTITY), near)
+
+    def moved(self, step: Sequence[High]) -> Pose:
+        """Return the positions after a displacement (δr, δθ′) of each body, finite rotations."""
+        r, p = [], []
+        for k, (dr, turn) in enumerate(_by_body(step)):
+            r.append(precise.add(self.r[k], dr))
+            p.append(precise.compose(self.p[k], _from_turn(turn)))
+        return Pose((*r, ZERO), (*p, IDENTITY), self.near)
+
+    def since(self, start: Pose) -> list[High]:
+        """Return the displacement (δr, δθ′) of each body from ``start`` to here."""
+        step: list[High] = []
+        for k in range(len(self.r) - 1):
+            step += precise.subtract(self.r[k], start.r[k])
+            step += _to_turn(precise.compose(precise.conjugate(start.p[k]), self.p[k]))
+        return step
+
+
+def _by_body(step: Sequence[High]) -> Iterator[tuple[Triple, Triple]]:
+    for k in range(0, len(step), COLUMNS):
+        x, y, z, a, b, c = step[k : k + COLUMNS]
+        yield (x, y, z), (a, b, c)
+
+
+def normalised(values: Sequence[float]) -> Quadruple:
+    """Return Euler parameters of norm one."""
+    w, x, y, z = (precise.number(value) for value in values)
+    size = precise.length((w, x, y, z))
+    return w / size, x / size, y / size, z / size
+
+
+def _from_turn(turn: Triple) -> Quadruple:
+    """Return the Euler parameters of a rotation vector."""
+    angle = precise.length(turn)
+    if angle == 0:
+        return IDENTITY
+    sine = HIGH_CONTEXT.sin(angle / 2)
+    return (HIGH_CONTEXT.cos(angle / 2), *precise.scale(sine / angle, turn))
+
+
+def _to_turn(p: Quadruple) -> Triple:
+    """Return the rotation vector of Euler parameters, at most half a turn."""
+    e = (p[1], p[2], p[3])
+    sine = precise.length(e)
+    if sine == 0:
+        return ZERO
+    angle = 2 * HIGH_CONTEXT.atan2(sine, abs(p[0]))
+    return precise.scale((angle if p[0] >= 0 else -angle) / sine, e)

@@ -1,0 +1,323 @@
+"""The rows of a whole system, evaluated from the frozen kernels without composing a program.
+
+This is for what happens once, before there is a solver: assembly, and counting freedoms. A row that
+combines coordinates is a sum over them, each evaluated as a row of its own kind; formulas of the
+time are taken at t = 0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
+from kousoku.codegen.dynamics.assembly.jacobian import Jacobian
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
+from kousoku.model import precise
+from kousoku.model.mechanism import COMBINATION
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
+    from kousoku.codegen.dynamics.assembly.pose import Pose
+    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+    from kousoku.model.precise import High
+
+
+WIDTH = 2 * COLUMNS
+
+
+@dataclass(frozen=True, slots=True)
+class _Piece:
+    """What one kernel adds to rows: a whole instance, or one term of a combination.
+
+    Parameters
+    ----------
+    source : Instance or Coordinate
+        Kind, bodies and constants.
+    first : int
+        Its first row.
+    factor : float
+        What it is multiplied by.
+    coordinate : int
+        Its place among the coordinates, −1 of an instance.
+    """
+
+    source: Instance | Coordinate
+    first: int
+    factor: float = 1.0
+    coordinate: int = -1
+
+
+class Residuals:
+    """The rows of some constraints between the bodies of a system.
+
+    Parameters
+    ----------
+    constraints : sequence of Instance
+        In the order of their rows.
+    bodies : sequence of MovingBody
+        All bodies of the system.
+    coordinates : sequence of Coordinate
+        What the terms of combinations mean.
+    parameters : sequence of (str, float)
+        Names that formulas may use, and their values.
+    """
+
+    def __init__(
+        self,
+        constraints: Sequence[Instance],
+        bodies: Sequence[MovingBody],
+        coordinates: Sequence[Coordinate] = (),
+        parameters: Sequence[tuple[str, float]] = (),
+    ) -> None:
+        self.constraints = tuple(constraints)
+        self.coordinates = tuple(coordinates)
+        self.columns = COLUMNS * len(bodies)
+        self._is_point = [body.is_point for body in bodies]
+        sizes = [_size(instance) for instance in constraints]
+        #: The first row of each instance, and the count of rows at the end.
+        self.first = [0, *accumulate(sizes)]
+        self.rows = self.first[-1]
+        #: Which rows are lengths; the others are angles, or sines of them.
+        self.in_metres = np.repeat([_unit(instance) == "m" for instance in constraints], sizes)
+        #: Where the angles count from: values within half a turn of those at the start.
+        self.near = np.array([coordinate.near for coordinate in coordinates])
+        self._pieces = list(self._listed())
+        self._fixed(parameters)
+        self._stacks = [self._stacked(own) for own in _by_kind(self._pieces)]
+
+    @classmethod
+    def of(cls, system: System, constraints: Sequence[Instance]) -> Residuals:
+        """Return the rows of constraints between the bodies of a system."""
+        return cls(constraints, system.bodies, system.coordinates, system.parameters)
+
+    def count(self, instance: Instance) -> int:
+        """Return how many rows an instance has."""
+        return _size(instance)
+
+    def _listed(self) -> Iterator[_Piece]:
+        for instance, first in zip(self.constraints, self.first, strict=False):
+            if instance.kind != COMBINATION:
+                yield _Piece(instance, first)
+            for term in instance.terms:
+                source = self.coordinates[term.coordinate]
+                yield _Piece(source, first, term.factor, term.coordinate)
+
+    def _fixed(self, parameters: Sequence[tuple[str, float]]) -> None:
+        """Set what rows have beside functions of positions, at t = 0, and the rates they want."""
+        zero = precise.ZERO[0]
+        self._offsets = [zero] * self.rows
+        #: How large the numbers are that the rows of combinations are made of.
+        self.sizes = np.zeros(self.rows)
+        #: ν at t = 0 in 50 digits, row by row.
+        self.nu = [zero] * self.rows
+        for instance, first in zip(self.constraints, self.first, strict=False):
+            if instance.kind == COMBINATION:
+                law = law_at_start(instance, parameters)
+                self._offsets[first] = precise.number(instance.offset) - law.value
+                self.sizes[first] = abs(instance.offset) + abs(float(law.value))
+                self.nu[first] = law.rate
+        for piece in self._pieces:
+            if piece.coordinate >= 0:
+                self.sizes[piece.first] += abs(piece.factor * self.near[piece.coordinate])
+
+    def at(self, pose: Pose) -> tuple[list[High], Jacobian]:
+        """Return C and C_q in 50 digits; angles are counted from those of the pose."""
+        values = list(self._offsets)
+        elements: list[tuple[int, int, High]] = []
+        for piece in self._pieces:
+            factor = precise.number(piece.factor)
+            kernel = frozen(piece.source.kind, "constraint")
+            result = evaluate(kernel, _inputs(piece.source, pose), HIGH)
+            for row, value in enumerate(result["C"], piece.first):
+                values[row] += factor * self._counted(value, piece.coordinate, pose.near)
+            for place, value in enumerate(result["C_q"]):
+                row, column = divmod(place, WIDTH)
+                column = self._column(piece.source, column)
+                if value and column >= 0:
+                    elements.append((piece.first + row, column, factor * value))
+        return values, Jacobian(elements, (self.rows, self.columns))
+
+    def counted(self, pose: Pose) -> Pose:
+        """Return the pose with the angles that it has, counted on from those that it had."""
+        near = list(pose.near)
+        for place, coordinate in enumerate(self.coordinates):
+            if coordinate.counts_turns:
+                kernel = frozen(coordinate.kind, "constraint")
+                (value,) = evaluate(kernel, _inputs(coordinate, pose), HIGH)["C"]
+                near[place] = self._counted(value, place, pose.near)
+        return replace(pose, near=tuple(near))
+
+    def _counted(self, value: High, coordinate: int, near: Sequence[High]) -> High:
+        """Return an angle with the turns that bring it next to the one of its coordinate."""
+        if coordinate < 0 or not self.coordinates[coordinate].counts_turns:
+            return value
+        turn = 2 * HIGH_CONTEXT.pi
+        return value + turn * HIGH_CONTEXT.nint((near[coordinate] - value) / turn)
+
+    def _column(self, source: Instance | Coordinate, column: int) -> int:
+        """Return the column of the system for one of an instance, −1 where there is none."""
+        body = source.i if column < COLUMNS else source.j
+        own = column % COLUMNS
+        has_none = body < 0 or (self._is_point[body] and own >= COLUMNS // 2)
+        return -1 if has_none else COLUMNS * body + own
+
+    def fast(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+        """Return C and C_q v − ν at the start in doubles, all instances of a kind at once."""
+        still, none = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+        r = np.array([*(body.r for body in bodies), still])
+        p = np.array([*(body.p for body in bodies), none])
+        speed = np.array([*((*body.v, *body.omega_b) for body in bodies), still + still])
+        c, rows, columns, values = self.elements(r, p)
+        rates = -np.array([float(x) for x in self.nu])
+        np.add.at(rates, rows, values * speed.ravel()[columns])
+        return c, rates
+
+    def doubles(self, r: Array, p: Array, near: Array | None = None) -> tuple[Array, Array]:
+        """Return C and C_q, dense, in doubles; arguments as :meth:`elements` takes them."""
+        c, rows, columns, values = self.elements(r, p, near)
+        matrix = np.zeros((self.rows, self.columns))
+        np.add.at(matrix, (rows, columns), values)
+        return c, matrix
+
+    def elements(
+        self, r: Array, p: Array, near: Array | None = None
+    ) -> tuple[Array, Places, Places, Array]:
+        """Return C, and of the elements of C_q that are not zero rows, columns and values.
+
+        Parameters
+        ----------
+        r, p : (bodies + 1, 3) [m] and (bodies + 1, 4)
+            Positions of all bodies, that of the ground last.
+        near : (coordinates,), optional
+            Where angles are counted from; the start unless given.
+
+        Returns
+        -------
+        C : (rows,)
+            The residuals.
+        rows, columns, values : (elements,)
+            Elements of one place, as a combination of two coordinates of one body has them, are
+            added by who asks.
+        """
+        c = np.array([float(x) for x in self._offsets])
+        rows, columns, found = [], [], []
+        for stack in self._stacks:
+            result = evaluate(stack.kernel, stack.inputs(r, p), ARRAY)
+            for row, value in enumerate(result["C"]):
+                counted = stack.counted(value, self.near if near is None else near)
+                np.add.at(c, stack.first + row, stack.factors * counted)
+            for at, value in enumerate(result["C_q"]):
+                row, k = divmod(at, WIDTH)
+                values = stack.factors * np.asarray(value)
+                there = (values != 0) & (stack.columns[k] >= 0)
+                rows.append((stack.first + row)[there])
+                columns.append(stack.columns[k][there])
+                found.append(values[there])
+        if not found:
+            return c, np.zeros(0, int), np.zeros(0, int), np.zeros(0)
+        return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)
+
+    def angles(self, r: Array, p: Array, near: Array) -> Array:
+        """Return all coordinates that count turns, counted on from those that they had."""
+        found = near.copy()
+        for stack in self._stacks:
+            if stack.is_angle:
+                (value,) = evaluate(stack.kernel, stack.inputs(r, p), ARRAY)["C"]
+                found[stack.coordinates] = stack.counted(value, near)
+        return found
+
+    def _stacked(self, pieces: Sequence[_Piece]) -> _Stack:
+        sources = [piece.source for piece in pieces]
+        constants = [dict(source.constants) for source in sources]
+        return _Stack(
+            kernel=frozen(sources[0].kind, "constraint"),
+            is_angle=pieces[0].coordinate >= 0 and sources[0].kind == "angle",
+            constants={name: np.array([own[name] for own in constants]).T for name in constants[0]},
+            bodies={end: np.array([getattr(source, end) for source in sources]) for end in "ij"},
+            first=np.array([piece.first for piece in pieces]),
+            factors=np.array([piece.factor for piece in pieces]),
+            coordinates=np.array([piece.coordinate for piece in pieces]),
+            columns=np.array(
+                [[self._column(source, k) for source in sources] for k in range(WIDTH)]
+            ),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Stack:
+    """Pieces of one kind, whose kernel is evaluated once for all of them.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The constraint.
+    is_angle : bool
+        Whether it gives angles of coordinates, which count turns.
+    constants : dict of str to array
+        Its fixed inputs, each element an array over the pieces.
+    bodies : dict of str to array
+        Index of body ``i`` and of body ``j``.
+    first, factors, coordinates : (pieces,)
+        As of a piece.
+    columns : (12, pieces)
+        Columns in the system, −1 where there is none.
+    """
+
+    kernel: Kernel
+    is_angle: bool
+    constants: Mapping[str, Array]
+    bodies: Mapping[str, Places]
+    first: Places
+    factors: Array
+    coordinates: Places
+    columns: Places
+
+    def inputs(self, r: Array, p: Array) -> dict[str, Any]:
+        """Return the inputs of the kernel."""
+        inputs: dict[str, Any] = dict(self.constants)
+        for end, bodies in self.bodies.items():
+            inputs |= {f"r_{end}": r[bodies].T, f"p_{end}": p[bodies].T}
+        return inputs
+
+    def counted(self, value: Array, near: Array) -> Array:
+        """Return angles with the turns that bring them next to those of their coordinates."""
+        if not self.is_angle:
+            return value
+        turns: Array = np.round((near[self.coordinates] - value) / math.tau)
+        return value + math.tau * turns
+
+
+def _size(instance: Instance) -> int:
+    if instance.kind == COMBINATION:
+        return 1
+    return frozen(instance.kind, "constraint").outputs[0].size
+
+
+def _unit(instance: Instance) -> str:
+    return instance.unit or frozen(instance.kind, "constraint").outputs[0].unit
+
+
+def _by_kind(pieces: Sequence[_Piece]) -> list[list[_Piece]]:
+    """Return the pieces of each kind; an angle that a joint is made of counts no turns."""
+    groups: dict[tuple[str, bool], list[_Piece]] = {}
+    for piece in pieces:
+        groups.setdefault((piece.source.kind, piece.coordinate >= 0), []).append(piece)
+    return list(groups.values())
+
+
+def _inputs(source: Instance | Coordinate, pose: Pose) -> dict[str, Sequence[High]]:
+    inputs: dict[str, Sequence[High]] = {
+        name: [precise.number(x) for x in constant] for name, constant in source.constants
+    }
+    for end, body in (("i", source.i), ("j", source.j)):
+        inputs[f"r_{end}"], inputs[f"p_{end}"] = pose.r[body], pose.p[body]
+    return inputs

@@ -1,0 +1,104 @@
+"""By how much joints are violated, in metres and radians, joint by joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.model import precise
+from kousoku.model.mechanism import COMBINATION
+from kousoku.model.precise import ZERO
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.assembly.pose import Pose
+    from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.model.mechanism import Instance
+    from kousoku.model.precise import High, Triple
+
+SHOWN = 6
+"""Joints that a message names."""
+
+
+WORTH_NAMING = 1e-6
+"""A violation below this part of the worst is not named."""
+
+
+def violations(rows: Residuals, pose: Pose, at_least: float) -> dict[str, tuple[float, float]]:
+    """Return by key the largest violation in metres and in radians, the worst first.
+
+    Parameters
+    ----------
+    rows : Residuals
+        What should hold.
+    pose : Pose
+        Where the bodies are.
+    at_least : float
+        Joints below it are left out.
+    """
+    found: dict[str, list[float]] = {}
+    values, _ = rows.at(pose)
+    for instance, first in zip(rows.constraints, rows.first, strict=False):
+        if instance.kind == COMBINATION:
+            size, unit = abs(values[first]), 0 if rows.in_metres[first] else 1
+        else:
+            size, unit = _size(instance, pose)
+        worst = found.setdefault(key_of(instance), [0.0, 0.0])
+        worst[unit] = max(worst[unit], float(size))
+    return worst_first(found, at_least)
+
+
+def key_of(instance: Instance) -> str:
+    """Return the dotted key of what an instance comes from: ``joints.a``, ``drivers.motor``."""
+    if "." in instance.joint:
+        return instance.joint
+    return f"{'drivers' if instance.is_driver else 'joints'}.{instance.joint}"
+
+
+def worst_first(
+    sizes: Mapping[str, Sequence[float]], at_least: float
+) -> dict[str, tuple[float, float]]:
+    """Return the joints whose larger size is above a limit and worth naming, the worst first."""
+    limit = max(at_least, WORTH_NAMING * max(map(max, sizes.values()), default=0.0))
+    found = [(name, (m, rad)) for name, (m, rad) in sizes.items() if max(m, rad) > limit]
+    return dict(sorted(found, key=lambda item: -max(item[1])))
+
+
+def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
+    """Return how far an instance is from holding, and 0 for metres or 1 for radians."""
+    constants = dict(instance.constants)
+    ends = tuple(zip("ij", (instance.i, instance.j), strict=True))
+
+    def seen(name: str, body: str, index: int) -> Triple:
+        values = constants.get(f"{name}_{body}_b")
+        return ZERO if values is None else precise.rotate(pose.p[index], precise.triple(values))
+
+    axis, other = (seen("a", body, index) for body, index in ends)
+    start, end = (precise.add(pose.r[index], seen("s", body, index)) for body, index in ends)
+    d = precise.subtract(end, start)
+    match instance.kind.partition("_")[0]:
+        case "point":
+            return precise.length(d), 0
+        case "distance":
+            return abs(precise.length(d) - precise.number(constants["length"][0])), 0
+        case "n2":
+            return abs(precise.dot(axis, d)), 0
+        case "p2":
+            return precise.length(precise.cross(axis, d)), 0
+    sine, cosine = precise.length(precise.cross(axis, other)), abs(precise.dot(axis, other))
+    if instance.kind == "n1":
+        sine, cosine = cosine, sine
+    return HIGH_CONTEXT.atan2(sine, cosine), 1
+
+
+def listed(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:
+    """Return text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
+    texts = []
+    worst = max(map(max, open_joints.values()))
+    for key, sizes in list(open_joints.items())[:SHOWN]:
+        shown = zip(sizes, units, strict=True)
+        parts = [f"{x:.3g} {unit}" for x, unit in shown if x > WORTH_NAMING * worst]
+        texts.append(f"{key} by {' and '.join(parts)}")
+    more = len(open_joints) - SHOWN
+    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")

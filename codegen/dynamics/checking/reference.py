@@ -1,0 +1,177 @@
+"""What a scene's solver must give at a few states: in 50 digits, from the program before emission.
+
+The tasks of the program are run as they were composed; straight-line code, C and Python have no
+part in it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.emission.motion_data import GIVEN
+from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
+from kousoku.codegen.dynamics.explanation.counts import operations
+from kousoku.codegen.graph import EXACT_OPS, Op
+from kousoku.codegen.interpret import HIGH
+from kousoku.codegen.jsontext import to_text
+from kousoku.codegen.stream import Stream
+from kousoku.model.traced import other_value
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.model.mechanism import System
+
+REFERENCE_FILE = "reference.json"
+FORMAT = 1
+#: Programs with more operations get no reference values: they would take minutes.
+MOST_OPERATIONS = 100_000
+#: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
+SECOND_ORDER = 2.0**-40
+#: What is a number and not an operation.
+LEAVES = frozenset({Op.CONST, Op.INPUT})
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Where a program is run.
+
+    Parameters
+    ----------
+    label : str
+        Why this state is there.
+    time : float [s]
+        When.
+    q, v : list of float
+        Coordinates and velocities.
+    parameters : list of float
+        Values of the parameters.
+    """
+
+    label: str
+    time: float
+    q: list[float]
+    v: list[float]
+    parameters: list[float]
+
+
+def solver_references(program: Program, system: System) -> str:
+    """Return the text of ``reference.json`` of a scene of bodies.
+
+    Parameters
+    ----------
+    program : Program
+        Tasks, as composed.
+    system : System
+        What it was composed of.
+
+    Returns
+    -------
+    str
+        For each state time, q and v, and for each region of the workspace lists ``high``, ``low``
+        and ``unit``, as kernels have them; the unit is that of
+        :mod:`kousoku.codegen.dynamics.checking.rounding`. Without states where the program has more
+        than :data:`MOST_OPERATIONS` operations.
+    """
+    count = operations(program)
+    found: list[dict[str, object]] = []
+    if count <= MOST_OPERATIONS:
+        states = _states(program, system)
+        found = [point for state in states if (point := _point(program, system, state))]
+    return to_text(
+        {
+            "format": FORMAT,
+            "package": system.name,
+            "is_exact": _is_exact(program),
+            "operations": count,
+            "most_operations": MOST_OPERATIONS,
+            "points": found,
+        }
+    )
+
+
+def _is_exact(program: Program) -> bool:
+    """Return whether every target must give the same bits."""
+    allowed = EXACT_OPS | LEAVES
+    return all(node.op in allowed for kernel in program.kernels for node in kernel.nodes)
+
+
+def _states(program: Program, system: System) -> list[State]:
+    """Return the start, a state near it that moves, and one that no assembly would leave."""
+    work = Workspace(program)
+    stream = Stream(f"states of {system.name}")
+    q, v = [float(x) for x in work["q"]], [float(x) for x in work["v"]]
+    lengths = {slot for pair in shift_slots(program) for slot in pair}
+    length = characteristic_length(system)
+    sizes = {
+        name: [length if base + k in lengths else 1.0 for k in range(size)]
+        for name, base, size in (
+            (one.name, one.base, one.size) for one in program.regions if one.name in {"q", "v"}
+        )
+    }
+
+    def moved(values: Sequence[float], name: str, size: float) -> list[float]:
+        return [
+            x + size * scale * stream.sign() * stream.magnitude()
+            for x, scale in zip(values, sizes[name], strict=True)
+        ]
+
+    given = [value for _, value in system.parameters]
+    near = moved(q, "q", 2.0**-10), moved(v, "v", 1.0)
+    states = [
+        State("start", 0.0, q, v, given),
+        State("near the start, moving", 0.75, *near, given),
+        State("not assembled, fast", 1.5, moved(q, "q", 2.0**-4), moved(v, "v", 4.0), given),
+    ]
+    if program.design:
+        other = [other_value(value, place) for place, value in enumerate(given)]
+        states.append(State("near the start, other parameters", 0.75, *near, other))
+    return states
+
+
+def _point(program: Program, system: System, state: State) -> dict[str, object] | None:
+    """Return the results at a state, None where they are not finite or not determined."""
+    work = Workspace(program, HIGH)
+    given = {"t": [state.time], "q": state.q, "v": state.v}
+    if system.parameters:
+        given["parameters"] = state.parameters
+    for name, values in given.items():
+        work[name] = [HIGH.number(Fraction(x)) for x in values]
+    regions = [one for one in program.regions if one.size and one.name not in GIVEN]
+    slots = [one.base + k for one in regions for k in range(one.size)]
+    try:
+        before = ["setup"] if program.design else []
+        steps = run_and_keep(work, [*before, *(segment.name for segment in program.segments)])
+        sizes = iter(units(work, steps, slots))
+        outputs = {
+            one.name: _columns(work[one.name], list(islice(sizes, one.size))) for one in regions
+        }
+    except (ArithmeticError, ValueError, TypeError):  # a pole, or a root that is not real
+        return None
+    if not all(math.isfinite(x) for own in outputs.values() for row in own.values() for x in row):
+        return None
+    return {
+        "label": state.label,
+        "time": state.time,
+        "q": state.q,
+        "v": state.v,
+        **({"parameters": state.parameters} if program.design else {}),
+        "outputs": outputs,
+    }
+
+
+def _columns(values: Sequence[Any], sizes: Sequence[float]) -> dict[str, list[float]]:
+    """Return high, low and unit of the numbers of a region; it is exactly zero where units are."""
+    least = SECOND_ORDER * max(sizes)
+    rounded = [float(f"{max(size, least):.2e}") for size in sizes]
+    high = [float(value) for value in values]
+    low = [float(value - x) for value, x in zip(values, high, strict=True)]
+    return {"high": high, "low": [float(f"{x:.4e}") for x in low], "unit": rounded}

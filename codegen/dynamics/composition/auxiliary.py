@@ -1,0 +1,94 @@
+"""Entries of q that belong to no body: angles that count turns, and work that is done.
+
+They stand after the coordinates of all bodies, and no column of v belongs to them. A run integrates
+them with the rest of q, keeps them in its state and interpolates them between steps. ``move`` sets
+what the positions tell, and leaves the rest as it is; no error is estimated of them.
+
+To add one:
+
+1. :func:`entries_of` lists it: what it is, its name, where it starts.
+2. While ``acceleration`` is recorded, the composer writes its rate
+   ``into=(self.auxiliary.of(self.q_dot, WORK, name),)``; its own value is
+   ``self.auxiliary.of(self.q, WORK, name)``. ``move`` leaves what :meth:`Auxiliaries.kept` lists.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.program import Auxiliary, Place
+from kousoku.codegen.dynamics.recording.recorder import slot_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.recorder import Block
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.model.mechanism import System
+
+#: An angle with its turns [rad], which positions tell up to whole turns.
+TURNS = "turns"
+#: The work that a force or a driver has done since the start [J].
+WORK = "work"
+
+
+def entries_of(system: System) -> tuple[Auxiliary, ...]:
+    """Return the entries that a system needs, in their order."""
+    turns = (one for one in system.coordinates if one.counts_turns)
+    working = dict.fromkeys(force.name for force in system.forces if force.works)
+    working |= dict.fromkeys(drivers_of(system))
+    return (
+        *(Auxiliary(TURNS, one.name, Place(-1, one.near)) for one in turns),
+        *(Auxiliary(WORK, name, Place(-1, 0.0)) for name in working),
+    )
+
+
+def drivers_of(system: System) -> tuple[str, ...]:
+    """Return the names of the drivers."""
+    return tuple(dict.fromkeys(one.joint for one in system.constraints if one.is_driver))
+
+
+class Auxiliaries:
+    """Where the entries are.
+
+    Parameters
+    ----------
+    entries : sequence of Auxiliary
+        In their order.
+    first : int
+        How many entries q has before them.
+    """
+
+    def __init__(self, entries: Sequence[Auxiliary], first: int) -> None:
+        self.entries = tuple(entries)
+        self.first = first
+        self._places = {(one.kind, one.name): first + k for k, one in enumerate(self.entries)}
+
+    def of(self, region: Block, kind: str, name: str) -> Block:
+        """Return an entry of a region that is ordered as q."""
+        return region.part(self._places[kind, name], 1)
+
+    def kept(self, region: Block) -> list[Block]:
+        """Return the entries of a region that no positions tell."""
+        kinds = ((one.kind, one.name) for one in self.entries)
+        return [self.of(region, kind, name) for kind, name in kinds if kind != TURNS]
+
+    def placed(self, q: Block) -> tuple[Auxiliary, ...]:
+        """Return the entries with their slots, for those who run the program."""
+        return tuple(
+            replace(one, place=replace(one.place, slot=slot_of(q.entries[self.first + k])))
+            for k, one in enumerate(self.entries)
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Copy:
+    """Leave a value as it is. Blocks: the value."""
+
+    title: str = "copy"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return it."""
+        return blocks

@@ -1,0 +1,147 @@
+"""Rows that combine coordinates: C = Σ factor · u + offset − unit · law(t).
+
+The derivatives of a law are formulas, too: ν = unit · law′, γ = Σ factor · γ_u + unit · law″.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.matrix import Matrix
+from kousoku.codegen.dynamics.recording.recorder import column, zeros
+from kousoku.codegen.expressions import to_graph
+from kousoku.codegen.graph import Graph
+from kousoku.model.derivative import derivative
+from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import TIME
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.model.mechanism import Instance
+
+
+@dataclass(frozen=True, slots=True)
+class Weighted:
+    """Add weighted rows. Blocks: what is added to, then factor and row in turn."""
+
+    title: str = "linear combination"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the sum."""
+        total, *pairs = blocks
+        for factor, row in zip(pairs[::2], pairs[1::2], strict=True):
+            total = factor @ row + total
+        return (total,)
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """A formula of the time, or a derivative of it. Blocks: unit, t, the parameters.
+
+    Parameters
+    ----------
+    law : str
+        The formula.
+    parameters : tuple of str
+        Names that it may use beside the time.
+    order : int
+        Which derivative by the time.
+    """
+
+    law: str
+    parameters: tuple[str, ...]
+    order: int
+
+    @property
+    def title(self) -> str:
+        """Say which derivative."""
+        return f"driver, derivative {self.order}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return unit · law (1,)."""
+        unit, time, parameters = (block.flat for block in blocks)
+        names = (TIME, *self.parameters)
+        expression = parse_expression(self.law, names)
+        for _ in range(self.order):
+            expression = derivative(expression, TIME)
+        leaves = dict(zip(names, (*time, *parameters), strict=True))
+        node = trace.graph.mul(unit[0], to_graph(expression, trace.graph, leaves))
+        return (Matrix(trace.graph, ((node,),), 1),)
+
+
+def fixed_law(one: Instance, parameters: Sequence[str]) -> float:
+    """Return the value of a law that never changes, 0 where there is none, else infinity."""
+    if not one.is_driver:
+        return 0.0
+    graph, names = Graph(), (TIME, *parameters)
+    leaves = {name: graph.input(name, 0) for name in names}
+    value = graph.value(to_graph(parse_expression(one.law, names), graph, leaves))
+    return math.inf if value is None else one.law_unit * float(value)
+
+
+@dataclass(frozen=True, slots=True)
+class Combinations:
+    """What records the rows of combinations.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        Where they are recorded.
+    coordinates : CoordinateTasks
+        What is combined.
+    time, parameters : Block
+        What laws depend on.
+    names : tuple of str
+        The parameters' names.
+    """
+
+    recorder: Recorder
+    coordinates: CoordinateTasks
+    time: Block
+    parameters: Block
+    names: tuple[str, ...]
+
+    def residual(self, one: Instance) -> Block:
+        """Record C (1,)."""
+        total = self.recorder.constant((one.offset,))
+        if one.is_driver:
+            law = self.law(one, 0)
+            (total,) = self.recorder.call(Weighted(), total, column((-1,)), law)
+        values = [self.coordinates.value(term.coordinate) for term in one.terms]
+        return self._weighted(one, total, values)
+
+    def slopes(self, one: Instance, index: int, body: BodyBlocks) -> Block:
+        """Record the Jacobian by the columns of a body, one row."""
+        found = [self.coordinates.slopes(term.coordinate).get(index) for term in one.terms]
+        return self._weighted(one, zeros(1, len(body.columns)), found)
+
+    def rate(self, one: Instance, output: str) -> Block:
+        """Record ``nu`` or ``gamma`` (1,)."""
+        if output == "nu":
+            return self.law(one, 1)
+        gammas = [self.coordinates.gamma(term.coordinate) for term in one.terms]
+        return self._weighted(one, self.law(one, 2), gammas)
+
+    def law(self, one: Instance, order: int) -> Block:
+        """Record a derivative of a law, in the unit of the row (1,); zero where there is none."""
+        if not one.is_driver:
+            return column((0,))
+        unit = self.recorder.constant((one.law_unit,))
+        operation = Law(one.law, self.names, order)
+        return self.recorder.call(operation, unit, self.time, self.parameters)[0]
+
+    def _weighted(self, one: Instance, total: Block, rows: Sequence[Block | None]) -> Block:
+        pairs = [
+            block
+            for term, row in zip(one.terms, rows, strict=True)
+            if row is not None
+            for block in (self.recorder.constant((term.factor,)), row)
+        ]
+        return self.recorder.call(Weighted(), total, *pairs)[0]

@@ -1,0 +1,399 @@
+"""From a system to its program: bodies, joints, and the equations that couple them.
+
+M v̇ + C_qᵀλ = f with C_q v̇ = γ is solved by S λ = C_q M⁻¹f − γ, S = C_q M⁻¹ C_qᵀ, with one block of
+S for each joint; see :mod:`kousoku.codegen.dynamics.composition.schur`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.auxiliary import (
+    WORK,
+    Auxiliaries,
+    Copy,
+    drivers_of,
+    entries_of,
+)
+from kousoku.codegen.dynamics.composition.bodies import (
+    GROUND,
+    BodyBlocks,
+    body_blocks,
+    coordinates,
+    gyroscopic_ratios,
+    require_masses,
+    sizes,
+)
+from kousoku.codegen.dynamics.composition.combinations import Combinations
+from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+from kousoku.codegen.dynamics.composition.energies import record_energies
+from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
+from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, require_few_joints
+from kousoku.codegen.dynamics.composition.least_norm import Scale, points_of
+from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.composition.momentum import kept_of, record_momenta
+from kousoku.codegen.dynamics.composition.reactions import record_reactions, record_wrenches
+from kousoku.codegen.dynamics.composition.reduced import Reduced
+from kousoku.codegen.dynamics.composition.schur import Schur
+from kousoku.codegen.dynamics.composition.setup import record_setup
+from kousoku.codegen.dynamics.operations.formulas import Names
+from kousoku.codegen.dynamics.operations.mechanics import (
+    FreeAcceleration,
+    Motion,
+    Move,
+    Orientation,
+)
+from kousoku.codegen.dynamics.operations.sums import summed
+from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Program
+from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
+from kousoku.codegen.dynamics.redundancy.left_out import others, rows_of, take_over
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.turned import named_back, turned, turned_row
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Collection, Mapping, Sequence
+
+    from kousoku.model.mechanism import System
+
+#: A tree of so few joints is eliminated in one go: a processor gains nothing from the two ends of a
+#: chain, which want more kernels.
+SHORT = 16
+
+
+def compose(
+    system: System,
+    wanted: Collection[str] = (),
+    *,
+    rows: Mapping[int, Sequence[int]] | None = None,
+    dependent: Sequence[Sequence[str]] = (),
+    may_be_planar: bool = True,
+    most_free: int = -1,
+) -> Program:
+    """Return the program of a system: its segments are those of ``SEGMENTS``.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    wanted : collection of str
+        What is computed beyond the motion: ``reactions`` for the region ``lam`` and the segment
+        ``reaction``, ``energies`` for the segment ``energy``, ``checks`` for the segment ``check``.
+        Other names are not looked at.
+    rows : mapping of int to sequence of int, optional
+        For instances of which not all rows are kept, by their place in ``system.constraints``, the
+        rows that are.
+    dependent : sequence of sequence of str
+        The joints of each set of rows that depend on each other: what they carry is not unique.
+    may_be_planar : bool
+        Whether a scene that stays in a coordinate plane gets planar coordinates.
+    most_free : int
+        Bodies on a joint with the ground that leaves so many velocities at most are described by
+        these, see ``simplification.reduction``; not together with ``rows``.
+
+    Returns
+    -------
+    Program
+        Segments ``geometry``, ``position``, ``move``, ``velocity``, ``acceleration``, and
+        ``reaction``, ``energy`` and ``check`` where they are wanted.
+
+    Raises
+    ------
+    SceneError
+        A body lacks a mass or a moment that its motion needs, or has too many joints.
+    """
+    require_few_joints(system)
+    kept = rows or {}
+    shift = plane_of(system) if may_be_planar else None
+    if shift is None:
+        require_masses(system, is_planar=False)
+        composer = _Composer(system, wanted, kept, dependent, is_planar=False, most_free=most_free)
+        return composer.program()
+    other = turned(system, shift)
+    require_masses(other, is_planar=True)
+    kinds = [instance.kind for instance in system.constraints]
+    kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
+    composer = _Composer(other, wanted, kept, dependent, is_planar=True, most_free=most_free)
+    return named_back(composer.program(), system, shift)
+
+
+class _Composer:
+    """A program while it is composed."""
+
+    def __init__(
+        self,
+        system: System,
+        wanted: Collection[str],
+        rows: Mapping[int, Sequence[int]],
+        dependent: Sequence[Sequence[str]],
+        *,
+        is_planar: bool,
+        most_free: int,
+    ) -> None:
+        self.system = system
+        self.dependent = dependent
+        self.wanted = wanted
+        self.is_planar = is_planar
+        self.recorder = Recorder()
+        self.time = self.recorder.region("t", 1)
+        self.parameters = self.recorder.region("parameters", len(system.parameters))
+        own, velocities = sizes(system, is_planar=is_planar)
+        self.auxiliary = Auxiliaries(entries_of(system), own)
+        positions = own + len(self.auxiliary.entries)
+        region = self.recorder.region
+        self.q, self.v = region("q", positions), region("v", velocities)
+        self.dq, self.q_moved = region("dq", velocities), region("q_moved", positions)
+        self.dv = region("dv", velocities)
+        self.q_dot, self.v_dot = region("q_dot", positions), region("v_dot", velocities)
+        self.bodies = body_blocks(system, self.recorder, self.q, self.v, is_planar=is_planar)
+        self.coordinates = CoordinateTasks(system, self.recorder, self.body, self.auxiliary, self.q)
+        rates, fixed = self._by_body(self.v), (self.time, self.parameters)
+        names = Names(system, self.recorder, self.coordinates, fixed, rates)
+        self.forces = ForceTasks(self.recorder, self.body, self.coordinates, names, rates)
+        given = tuple(name for name, _ in system.parameters)
+        combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
+        self.tasks = JointTasks(system, self.recorder, self.body, combinations)
+        self.reduced = Reduced(system, self.recorder, self.body, combinations)
+        self.reduced.find(most_free, is_planar=is_planar)
+        rows = self.reduced.rows or rows
+        self.joints = joints_of(system, self.recorder, rows, self.body)
+        self.rows = sum(joint.count for joint in self.joints)
+        rest = others(system, rows) if rows else {}
+        beside = joints_of(system, self.recorder, rest, self.body) if rest else []
+        self.left_out, self.held = ([], beside) if self.reduced.tasks else (beside, [])
+        self.residuals = region("C", self.rows)
+        self.others = region("C_left_out", sum(joint.count for joint in beside))
+        at_once = not self.left_out and (len(self.joints) > SHORT or bool(loops_of(system)))
+        self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
+
+    def body(self, index: int) -> BodyBlocks:
+        """Return the blocks of a body, or of the ground."""
+        return GROUND if index == GROUND_INDEX else self.bodies[index]
+
+    def program(self) -> Program:
+        """Record all segments."""
+        self._geometry()
+        self._position()
+        self._move()
+        self._velocity()
+        self._acceleration()
+        for name, record in (("reactions", self._reaction), ("coordinates", self._coordinates)):
+            if name in self.wanted:
+                record()
+        if "energies" in self.wanted:
+            record_energies(self.recorder, self.system, self.bodies, self.forces)
+        kept = kept_of(self.system, is_planar=self.is_planar) if "checks" in self.wanted else ()
+        if kept:
+            record_momenta(self.recorder, self.system, kept, self.body)
+        if "checks" in self.wanted:
+            self._check()
+            self._where_rank_drops()
+        pairs = zip(self.system.bodies, self.bodies, strict=True)
+        places = tuple(coordinates(body, blocks) for body, blocks in pairs)
+        design = record_setup(self.recorder, self.system, self.parameters, places)
+        segments, regions, size = self.recorder.finish()
+        return Program(
+            name=self.system.name,
+            kernels=tuple(self.recorder.kernels),
+            segments=tuple(one for one in segments if one.name not in ON_DEMAND),
+            on_demand=tuple(one for one in segments if one.name in ON_DEMAND),
+            regions=tuple(regions),
+            constants=tuple(self.recorder.constants),
+            size=size,
+            bodies=places,
+            rows=rows_of(self.joints),
+            left_out=rows_of(self.left_out),
+            reduced=rows_of(self.held),
+            placed=self.reduced.placed,
+            is_planar=self.is_planar,
+            auxiliary=self.auxiliary.placed(self.q),
+            parameters=tuple(value for _, value in self.system.parameters),
+            kept=kept,
+            design=design,
+        )
+
+    def _geometry(self) -> None:
+        """Orientations, residuals, Jacobians, and the factors of the Schur complement."""
+        self.recorder.begin("geometry")
+        for k, blocks in enumerate(self.bodies):
+            (orientation,) = self.recorder.call(Orientation(), blocks.p)
+            self.bodies[k] = replace(blocks, orientation=orientation)
+        self.reduced.geometry(self.bodies)
+        for joint in self.joints:
+            self.tasks.jacobian(joint, self._rows_of(self.residuals, joint))
+        self.schur.factorise(self.joints)
+
+    @staticmethod
+    def _rows_of(region: Block, joint: JointBlocks) -> Block:
+        return region.part(joint.first, joint.count)
+
+    def _position(self) -> None:
+        self.recorder.begin("position")
+        residuals = [self._rows_of(self.residuals, joint) for joint in self.joints]
+        self._pull(self.schur.solve(residuals), None, self.dq)
+
+    def _pull(
+        self,
+        multipliers: Sequence[Block],
+        free: Sequence[Block] | None,
+        region: Block,
+        beyond: Mapping[int, Block] | None = None,
+    ) -> None:
+        """Write free − M⁻¹ C_qᵀ λ of each body, of one that is reduced R u and what is beyond."""
+        terms: list[list[tuple[Block, Block]]] = [[] for _ in self.bodies]
+        for joint, block in zip(self.joints, multipliers, strict=True):
+            for index, scaled in joint.scaled.items():
+                if index != GROUND_INDEX:
+                    terms[index].append((scaled.T, block))
+        totals = list(free or (zeros(blocks.weights.width, 1) for blocks in self.bodies))
+        self.reduced.spread(self.schur, totals, terms, beyond)
+        for blocks, total, products in zip(self.bodies, totals, terms, strict=True):
+            self.schur.gather(total, products, region.part(blocks.v, len(blocks.columns)))
+
+    def _move(self) -> None:
+        self.recorder.begin("move")
+        laws: dict[int, Block] = {}
+        for k, blocks in enumerate(self.bodies):
+            change = blocks.spread(self.dq.part(blocks.v, len(blocks.columns)).entries)
+            target = self.q_moved.part(blocks.q, len(blocks.coordinates))
+            if k in self.reduced.tasks:
+                laws |= self.reduced.tasks[k].put(*change, target)
+            else:
+                at = (blocks.r, blocks.p)
+                self.recorder.call(Move(blocks.coordinates), *at, *change, into=(target,))
+        kept, targets = self.auxiliary.kept(self.q), self.auxiliary.kept(self.q_moved)
+        for block, target in zip(kept, targets, strict=True):
+            self.recorder.call(Copy(), block, into=(target,))
+        self.coordinates.count_turns(self.q_moved, laws)
+
+    def _rates(
+        self,
+        output: str,
+        by_body: Sequence[Block],
+        region: Block | None = None,
+        joints: Sequence[JointBlocks] | None = None,
+        beyond: Mapping[int, Block] | None = None,
+    ) -> list[Block]:
+        """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
+        found = []
+        for joint in self.joints if joints is None else joints:
+            into = self._rows_of(region, joint) if region else None
+            found.append(self.tasks.rates(joint, output, by_body, into, beyond))
+        return found
+
+    def _velocity(self) -> None:
+        self.recorder.begin("velocity")
+        by_body = self._by_body(self.v)
+        lacks, beyond = self.reduced.fit(by_body)
+        rates = self._rates("nu", by_body, beyond=beyond)
+        self._pull(self.schur.solve(rates), None, self.dv, lacks)
+
+    def _by_body(self, region: Block) -> list[Block]:
+        """Return the parts of a region in the order of v."""
+        return [region.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
+
+    def _acceleration(self) -> None:
+        lam = self.recorder.region("lam", self.rows) if "reactions" in self.wanted else None
+        self.recorder.begin("acceleration")
+        gravity = self.forces.gravity(self.system)
+        for blocks in self.bodies:
+            self.recorder.call(
+                Motion(blocks.coordinates),
+                blocks.p,
+                blocks.v_r,
+                blocks.omega_b,
+                into=(self.q_dot.part(blocks.q, len(blocks.coordinates)),),
+            )
+        self.coordinates.turn(self.q_dot, self._by_body(self.v))
+        free: list[Block] = []
+        for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
+            ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))
+            operation = FreeAcceleration(blocks.columns)
+            free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
+        for name, power in self.forces.act(self.system.forces, free).items():
+            self._keep_rate(name, power)
+        if lam:
+            self.reduced.keep(free)
+        drift = self.reduced.condense(free)
+        targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
+        multipliers = self.schur.solve(self._rates("gamma", free, beyond=drift), targets)
+        self._pull(multipliers, free, self.v_dot, drift)
+        powers = zip(drivers_of(self.system), self._powers(multipliers), strict=True)
+        for name, power in powers:
+            self._keep_rate(name, power)
+
+    def _keep_rate(self, name: str, power: Block) -> None:
+        """Record the power of a force or a driver as the rate of its work."""
+        target = self.auxiliary.of(self.q_dot, WORK, name)
+        self.recorder.call(Copy(), power, into=(target,))
+
+    def _powers(self, multipliers: Sequence[Block], *, is_whole: bool = True) -> list[Block]:
+        """Record the power of each driver, or what multipliers add to it."""
+        powers = {name: [one] for name, one in self.tasks.powers(self.joints, multipliers).items()}
+        told = self.reduced.powers(self.schur, self.joints, multipliers, is_whole=is_whole)
+        for name, one in told:
+            powers.setdefault(name, []).append(one)
+        nothing = [column((0,))]
+        names = drivers_of(self.system)
+        return [summed(self.recorder, powers.get(name, nothing)) for name in names]
+
+    def _reaction(self, record: Callable[..., None] | None = None) -> None:
+        """Record force and torque of each joint."""
+        length = characteristic_length(self.system)
+        told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
+        known = partial(self.reduced.wrenches, *told)
+        record = record or partial(record_reactions, held=self.held, known=known)
+        record(
+            self.recorder,
+            self.schur,
+            self.body,
+            rows=(self.joints, self.left_out),
+            geometry=lambda joint: self.tasks.jacobian(joint, None),
+            scale=Scale(points_of(self.system), length, self.dependent),
+        )
+
+    def _coordinates(self) -> None:
+        """Record the coordinates that are shown."""
+        accelerates = "accelerations" in self.wanted
+        count = (3 if accelerates else 2) * len(self.system.shown)
+        region = self.recorder.region("coordinates", count)
+        self.recorder.begin("coordinate")
+        v_dot = self._by_body(self.v_dot) if accelerates else None
+        self.coordinates.show(region, self._by_body(self.v), v_dot)
+
+    def _check(self) -> None:
+        """Record what is left of the constraints, those that depend on others, too."""
+        count = self.rows + self.others.height
+        rates, second = (self.recorder.region(name, count) for name in ("C_dot", "C_ddot"))
+        self.recorder.begin("check")
+        for joint in (*self.left_out, *self.held):
+            self.tasks.watch(joint, self._rows_of(self.others, joint))
+        for output, values, region in (("nu", self.v, rates), ("gamma", self.v_dot, second)):
+            by_body = self._by_body(values)
+            self._rates(output, by_body, region)
+            rest = region.part(self.rows, self.others.height)
+            self._rates(output, by_body, rest, [*self.left_out, *self.held])
+
+    def _where_rank_drops(self) -> None:
+        """Record what runs need where rows become dependent; without a loop they do not."""
+        if self.left_out or loops_of(self.system):
+            self._refinement()
+        if "reactions" in self.wanted and take_over(self.rows, len(rows_of(self.left_out))):
+            self._reaction(record_wrenches)
+
+    def _refinement(self) -> None:
+        """Record the corrections that what is left of C_q v̇ = γ asks for."""
+        names, region = drivers_of(self.system), self.recorder.region
+        lam = region("more_lam", self.rows) if "reactions" in self.wanted else None
+        power = region("more_power", len(names)) if names else column(())
+        self.recorder.begin("refinement")
+        targets = [self._rows_of(lam, joint) for joint in self.joints] if lam else None
+        rates = self._rates("gamma", self._by_body(self.v_dot))
+        multipliers = self.schur.solve(rates, targets)
+        self._pull(multipliers, None, self.dv)
+        for k, more in enumerate(self._powers(multipliers, is_whole=False)):
+            self.recorder.call(Copy(), more, into=(power.part(k, 1),))

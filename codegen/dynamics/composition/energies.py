@@ -1,0 +1,50 @@
+"""The segment ``energy``: kinetic and potential energy of all bodies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.mechanics import Energy
+from kousoku.codegen.dynamics.operations.sums import summed
+from kousoku.codegen.dynamics.recording.design import number
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.model.mechanism import System
+
+
+def record_energies(
+    recorder: Recorder, system: System, bodies: Sequence[BodyBlocks], forces: ForceTasks
+) -> None:
+    """Record the energies of bodies, and of forces that have a potential.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        The program.
+    system : System
+        The scene.
+    bodies : sequence of BodyBlocks
+        Where its bodies are.
+    forces : ForceTasks
+        What records its forces.
+    """
+    target = recorder.region("energies", 2)
+    recorder.begin("energy")
+    gravity = forces.gravity(system)
+    parts: list[Block] = []
+    for body, blocks in zip(system.bodies, bodies, strict=True):
+        mass = number(body.mass)
+        halves = recorder.constant([mass / 2] * 3 + [number(x) / 2 for x in body.inertia])
+        weight = forces.weight(system, gravity, mass)
+        parts += recorder.call(Energy(), blocks.r, blocks.v_r, blocks.omega_b, halves, weight)
+    for force in system.forces:
+        if force.has_potential:
+            parts.append(forces.stored(force))
+    if system.resting:
+        parts.append(recorder.constant((0, system.resting)))
+    summed(recorder, parts, target)

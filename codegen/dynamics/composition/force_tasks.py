@@ -1,0 +1,170 @@
+"""Record what acts on bodies beside gravity: accelerations, power, and potential energy."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.forces import ELONGATION, SPRING, Load, Spring, Stored
+from kousoku.codegen.dynamics.operations.forces_along import Held, Push, Resist
+from kousoku.codegen.dynamics.operations.formulas import Product, scaled
+from kousoku.codegen.dynamics.operations.sums import summed
+from kousoku.codegen.dynamics.recording.recorder import Block, column
+from kousoku.model.formulas import used_names
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+    from kousoku.codegen.dynamics.operations.formulas import Names
+    from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.model.mechanism import ForceElement, System
+    from kousoku.model.precise import High
+
+    Effect = tuple[dict[int, Block], Block | None]
+
+
+class ForceTasks:
+    """Forces of a program.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        The program.
+    body : callable
+        Returns the blocks of a body, or of the ground, by its index.
+    coordinates : CoordinateTasks
+        What forces along coordinates need.
+    names : Names
+        What formulas may depend on.
+    by_body : sequence of Block
+        The velocities of each body.
+    """
+
+    def __init__(
+        self,
+        recorder: Recorder,
+        body: Callable[[int], BodyBlocks],
+        coordinates: CoordinateTasks,
+        names: Names,
+        by_body: Sequence[Block],
+    ) -> None:
+        self.recorder = recorder
+        self.body = body
+        self.coordinates = coordinates
+        self.by_body = by_body
+        self.names = names
+
+    def effect(self, force: ForceElement) -> Effect:
+        """Record what a force adds to the accelerations of each body, and its power.
+
+        The power is that of what is no potential energy, None where all is.
+        """
+        constants = self._constants(force)
+        if force.coordinate >= 0:
+            found = self._along(force, constants)
+        elif force.kind == SPRING:
+            found = self._spring(force, constants)
+        else:
+            j = self.body(force.j)
+            blocks = (j.p, j.orientation, j.v_r, j.omega_b, j.inverse_mass)
+            operation = Load(force.kind, j.columns, force.works)
+            found = (column(()), *self.recorder.call(operation, *blocks, *constants))
+        ends = zip((force.i, force.j), found, strict=False)
+        added = {index: block for index, block in ends if index != GROUND_INDEX}
+        return added, found[2] if force.works else None
+
+    def act(self, forces: Sequence[ForceElement], free: list[Block]) -> dict[str, Block]:
+        """Add what forces give to accelerations; return the power of those that work, by name.
+
+        Parameters
+        ----------
+        forces : sequence of ForceElement
+            Those of the scene.
+        free : list of Block
+            Accelerations by body, which are replaced by the sums.
+        """
+        shares = [[block] for block in free]
+        powers: dict[str, list[Block]] = {}
+        for force in forces:
+            added, power = self.effect(force)
+            for index, block in added.items():
+                shares[index].append(block)
+            if power is not None:
+                powers.setdefault(force.name, []).append(power)
+        free[:] = [summed(self.recorder, parts) for parts in shares]
+        return {name: summed(self.recorder, parts) for name, parts in powers.items()}
+
+    def stored(self, force: ForceElement) -> Block:
+        """Record (0, V) of a force that has a potential energy."""
+        constants = self._constants(force)
+        if force.coordinate >= 0:
+            return self.recorder.call(Held(), self.coordinates.value(force.coordinate), *constants)[
+                0
+            ]
+        i, j = self.body(force.i), self.body(force.j)
+        return self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)[0]
+
+    def gravity(self, system: System) -> Block:
+        """Return the acceleration of free fall (3,)."""
+        parts = [self.recorder.constant(system.gravity)]
+        for k, text in enumerate(system.gravity_law):
+            if text:
+                direction = self.recorder.constant([system.unit * (n == k) for n in range(3)])
+                parts.append(scaled(self.recorder, direction, text, self.names))
+        return summed(self.recorder, parts)
+
+    def weight(self, system: System, gravity: Block, mass: High) -> Block:
+        """Return minus the weight of a body (3,)."""
+        if not any(system.gravity_law):
+            return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
+        return self.recorder.call(Product(), gravity, self.recorder.constant((-mass,)))[0]
+
+    def _constants(self, force: ForceElement) -> list[Block]:
+        """Return the constants; those that a formula belongs to are multiplied by it."""
+        texts = dict(force.formulas)
+        found = []
+        for name, values in force.constants:
+            block = self.recorder.constant(values)
+            if name in texts:
+                block = scaled(self.recorder, block, texts[name], self.names)
+            found.append(block)
+        return found
+
+    def _law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
+        """Return what a law depends on beside elongation and rate, with values and units."""
+        if not force.law:
+            return (), []
+        names = tuple(name for name in used_names(force.law, self.names) if name not in ELONGATION)
+        return names, [block for name in names for block in self.names[name]]
+
+    def _spring(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:
+        i, j = self.body(force.i), self.body(force.j)
+        ends = [
+            block
+            for body in (i, j)
+            for block in (
+                *(body.r, body.p, body.orientation),
+                *(body.v_r, body.omega_b, body.inverse_mass),
+            )
+        ]
+        names, given = self._law(force)
+        operation = Spring(i.columns, j.columns, force.law, names, force.works)
+        return self.recorder.call(operation, *ends, *constants, *given)
+
+    def _along(self, force: ForceElement, constants: list[Block]) -> tuple[Block, ...]:
+        slopes = self.coordinates.slopes(force.coordinate)
+        ends = [
+            block
+            for index in (force.i, force.j)
+            for block in (slopes[index], self.body(index).inverse_mass)
+        ]
+        rate = self.coordinates.rate(force.coordinate, self.by_body)
+        if force.kind == "along":
+            return self.recorder.call(Push(), *ends, rate, *constants)
+        names, given = self._law(force)
+        operation = Resist(force.law, names, force.works)
+        value = self.coordinates.value(force.coordinate)
+        return self.recorder.call(operation, *ends, value, rate, *constants, *given)

@@ -1,0 +1,190 @@
+"""What joints do to their bodies: the segment ``reaction``."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.least_norm import LeastNorm, merged
+from kousoku.codegen.dynamics.recording.recorder import zeros
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.composition.joints import JointBlocks
+    from kousoku.codegen.dynamics.composition.least_norm import Scale
+    from kousoku.codegen.dynamics.composition.schur import Schur
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+
+
+@dataclass(slots=True)
+class Reaction:
+    """A joint: the rows of it that are kept, and those that are left out.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    end, j : int
+        The body that force and torque act on: body j, or i where j is the ground; and body j.
+    ends : tuple of int
+        The bodies whose force and torque are given, see :func:`ends_of`.
+    kept, left_out : JointBlocks or None
+        With their Jacobians; one of them is there, unless it is known what the joint does.
+    known : JointBlocks or None
+        Rows of which that is known without multipliers.
+    multipliers : list of (JointBlocks, Block)
+        Rows, and their multipliers.
+    """
+
+    name: str
+    end: int
+    j: int
+    ends: tuple[int, ...]
+    kept: JointBlocks | None = None
+    left_out: JointBlocks | None = None
+    known: JointBlocks | None = None
+    multipliers: list[tuple[JointBlocks, Block]] = field(default_factory=list)
+
+    @property
+    def parts(self) -> list[JointBlocks]:
+        """Its rows."""
+        return [rows for rows in (self.kept, self.left_out, self.known) if rows]
+
+
+def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
+    """Return the bodies on which force and torque of a joint are given.
+
+    Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.
+    """
+    i, j, *others = bodies
+    if others:
+        return tuple(body for body in bodies if body != GROUND_INDEX)
+    return (i if j == GROUND_INDEX else j,)
+
+
+def reactions_of(
+    kept: Sequence[JointBlocks],
+    left_out: Sequence[JointBlocks],
+    known: Sequence[JointBlocks] = (),
+) -> list[Reaction]:
+    """Return all joints in the order of the system."""
+    found: dict[tuple[str, int, int], Reaction] = {}
+    for joint in (*kept, *left_out, *known):
+        ends = ends_of(joint.bodies)
+        end = joint.i if joint.j == GROUND_INDEX else joint.j
+        new = Reaction(joint.name, end, joint.j, ends)
+        one = found.setdefault((joint.name, joint.i, joint.j), new)
+        if any(joint is rows for rows in kept):
+            one.kept = joint
+        elif any(joint is rows for rows in known):
+            one.known = joint
+        else:
+            one.left_out = joint
+    return sorted(found.values(), key=lambda one: min(min(x.instances) for x in one.parts))
+
+
+def record_reactions(
+    recorder: Recorder,
+    schur: Schur,
+    body: Callable[[int], BodyBlocks],
+    *,
+    rows: tuple[Sequence[JointBlocks], Sequence[JointBlocks]],
+    geometry: Callable[[JointBlocks], None],
+    scale: Scale,
+    held: Sequence[JointBlocks] = (),
+    known: Callable[[], Mapping[tuple[str, int], Block]] = dict,
+) -> None:
+    """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        Where they are recorded; it has the region ``lam``.
+    schur : Schur
+        The factors of the rows that are kept.
+    body : callable
+        The blocks of a body by its index.
+    rows : pair of sequence of JointBlocks
+        The rows that are kept, with their Jacobians, and those that depend on them.
+    geometry : callable
+        Records the Jacobians of the latter.
+    scale : Scale
+        What is least where reactions are not unique.
+    held : sequence of JointBlocks
+        Joints with the ground that bodies are put onto.
+    known : callable
+        Records force and torque of these, by the name of the joint and the body.
+    """
+    joints, left_out = rows
+    found = reactions_of(joints, left_out, held)
+    widths = [len(body(end).columns) for one in found for end in one.ends]
+    target = recorder.region("reactions", sum(widths))
+    lam = recorder.known("lam")
+    recorder.begin("reaction")
+    told = known()
+    for one in found:
+        if one.kept:
+            one.multipliers = [(one.kept, lam.part(one.kept.first, one.kept.count))]
+    for joint in left_out:
+        geometry(joint)
+    for group in merged(scale.groups or [[one.name for one in found]]):
+        own = [one for one in found if one.name in group]
+        if any(one.left_out for one in own):
+            LeastNorm(recorder, schur, body, joints, scale).share_out(own)
+    _write_reactions(schur, found, widths, target, told)
+
+
+def _write_reactions(
+    schur: Schur,
+    found: Sequence[Reaction],
+    widths: Sequence[int],
+    target: Block,
+    told: Mapping[tuple[str, int], Block] = MappingProxyType({}),
+) -> None:
+    """Record force and torque of each joint on its bodies, as its multipliers are."""
+    first = 0
+    for (one, end), width in zip(((x, end) for x in found for end in x.ends), widths, strict=True):
+        products = [(rows.whole[end].T, x) for rows, x in one.multipliers if end in rows.whole]
+        total = told.get((one.name, end)) or zeros(width, 1)
+        schur.gather(total, products, target.part(first, width))
+        first += width
+
+
+def record_wrenches(
+    recorder: Recorder,
+    schur: Schur,
+    body: Callable[[int], BodyBlocks],
+    *,
+    rows: tuple[Sequence[JointBlocks], Sequence[JointBlocks]],
+    geometry: Callable[[JointBlocks], None],
+    scale: Scale,
+) -> None:
+    """Record what joints do with any multipliers of all rows: the segment ``wrench``.
+
+    It gives reactions as :func:`record_reactions` does, and at its point force and torque / ℓ of
+    each joint, whose squares are least where reactions are not unique. Parameters are those of
+    that function.
+    """
+    joints, left_out = rows
+    found = reactions_of(joints, left_out)
+    least = LeastNorm(recorder, schur, body, joints, scale)
+    kept = sum(joint.count for joint in joints)
+    lam = recorder.region("all_lam", kept + sum(joint.count for joint in left_out))
+    wrenches = recorder.region("wrenches", sum(map(least.height, found)))
+    recorder.begin("wrench")
+    for joint in left_out:
+        geometry(joint)
+    first = 0
+    for one in found:
+        starts = ((part, 0 if part is one.kept else kept) for part in one.parts)
+        one.multipliers = [
+            (part, lam.part(start + part.first, part.count)) for part, start in starts
+        ]
+        least.wrench(one, wrenches.part(first, least.height(one)))
+        first += least.height(one)
+    widths = [len(body(end).columns) for one in found for end in one.ends]
+    _write_reactions(schur, found, widths, recorder.known("reactions"))

@@ -1,0 +1,179 @@
+"""The bodies of a program that hang on the ground by one joint, and keep what it leaves free.
+
+The composer asks here, segment by segment, for what differs of such bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.auxiliary import Copy
+from kousoku.codegen.dynamics.composition.joints import live_rows
+from kousoku.codegen.dynamics.composition.reduced_tasks import ReducedTasks
+from kousoku.codegen.dynamics.recording.recorder import zeros
+from kousoku.codegen.dynamics.simplification.reduction import reductions_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.composition.combinations import Combinations
+    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+    from kousoku.codegen.dynamics.composition.joints import JointBlocks
+    from kousoku.codegen.dynamics.composition.schur import Schur
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.model.mechanism import Instance, System
+
+    #: A matrix, and the vector that it is multiplied with.
+    Product = tuple[Block, Block]
+
+
+class Reduced:
+    """The bodies that are reduced, none of them unless there are some.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    recorder : Recorder
+        The program.
+    body : callable
+        Returns the blocks of a body by its index.
+    combinations : Combinations
+        What records the formulas of drivers.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        recorder: Recorder,
+        body: Callable[[int], BodyBlocks],
+        combinations: Combinations,
+    ) -> None:
+        self._given = system, recorder, body, combinations
+        self.tasks: dict[int, ReducedTasks] = {}
+        self._free: dict[int, Block] = {}
+
+    def find(self, most_free: int, *, is_planar: bool) -> None:
+        """Look for bodies that can be reduced to so many velocities, none below zero."""
+        system, recorder, body, _ = self._given
+        if most_free < 0:
+            return
+
+        def count(one: Instance) -> int:
+            return len(live_rows(system, one, recorder, body))
+
+        found = reductions_of(system, count, is_planar=is_planar)
+        self.tasks = {
+            k: ReducedTasks(one, *self._given)
+            for k, one in found.items()
+            if len(one.free) <= most_free
+        }
+
+    @property
+    def rows(self) -> dict[int, Sequence[int]]:
+        """The instances whose rows hold by themselves: none of their rows is kept."""
+        places = [place for one in self.tasks.values() for place in one.one.instances]
+        return dict.fromkeys(sorted(places), ())
+
+    @property
+    def placed(self) -> tuple[int, ...]:
+        """The bodies whose centre of mass follows from all else."""
+        return tuple(k for k, one in self.tasks.items() if one.one.is_placed)
+
+    def geometry(self, bodies: list[BodyBlocks]) -> None:
+        """Record R, and put it into the blocks of the bodies."""
+        for k, one in self.tasks.items():
+            basis, inverse = one.geometry()
+            bodies[k] = replace(bodies[k], basis=basis, inverse=inverse)
+
+    def fit(self, by_body: list[Block]) -> tuple[dict[int, Block], dict[int, Block]]:
+        """Record velocities that fit, and put u into ``by_body``; return what v lacks, and β."""
+        lacks, beta = {}, {}
+        for k, one in self.tasks.items():
+            by_body[k], lacks[k], beta[k] = one.fit()
+        return lacks, beta
+
+    def condense(self, free: list[Block]) -> dict[int, Block]:
+        """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""
+        drifts = {k: one.drift() for k, one in self.tasks.items()}
+        for k, one in self.tasks.items():
+            self._free[k] = one.condense(free[k], drifts[k])
+            free[k] = one.chosen(self._free[k])
+        return drifts
+
+    def keep(self, free: Sequence[Block]) -> None:
+        """Record M⁻¹f into a region of its own: forces of joints are told from it."""
+        if self.tasks:
+            _, recorder, _, _ = self._given
+            whole = recorder.region("free", sum(free[k].height for k in self.tasks))
+            for part, k in zip(self._parts(whole), self.tasks, strict=True):
+                recorder.call(Copy(), free[k], into=(part,))
+
+    def wrenches(
+        self,
+        schur: Schur,
+        joints: Sequence[JointBlocks],
+        v_dot: Sequence[Block],
+        coordinates: CoordinateTasks,
+    ) -> dict[tuple[str, int], Block]:
+        """Record what joints with the ground and their drivers do to bodies, by name and body."""
+        found: dict[tuple[str, int], Block] = {}
+        if not self.tasks:
+            return found
+        _, recorder, _, _ = self._given
+        lam, whole = recorder.known("lam"), recorder.known("free")
+        multipliers = [lam.part(joint.first, joint.count) for joint in joints]
+        for free, (k, one) in zip(self._parts(whole), self.tasks.items(), strict=True):
+            others = self._others(schur, k, joints, multipliers)
+            own = one.wrenches(v_dot[k], free, others, coordinates)
+            found |= {(name, k): wrench for name, wrench in own.items()}
+        return found
+
+    def _parts(self, whole: Block) -> list[Block]:
+        """Return the parts of a region that has the columns of each body."""
+        counts = [len(one.blocks.columns) for one in self.tasks.values()]
+        return [whole.part(sum(counts[:n]), count) for n, count in enumerate(counts)]
+
+    def _others(
+        self, schur: Schur, k: int, joints: Sequence[JointBlocks], multipliers: Sequence[Block]
+    ) -> Block:
+        """Record what other joints do to body k, −Σ C_qᵀλ."""
+        pairs = zip(joints, multipliers, strict=True)
+        products = [(joint.whole[k].T, solution) for joint, solution in pairs if k in joint.bodies]
+        return schur.gather(zeros(len(self.tasks[k].blocks.columns), 1), products)
+
+    def powers(
+        self,
+        schur: Schur,
+        joints: Sequence[JointBlocks],
+        multipliers: Sequence[Block],
+        *,
+        is_whole: bool,
+    ) -> list[tuple[str, Block]]:
+        """Record the power of each driver of a joint with the ground, by its name [W].
+
+        Unless it is the whole, what the multipliers add to it.
+        """
+        found = []
+        for k, one in self.tasks.items():
+            if one.one.led:
+                others = self._others(schur, k, joints, multipliers)
+                found += one.powers(self._free[k] if is_whole else None, others)
+        return found
+
+    def spread(
+        self,
+        schur: Schur,
+        totals: list[Block],
+        products: list[list[Product]],
+        beyond: Mapping[int, Block] | None,
+    ) -> None:
+        """Record what others do to u, and put R u and what is beyond that in its place."""
+        own = {k: schur.gather(totals[k], products[k]) for k in self.tasks}
+        for k, one in self.tasks.items():
+            basis = one.blocks.basis
+            assert basis is not None
+            totals[k] = beyond[k] if beyond else zeros(basis.height, 1)
+            products[k] = [(-basis, own[k])]

@@ -1,0 +1,173 @@
+"""The Schur complement S = C_q M⁻¹ C_qᵀ by blocks: assembled, factorised, and solved with."""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.ordering import Pivot, minimum_degree
+from kousoku.codegen.dynamics.operations.elimination import (
+    Backward,
+    Couple,
+    Eliminate,
+    Forward,
+    Gather,
+    Panel,
+    Update,
+)
+from kousoku.codegen.dynamics.recording.recorder import zeros
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.composition.joints import JointBlocks
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+
+    #: A matrix and the vector that it multiplies.
+    Product = tuple[Block, Block]
+
+#: A pivot with more neighbours is eliminated by several tasks.
+FUSED = 2
+#: How many products one task subtracts.
+CHUNK = 4
+
+
+class Schur:
+    """The factors L D Lᵀ of S, one pivot for each joint; or those of another symmetric matrix.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        Where they are recorded.
+    pivots : Block, optional
+        The region of D⁻¹.
+    at_once : bool
+        Whether the order leaves a processor several pivots to work on at once. One after the other
+        the last of them shows a loss of rank earlier.
+    """
+
+    def __init__(
+        self, recorder: Recorder, pivots: Block | None = None, *, at_once: bool = True
+    ) -> None:
+        self.recorder = recorder
+        self.pivots = pivots
+        self.at_once = at_once
+        self.order: tuple[Pivot, ...] = ()
+        self._factors: dict[int, tuple[Block, Block]] = {}
+        self._panels: dict[int, dict[int, Block]] = {}
+
+    def factorise(self, joints: Sequence[JointBlocks]) -> None:
+        """Record assembly and factorisation."""
+        self.eliminate(self._assemble(joints), [joint.count for joint in joints])
+
+    def eliminate(self, blocks: Mapping[tuple[int, int], Block], counts: Sequence[int]) -> None:
+        """Record the factorisation of a symmetric matrix, positive definite.
+
+        Parameters
+        ----------
+        blocks : mapping of (int, int) to Block
+            Those on the diagonal and those below that are not zero, the later row first.
+        counts : sequence of int
+            Rows of each block row.
+        """
+        pairs = [pair for pair in blocks if pair[0] != pair[1]]
+        self.order = minimum_degree(len(counts), pairs, at_once=self.at_once)
+        place = {pivot.joint: k for k, pivot in enumerate(self.order)}
+        late = {}
+        for (a, b), block in blocks.items():
+            is_turned = place[a] < place[b]
+            late[(b, a) if is_turned else (a, b)] = block.T if is_turned else block
+        first = [0, *accumulate(counts)]
+        for pivot in self.order:
+            for m, a in enumerate(pivot.neighbours):
+                for b in pivot.neighbours[:m]:
+                    late.setdefault((a, b), zeros(counts[a], counts[b]))
+            eliminate = self._fused if len(pivot.neighbours) <= FUSED else self._split
+            own = pivot.joint
+            target = self.pivots.part(first[own], counts[own]) if self.pivots else None
+            eliminate(pivot, late, target)
+
+    def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
+        """Return the blocks of pairs of joints, the later joint first."""
+        blocks = {(k, k): joint.own for k, joint in enumerate(joints)}
+        by_body: dict[int, list[int]] = {}
+        for k, joint in enumerate(joints):
+            for body in joint.bodies:
+                if body == GROUND_INDEX or not joint.scaled[body].width:
+                    continue
+                for other in by_body.setdefault(body, []):
+                    block = blocks.get((k, other), zeros(joint.count, joints[other].count))
+                    scaled, jacobian = joint.scaled[body], joints[other].jacobian[body]
+                    (blocks[k, other],) = self.recorder.call(Couple(), block, scaled, jacobian)
+                by_body[body].append(k)
+        return blocks
+
+    def _fused(
+        self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block | None
+    ) -> None:
+        near = pivot.neighbours
+        pairs = [(a, b) for m, a in enumerate(near) for b in near[: m + 1]]
+        lower, inverse, *rest = self.recorder.call(
+            Eliminate(len(near)),
+            late[pivot.joint, pivot.joint],
+            *(late[a, pivot.joint] for a in near),
+            *(late[pair] for pair in pairs),
+            into=(None, target),
+        )
+        self._factors[pivot.joint] = (lower, inverse)
+        self._panels[pivot.joint] = dict(zip(near, rest, strict=False))
+        late.update(zip(pairs, rest[len(near) :], strict=True))
+
+    def _split(
+        self, pivot: Pivot, late: dict[tuple[int, int], Block], target: Block | None
+    ) -> None:
+        call, near = self.recorder.call, pivot.neighbours
+        lower, inverse = call(Eliminate(0), late[pivot.joint, pivot.joint], into=(None, target))
+        panels = {a: call(Panel(), lower, inverse, late[a, pivot.joint]) for a in near}
+        for m, a in enumerate(near):
+            for b in near[: m + 1]:
+                operation = Update(is_diagonal=a == b)
+                (late[a, b],) = call(operation, late[a, b], panels[a][0], panels[b][1])
+        self._factors[pivot.joint] = (lower, inverse)
+        self._panels[pivot.joint] = {a: x for a, (_, x) in panels.items()}
+
+    def solve(self, right: Sequence[Block], into: Sequence[Block] | None = None) -> list[Block]:
+        """Record the solution of S λ = right, joint by joint; ``into`` says where to put it."""
+        products: list[list[Product]] = [[] for _ in right]
+        scaled: dict[int, Block] = {}
+        for pivot in self.order:
+            k = pivot.joint
+            total, rest = self._head(right[k], products[k])
+            z, scaled[k] = self.recorder.call(
+                Forward(), *self._factors[k], total, *(x for pair in rest for x in pair)
+            )
+            for a, panel in self._panels[k].items():
+                products[a].append((panel, z))
+        solution: dict[int, Block] = {}
+        for pivot in reversed(self.order):
+            k = pivot.joint
+            total, rest = self._head(
+                scaled[k], [(panel.T, solution[a]) for a, panel in self._panels[k].items()]
+            )
+            (solution[k],) = self.recorder.call(
+                Backward(),
+                self._factors[k][0],
+                total,
+                *(x for pair in rest for x in pair),
+                into=(into[k] if into else None,),
+            )
+        return [solution[k] for k in range(len(right))]
+
+    def gather(self, total: Block, products: Sequence[Product], into: Block | None = None) -> Block:
+        """Record total − Σ products; ``into`` says where to put it."""
+        total, rest = self._head(total, products)
+        call = self.recorder.call
+        return call(Gather(), total, *(x for pair in rest for x in pair), into=(into,))[0]
+
+    def _head(self, total: Block, products: Sequence[Product]) -> tuple[Block, Sequence[Product]]:
+        """Subtract products until few enough are left for one task."""
+        while len(products) > CHUNK:
+            head, products = products[:CHUNK], products[CHUNK:]
+            (total,) = self.recorder.call(Gather(), total, *(x for pair in head for x in pair))
+        return total, products

@@ -1,0 +1,80 @@
+"""The segment ``setup``: parameters -> the numbers of a scene that depend on them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.design import Design, shown_numbers, starts
+from kousoku.codegen.dynamics.recording.matrix import Matrix
+from kousoku.codegen.dynamics.recording.recorder import DESIGN, column
+from kousoku.codegen.expressions import to_graph
+from kousoku.model.terms import names_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Coordinates
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.model.mechanism import System
+    from kousoku.model.terms import Expression
+
+#: Numbers that one task computes: what they share is computed once.
+TOGETHER = 128
+
+
+@dataclass(frozen=True, eq=False)
+class Derived:
+    """Formulas of parameters. Block: all parameters.
+
+    Parameters
+    ----------
+    expressions : sequence of Expression
+        The formulas.
+    names : sequence of str
+        The parameters.
+    """
+
+    expressions: Sequence[Expression]
+    names: Sequence[str]
+    title: str = "numbers of the design"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return their values, one column."""
+        leaves = dict(zip(self.names, blocks[0].flat, strict=True))
+        nodes = (to_graph(one, trace.graph, leaves) for one in self.expressions)
+        return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
+
+
+def record_setup(
+    recorder: Recorder, system: System, parameters: Block, places: Sequence[Coordinates]
+) -> Design:
+    """Record the segment, if some number depends on parameters; return where the numbers are.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        The program, with all its other segments.
+    system : System
+        The scene.
+    parameters : Block
+        Where its parameters are.
+    places : sequence of Coordinates
+        Where its bodies are in q and v.
+    """
+    start = starts(system, places)
+    for value in (*shown_numbers(system), *(value for _, value in start)):
+        recorder.constant((value,))
+    names = [name for name, _ in system.parameters]
+    expressions = [one.expression for _, one in recorder.design.values()]
+    if expressions:
+        recorder.begin("setup")
+    for first in range(0, len(expressions), TOGETHER):
+        own = expressions[first : first + TOGETHER]
+        target = column(range(DESIGN + first + 2, DESIGN + first + 2 + len(own)))
+        recorder.call(Derived(own, names), parameters, into=(target,))
+    found = {name for one in expressions for name in names_of(one)}
+    used = [name for name in names if name in found]
+    places_of = {key: place for key, (place, _) in recorder.design.items()}
+    return Design.of(places_of, start, system.positive, used)

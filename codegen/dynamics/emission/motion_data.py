@@ -1,0 +1,240 @@
+"""What tells which number of a row belongs to which body and joint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.auxiliary import WORK
+from kousoku.codegen.dynamics.composition.least_norm import ORIGIN, points_of
+from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.composition.reactions import ends_of
+from kousoku.codegen.dynamics.emission.view_numbers import is_driven, start_places
+from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
+from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
+from kousoku.model import precise
+from kousoku.model.varying import fixed_system, is_varying
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.model.mechanism import Carried, Coordinate, Instance, MovingBody, System
+
+#: Kinds whose residuals are lengths; those of the others are angles.
+LENGTHS = ("point", "distance", "length", "n2", "p2")
+#: Regions that hold what is given, or what no evaluation finds.
+GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
+ZERO = Place(-1, 0.0)
+#: Where the ground is, for bodies that it carries.
+STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
+
+
+def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> dict[str, object]:
+    """Return what ``motion.json`` holds.
+
+    Parameters
+    ----------
+    program : Program
+        The scene's program.
+    system : System
+        What it was composed of.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
+    """
+    q, v = program.region("q").base, program.region("v").base
+    varying = {"design": _design(program)} if program.design else {}
+    return {
+        "format": 1,
+        "name": system.name,
+        "unit": system.unit,
+        **_start(program),
+        "bodies": _bodies(program, system, q, v),
+        "parameters": [[name, value] for name, value in system.parameters],
+        "is_driven": is_driven(program, system),
+        "is_weighed": program.is_weighed,
+        "length": characteristic_length(system),
+        "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
+        "left_out": [_row(row, system.constraints[row.instance]) for row in program.left_out],
+        "reduced": [_row(row, system.constraints[row.instance]) for row in program.reduced],
+        "checked": _checked(program, system),
+        "places": {
+            region.name: [region.base, region.size]
+            for region in program.regions
+            if region.name not in GIVEN
+        },
+        "parts": [[part, program.region(part).size] for part in parts],
+        "reactions": _reactions(program, system) if "reactions" in parts else [],
+        "not_unique": list(program.not_unique) if "reactions" in parts else [],
+        "is_flat": is_flat(program, system),
+        "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
+        "kept": [
+            {
+                "bodies": _names(system, one.bodies),
+                "linear": [list(vector) for vector in one.linear],
+                "angular": [list(vector) for vector in one.angular],
+                "is_central": one.about is None,
+            }
+            for one in program.kept
+        ],
+        **varying,
+        "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
+    }
+
+
+def _design(program: Program) -> dict[str, object]:
+    """Return where numbers that depend on parameters stand: in the workspace, and among them."""
+    region, places = program.region("design"), dict(program.design.places)
+    return {
+        "place": [region.base, region.size],
+        "start": [list(pair) for pair in start_places(program)],
+        "positive": [[name, places[key]] for name, key in program.design.positive],
+    }
+
+
+def _shown(program: Program, values: Iterable[float]) -> list[int | float]:
+    """Return a number, or its index in the design where it depends on parameters."""
+    return [program.design.place(x) if is_varying(x) else x for x in values]
+
+
+def _start(program: Program) -> dict[str, list[float]]:
+    """Return q and v at the start."""
+    bases = {"q": program.region("q").base, "v": program.region("v").base}
+    start: dict[str, list[float]] = {name: [0.0] * program.region(name).size for name in ("q", "v")}
+    for body in program.bodies:
+        for name, places in (("q", body.r + body.p), ("v", body.v + body.omega_b)):
+            for place in places:
+                if place.slot >= 0:
+                    start[name][place.slot - bases[name]] = place.value
+    for one in program.auxiliary:
+        start["q"][one.place.slot - bases["q"]] = one.place.value
+    return start
+
+
+def is_flat(program: Program, system: System) -> bool:
+    """Return whether centres of mass, joints and gravity lie in one plane of the motion.
+
+    Then no joint of a planar scene has a force or torque that leads out of it.
+    """
+    if not (program.is_planar and system.bodies):
+        return False
+    system = fixed_system(system)
+    normal = next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
+    heights = [body.r[normal] for body in system.bodies]
+    combined = {term.coordinate for one in system.constraints for term in one.terms}
+    connected: list[Instance | Coordinate] = list(system.constraints)
+    connected += [system.coordinates[place] for place in sorted(combined)]
+    for one in connected:
+        for name, values in one.constants:
+            index = one.i if name == "s_i_b" else one.j
+            if name in {"s_i_b", "s_j_b"}:
+                heights.append(_height(values, None if index < 0 else system.bodies[index], normal))
+    if any(leaves_plane(system, force, normal) for force in system.forces):
+        return False
+    spread = max(heights) - min(heights)
+    return not system.has_gravity(normal) and spread <= 1e-12 * max(1.0, *map(abs, heights))
+
+
+def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> float:
+    """Return a coordinate of a point of a body, or of the ground, at the start."""
+    if body is None:
+        return point[normal]
+    w, x, y, z = map(precise.number, body.p)
+    seen = precise.rotate((w, x, y, z), precise.triple(point))
+    return body.r[normal] + float(seen[normal])
+
+
+def _row(row: Row, instance: Instance) -> list[str]:
+    """Return the joint of a row, or the key of its driver, and the unit of its residual."""
+    is_length = instance.kind.partition("_")[0] in LENGTHS
+    name = f"drivers.{row.joint}" if instance.is_driver else row.joint
+    return [name, instance.unit or ("m" if is_length else "rad")]
+
+
+def _checked(program: Program, system: System) -> list[str]:
+    """Return the joints and drivers of all rows, in the order of the scene."""
+    rows = sorted(
+        (*program.rows, *program.left_out, *program.reduced), key=lambda row: row.instance
+    )
+    return list(dict.fromkeys(_row(row, system.constraints[row.instance])[0] for row in rows))
+
+
+def _reactions(program: Program, system: System) -> list[dict[str, object]]:
+    """Return on which body each joint acts, where, and which of its components are computed."""
+    every = (*program.rows, *program.left_out, *program.reduced)
+    rows = sorted(every, key=lambda row: row.instance)
+    joints: dict[str, list[Instance]] = {}
+    for row in rows:
+        joints.setdefault(row.joint, []).append(system.constraints[row.instance])
+    points = points_of(system)
+    bases = [[place.slot for place in (*one.v, *one.omega_b)] for one in program.bodies]
+    found: list[dict[str, object]] = []
+    first = 0
+    for joint, instances in joints.items():
+        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+        ends = ends_of(bodies)
+        for body in ends:
+            own = system.bodies[body]
+            live = sorted(slot for slot in bases[body] if slot >= 0)
+            is_shared = len(bodies) > 2
+            found.append(
+                {
+                    "joint": f"{joint}.{own.name}" if is_shared else joint,
+                    "body": body,
+                    "j": body if is_shared else bodies[1],
+                    "point_b": _shown(
+                        program, own.origin_b if is_shared else points.get(joint, ORIGIN)
+                    ),
+                    "columns": [first + live.index(k) if k >= 0 else -1 for k in bases[body]],
+                }
+            )
+            first += len(live)
+    return found
+
+
+def _coordinates(system: System, parts: Sequence[str]) -> list[dict[str, object]]:
+    """Return where value, rate and acceleration of the coordinates stand that are shown."""
+    count = 3 if "v_dot" in parts else 2
+    return [
+        {
+            "name": system.coordinates[place].name,
+            "is_length": system.coordinates[place].kind in LENGTHS,
+            "columns": list(range(count * k, count * (k + 1))),
+        }
+        for k, place in enumerate(system.shown)
+    ]
+
+
+def _names(system: System, bodies: Sequence[int]) -> list[str]:
+    """Return the names of bodies, of all that they carry where they carry some."""
+    if not system.carried:
+        return [system.bodies[index].name for index in bodies]
+    return [one.name for one in system.carried if one.carrier in bodies]
+
+
+def _bodies(program: Program, system: System, q: int, v: int) -> list[dict[str, object]]:
+    """Return where all bodies of the scene are, those too that others carry."""
+    if not system.carried:
+        pairs = zip(system.bodies, program.bodies, strict=True)
+        return [_body(program, body, places, q, v) for body, places in pairs]
+    carriers = (*program.bodies, STILL)
+    return [_body(program, one, carriers[one.carrier], q, v) for one in system.carried]
+
+
+def _body(
+    program: Program, body: MovingBody | Carried, places: Coordinates, q: int, v: int
+) -> dict[str, object]:
+    turns = not body.is_point
+    return {
+        "name": body.name,
+        "r": _numbers(places.r, q),
+        "p": _numbers(places.p, q) if turns else [],
+        "v": _numbers(places.v, v),
+        "omega_b": _numbers(places.omega_b, v) if turns else [],
+        "origin_b": _shown(program, body.origin_b),
+        "axes_b": _shown(program, body.axes_b),
+    }
+
+
+def _numbers(places: Iterable[Place], base: int) -> Sequence[int | float]:
+    """Return an index for a coordinate, a number for what never changes."""
+    return [place.slot - base if place.slot >= 0 else float(place.value) for place in places]

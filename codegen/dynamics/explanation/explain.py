@@ -1,0 +1,373 @@
+"""What a scene does not need, step by step, and the structure of what remains.
+
+A step compares two programs of the same scene: one that does without, and one that does not.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from itertools import count
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
+from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios, thickened
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.explanation.counts import counts, operations
+from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
+from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
+from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.simplification.merge import merged
+from kousoku.codegen.dynamics.simplification.reduced_program import PRESCRIBED, reduced
+from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
+from kousoku.codegen.dynamics.simplification.weights import weighted
+from kousoku.codegen.store import shipped_kinds
+from kousoku.model.held import without_held
+from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.system import system_of
+from kousoku.model.varying import fixed_system
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.codegen.dynamics.explanation.structure import Structure
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.simplification.merge import Constants, Merged
+    from kousoku.model.mechanism import System
+    from kousoku.model.scene import Scene
+
+#: Everything that can be computed.
+ALL = (*LEDGER, "reactions")
+BYTES = 8
+#: Bodies that a line names.
+SHOWN = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one step saved.
+
+    Parameters
+    ----------
+    name, detail : str
+        What was done, and to what.
+    rows, columns : int
+        Rows of C_q and velocities.
+    operations : int
+        Scalar operations of all segments, each run once.
+    bytes : int
+        Of the workspace.
+    """
+
+    name: str
+    detail: str
+    rows: int = 0
+    columns: int = 0
+    operations: int = 0
+    bytes: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """What is solved for a scene, and what is not.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    steps : tuple of Step
+        In the order in which they are taken.
+    segments : tuple of (str, int)
+        Operations of each segment of the program.
+    structure : Structure
+        What remains.
+    freedom : Freedom
+        Degrees of freedom and dependent rows.
+    removed : tuple of str
+        The rows that depend on others, such as ``a: row 1 of p1_z``.
+    drivers : tuple of str
+        What prescribes motions.
+    is_planar : bool
+        Whether it is solved in a coordinate plane.
+    """
+
+    name: str
+    steps: tuple[Step, ...]
+    segments: tuple[tuple[str, int], ...]
+    structure: Structure
+    freedom: Freedom
+    removed: tuple[str, ...]
+    drivers: tuple[str, ...]
+    is_planar: bool
+
+
+def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
+    """Return what a scene of bodies does not need, and what remains.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked spatial scene.
+    outputs : sequence of str, optional
+        What is wanted beside positions and velocities; what the scene says unless given.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
+    """
+    names = scene.outputs if outputs is None else outputs
+    each = without_held(assemble(system_of(scene, names)))
+    wanted = (*LEDGER, *names)
+    found = merged(each, wanted)
+    apart, system = _heavy(each), weighted(found.system).system
+    kept, freedom = independent(system, wanted)
+    full = compose(system, wanted) if freedom.dropped else kept
+    whole = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
+    prescribed = reduced(system, wanted, whole, PRESCRIBED)
+    program = reduced(system, wanted, whole)
+    final = inline(program)
+    structure = structure_of(system, program)
+    steps = [
+        *_counted(system, program),
+        *_compared(apart, replace(found, system=system), full, wanted),
+        _step("redundant rows removed", _of_rows(freedom), full, kept),
+        *_out_of_plane(kept, whole),
+        Step("parts solved apart", f"{structure.parts} without a common moving body"),
+        *_of_reduction(system, freedom, (whole, prescribed, program)),
+        _step("straight-line code", _of_code(final, program), program, final),
+        *_of_design(system, program),
+    ]
+    segments: dict[str, int] = {}
+    for one in counts(final):
+        segments[one.segment] = segments.get(one.segment, 0) + one.operations
+    return Explanation(
+        name=scene.name,
+        steps=tuple(steps),
+        segments=tuple(segments.items()),
+        structure=structure,
+        freedom=freedom_of(fixed_system(apart), compose(apart, wanted))
+        if found.joints
+        else freedom,
+        removed=tuple(
+            f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
+            for row in freedom.dropped
+        ),
+        drivers=drivers_of(system),
+        is_planar=program.is_planar,
+    )
+
+
+def _compared(each: System, found: Merged, full: Program, wanted: Sequence[str]) -> Iterator[Step]:
+    """Yield the steps that compare two programs, from one that leaves nothing out."""
+    all_of = tuple(dict.fromkeys((*ALL, *wanted)))
+    thick = thickened(found.system)
+    unfolded = compose(_generic(_spinning(thick)), all_of, may_be_planar=False)
+    if found.joints:
+        apart = compose(_generic(_spinning(each)), all_of, may_be_planar=False)
+        yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
+    else:
+        yield Step("bodies joined rigidly", _of_fixed(each, wanted))
+    spinning = compose(_spinning(thick), all_of, may_be_planar=False)
+    in_space = compose(thick, all_of, may_be_planar=False)
+    folded = structure_of(thick, in_space)
+    yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
+    yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
+    everything = compose(found.system, all_of)
+    yield _step("planar", _of_plane(everything), in_space, everything)
+    yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
+
+
+def _out_of_plane(kept: Program, program: Program) -> list[Step]:
+    """Return what reactions cost that the motion in a plane does not determine."""
+    if program.is_planar == kept.is_planar:
+        return []
+    return [_step("reactions out of the plane", "wanted: solved in space", kept, program)]
+
+
+def _step(name: str, detail: str, before: Program, after: Program) -> Step:
+    columns = _columns(before) - _columns(after)
+    return Step(
+        name=name,
+        detail=detail,
+        rows=len(before.rows) - len(after.rows),
+        columns=columns,
+        operations=operations(before) - operations(after),
+        bytes=BYTES * (before.size - after.size),
+    )
+
+
+def _columns(program: Program) -> int:
+    """Return how many columns C_q has, or C_q R."""
+    return program.region("v").size - len(program.reduced)
+
+
+def _counted(system: System, program: Program) -> list[Step]:
+    """Return the steps that leave nothing to compare with: what they avoid is counted."""
+    shipped = shipped_kinds()
+    kinds = [one.kind for one in system.constraints]
+    kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]
+    used = [name for name in dict.fromkeys(kinds) if name in shipped]
+    grounded = sum(GROUND_INDEX in one.bodies for one in system.constraints)
+    return [
+        Step("kinds not used", f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}"),
+        Step("ground has no columns", f"{grounded} constraints with the ground", columns=6),
+        Step(
+            "mass blocks inverted beforehand",
+            f"{len(system.bodies)} constant diagonal blocks",
+            operations=program.region("v").size,
+        ),
+    ]
+
+
+def _heavy(system: System) -> System:
+    """Return the system with bodies that all weigh something, which one of many need not do."""
+    bodies = tuple(replace(body, mass=body.mass or 1.0) for body in system.bodies)
+    return thickened(replace(system, bodies=bodies))
+
+
+def _spinning(system: System) -> System:
+    """Return the system with bodies of three different moments, to compare with."""
+    return replace(
+        system,
+        bodies=tuple(
+            replace(body, inertia=(x, 0.9 * x, 0.7 * x))
+            for body, x in ((body, float(max(body.inertia))) for body in system.bodies)
+        ),
+    )
+
+
+def _generic(system: System) -> System:
+    """Return the system with points and axes in which nothing is zero or one, to compare with."""
+    return replace(
+        system,
+        constraints=tuple(
+            replace(one, constants=_without_zeros(one.constants)) for one in system.constraints
+        ),
+        coordinates=tuple(
+            replace(one, constants=_without_zeros(one.constants)) for one in system.coordinates
+        ),
+    )
+
+
+def _without_zeros(constants: Constants) -> Constants:
+    numbers = (GOLDEN * k % 1.0 for k in count(1))
+    return tuple(
+        (name, tuple(next(numbers) if x in {-1.0, 0.0, 1.0} else x for x in values))
+        for name, values in constants
+    )
+
+
+def _freedom(system: System, wanted: Sequence[str]) -> Freedom:
+    """Return the freedom of a system before its bodies are joined."""
+    return freedom_of(fixed_system(system), compose(system, wanted))
+
+
+def _of_design(system: System, program: Program) -> list[Step]:
+    """Return what parameters change, and what it costs to change it."""
+    if not program.design:
+        return []
+    setup = replace(program, segments=(program.segment("setup"),))
+    numbers = program.region("design").size
+    known = [name for name, _ in system.parameters]
+    used = [name for name in known if name in program.design.names]
+    detail = f"{numbers} from {', '.join(used)}: {operations(setup)} operations, once in a run"
+    return [Step("numbers that stay arguments", detail)]
+
+
+def _of_joints(found: Merged) -> str:
+    bodies = len(found.system.carried)
+    return f"{', '.join(found.joints)} left out: {bodies} bodies move as {len(found.system.bodies)}"
+
+
+def _of_fixed(system: System, wanted: Sequence[str]) -> str:
+    if not fixed_joints(fixed_system(system)):
+        return "no fixed joint"
+    if not fixed_joints(system):
+        return "parameters move them against each other"
+    return "their reactions are wanted" if "reactions" in wanted else "not where it costs more"
+
+
+def _of_moments(system: System) -> str:
+    """Say of how many bodies moments are equal, so that (I₂ − I₃)/I₁ and its like are zero."""
+    ratios = [gyroscopic_ratios(body, range(6)) for body in system.bodies if not body.is_point]
+    gone = sum(ratio == 0 for own in ratios for ratio in own)
+    return f"{gone} of {3 * len(ratios)} are zero in space: equal moments of inertia"
+
+
+def _of_reduction(
+    system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
+) -> list[Step]:
+    """Return what it saves to describe bodies by what their joints with the ground leave free.
+
+    ``programs`` are without that, with bodies that drivers lead, and with all.
+    """
+    whole, prescribed, program = programs
+    return [
+        _step(
+            "prescribed bodies evaluated",
+            _of_drivers(system, prescribed, freedom),
+            whole,
+            prescribed,
+        ),
+        _step(
+            "dependent coordinates eliminated",
+            _of_ground(system, prescribed, program),
+            prescribed,
+            program,
+        ),
+    ]
+
+
+def _of_drivers(system: System, prescribed: Program, freedom: Freedom) -> str:
+    """Say which bodies drivers lead: their positions are formulas of the time."""
+    drivers = drivers_of(system)
+    if not drivers:
+        return "no driver"
+    led = _bodies_of(system, prescribed) or "no body that hangs on the ground alone"
+    found = f"{', '.join(drivers)}: {led}"
+    return found if freedom.degrees else f"{found}; nothing is left to integrate"
+
+
+def _of_ground(system: System, prescribed: Program, program: Program) -> str:
+    """Say which bodies have the velocities that their joint with the ground leaves."""
+    if program.left_out:
+        return "rows depend on others: all are needed"
+    names = _bodies_of(system, program, prescribed)
+    return f"{names}: by what the ground leaves free" if names else "cheaper for no body"
+
+
+def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:
+    """Return the names of bodies that are put onto joints."""
+    known = without.reduced if without else ()
+    rows = (system.constraints[row.instance] for row in program.reduced if row not in known)
+    bodies = dict.fromkeys(max(one.bodies) for one in rows)
+    names = [system.bodies[k].name for k in bodies]
+    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+    return ", ".join(names[:SHOWN]) + more
+
+
+def _of_elements(structure: Structure) -> str:
+    return f"{structure.elements} of {structure.dense} elements of C_q are not zero in space"
+
+
+def _of_plane(program: Program) -> str:
+    return "proven to stay in a coordinate plane" if program.is_planar else "not in such a plane"
+
+
+def _of_outputs(wanted: Sequence[str]) -> str:
+    left = [name for name in ALL if name not in wanted]
+    return f"{', '.join(left)} not computed" if left else "all are wanted"
+
+
+def _of_rows(freedom: Freedom) -> str:
+    if not freedom.dropped:
+        return "not looked for in all parts" if freedom.unknown else "none depends on others"
+    names = dict.fromkeys(row.joint for row in freedom.dropped)
+    return f"of {', '.join(names)}"
+
+
+def _of_code(final: Program, program: Program) -> str:
+    return "loops over equal tasks stay" if final is program else "all tasks on one graph"

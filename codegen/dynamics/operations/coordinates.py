@@ -1,0 +1,148 @@
+"""Coordinates of a system as operations: values, derivatives, and turns that are counted.
+
+A coordinate has the frozen kernels of its kind: the residual of ``constraint`` is its value u, C_q
+its Jacobian J, and ü = J v̇ − γ with γ of ``rates``. An angle is known to them up to whole turns;
+what it is counted to, Θ = φ + wrap(θ − φ), follows from an entry φ of q that is less than half a
+turn away; see :mod:`kousoku.codegen.dynamics.composition.auxiliary`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, share
+from kousoku.codegen.dynamics.recording.matrix import Matrix
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.traces import Trace
+
+#: The place of φ among the blocks.
+TURNED = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Value:
+    """Value of a coordinate. Blocks: r, p and A of body i, those of body j, φ, the constants.
+
+    A may be without entries: then it is computed from p.
+
+    Parameters
+    ----------
+    kind : str
+        The package.
+    constants : tuple of str
+        Names of the inputs that are fixed.
+    counts_turns : bool
+        Whether the value is counted from φ; else φ has no entry.
+    """
+
+    kind: str
+    constants: tuple[str, ...]
+    counts_turns: bool
+
+    @property
+    def title(self) -> str:
+        """Name the kind."""
+        return f"value of {self.kind}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return u (1,)."""
+        found = _inline(trace, "constraint", self, blocks)
+        (value,) = found["C"]
+        if self.counts_turns:
+            (turned,), graph = blocks[TURNED].flat, trace.graph
+            beyond = graph.sub(value, turned)
+            value = graph.add(turned, graph.atan2(graph.sin(beyond), graph.cos(beyond)))
+        return (Matrix(trace.graph, ((value,),), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Slopes:
+    """Jacobian of a coordinate. Blocks: as of :class:`Value`, φ without entries.
+
+    Parameters
+    ----------
+    kind, constants
+        As of :class:`Value`.
+    columns_i, columns_j : tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    """
+
+    kind: str
+    constants: tuple[str, ...]
+    columns_i: tuple[int, ...]
+    columns_j: tuple[int, ...]
+
+    @property
+    def title(self) -> str:
+        """Name the kind."""
+        return f"Jacobian of {self.kind}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return J of i and of j, each one row."""
+        found = _inline(trace, "constraint", self, blocks)
+        row = Matrix(trace.graph, (tuple(found["C_q"]),), 2 * COLUMNS)
+        right = [COLUMNS + k for k in self.columns_j]
+        return row.columns(self.columns_i), row.columns(right)
+
+
+@dataclass(frozen=True, slots=True)
+class Curvature:
+    """γ of a coordinate. Blocks: as of :class:`Slopes`, then v and ω′ of i and of j.
+
+    Parameters
+    ----------
+    kind, constants
+        As of :class:`Value`.
+    """
+
+    kind: str
+    constants: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """Name the kind."""
+        return f"gamma of {self.kind}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return γ (1,)."""
+        names = ("v_i", "omega_i_b", "v_j", "omega_j_b")
+        motion = dict(zip(names, blocks[-len(names) :], strict=True))
+        found = _inline(trace, "rates", self, blocks[: -len(names)], motion)
+        return (Matrix(trace.graph, ((found["gamma"][0],),), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Along:
+    """Rate of a coordinate. Blocks: J and x of each body in turn, what is taken away last."""
+
+    title: str = "rate"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return Σ J x minus the last block."""
+        *pairs, less = blocks
+        total = -less
+        for row, x in zip(pairs[::2], pairs[1::2], strict=True):
+            total = row @ x + total
+        return (total,)
+
+
+def _inline(
+    trace: Trace,
+    kernel: str,
+    what: Value | Slopes | Curvature,
+    blocks: Sequence[Matrix],
+    motion: dict[str, Matrix] | None = None,
+) -> dict[str, list[int]]:
+    """Rebuild a kernel of a coordinate; return its outputs."""
+    r_i, p_i, a_i, r_j, p_j, a_j, _, *constants = blocks
+    for p, orientation in ((p_i, a_i), (p_j, a_j)):
+        if orientation.flat:
+            share(trace, p, orientation)
+    given = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j} | (motion or {})
+    given |= dict(zip(what.constants, constants, strict=True))
+    inputs = {name: block.flat for name, block in given.items()}
+    return trace.inline(frozen(what.kind, kernel), inputs)

@@ -1,0 +1,364 @@
+"""What joints and bodies contribute: operations on the blocks of two bodies, from the frozen kinds.
+
+Each operation is a frozen record, so that equal operations on equal patterns share a kernel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
+from kousoku.codegen.store import load_frozen
+from kousoku.model.mechanism import COMBINATION
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.dynamics.recording.traces import Trace
+    from kousoku.codegen.kernel import Kernel
+
+#: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
+COLUMNS = 6
+
+
+@cache
+def frozen(package: str, name: str) -> Kernel:
+    """Return a kernel of a kind that is shipped."""
+    return next(kernel for kernel in load_frozen(package).kernels if kernel.name == name)
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The rows of one instance in a joint.
+
+    Parameters
+    ----------
+    kind : str
+        The package of its kind.
+    rows : tuple of int
+        The rows that are kept.
+    constants : tuple of str
+        Names of the inputs that are fixed; their blocks follow those of the bodies. A combination
+        has none: what follows is its residual and its Jacobian body by body, or ν or γ.
+    """
+
+    kind: str
+    rows: tuple[int, ...]
+    constants: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Orientation:
+    """A of one body. Blocks: p."""
+
+    title: str = "orientation"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return A (3, 3)."""
+        return (orientation_of(trace, blocks[0]),)
+
+
+def orientation_of(trace: Trace, p: Matrix) -> Matrix:
+    """Return A of a body."""
+    nodes = trace.inline(frozen("rotation", "orientation"), {"p": p.flat})["A"]
+    return Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)
+
+
+def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
+    """Let A be read where a kind computes it from p."""
+    trace.is_known(orientation_of(trace, p).flat, orientation.flat)
+
+
+def _title(parts: Sequence[Part]) -> str:
+    return " + ".join(part.kind for part in parts)
+
+
+def _evaluate(
+    trace: Trace, part: Part, kernel: str, state: Mapping[str, Matrix], constants: Sequence[Matrix]
+) -> dict[str, list[int]]:
+    """Inline a kernel of a part."""
+    inputs = {name: block.flat for name, block in state.items()}
+    fixed = (block.flat for block in constants)
+    inputs |= dict(zip(part.constants, fixed, strict=True))
+    return trace.inline(frozen(part.kind, kernel), inputs)
+
+
+def _pick(trace: Trace, nodes: Sequence[int], part: Part, width: int) -> Matrix:
+    """Return the kept rows of an output."""
+    rows = tuple(tuple(nodes[row * width : (row + 1) * width]) for row in part.rows)
+    return Matrix(trace.graph, rows, width)
+
+
+@dataclass(frozen=True, slots=True)
+class Joint:
+    """Residual, Jacobian, and the joint's own block of the Schur complement.
+
+    Blocks: r, p, A and the diagonal of M⁻¹ of body i, those of body j, that diagonal of the other
+    bodies, R of each body that is reduced, and what belongs to the parts. A body that is reduced
+    has (Rᵀ M R)⁻¹ for M⁻¹.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        What the joint is composed of.
+    columns : tuple of tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    reduced : tuple of int
+        Which of the bodies have velocities R u.
+    """
+
+    parts: tuple[Part, ...]
+    columns: tuple[tuple[int, ...], ...]
+    reduced: tuple[int, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Name the kinds."""
+        return f"joint {_title(self.parts)}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
+
+        Of a body that is reduced it is C_q R and C_q R (Rᵀ M R)⁻¹; C_q itself stands last.
+        """
+        weights_i, weights_j = blocks[3], blocks[7]
+        others, count = len(self.columns) - 2, len(self.reduced)
+        rest = blocks[8:]
+        weights = (weights_i, weights_j, *rest[:others])
+        bases = dict(zip(self.reduced, rest[others : others + count], strict=True))
+        residuals, full = rows_of_parts(
+            trace, self.parts, self.columns, (*blocks[:3], *blocks[4:7], *rest[others + count :])
+        )
+        jacobians = [one @ bases[k] if k in bases else one for k, one in enumerate(full)]
+        scaled = [
+            own @ weight if k in bases else own.scaled(weight)
+            for k, (own, weight) in enumerate(zip(jacobians, weights, strict=True))
+        ]
+        pairs = list(zip(scaled, jacobians, strict=True))
+        graph = trace.graph
+        lower = [
+            [graph.sum(_dot(a, b, i, j) for a, b in pairs) for j in range(i + 1)]
+            for i in range(len(jacobians[0].rows))
+        ]
+        whole = [full[k] for k in self.reduced]
+        return residuals, *jacobians, *scaled, square(lower, graph), *whole
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Residual and Jacobian alone. Blocks: r, p, A of body i and j, what belongs to the parts.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        What the joint is composed of.
+    columns : tuple of tuple of int
+        Columns of each body that are coordinates: none of the ground.
+    """
+
+    parts: tuple[Part, ...]
+    columns: tuple[tuple[int, ...], ...]
+
+    @property
+    def title(self) -> str:
+        """Name the kinds."""
+        return f"rows {_title(self.parts)}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return C (n,), C_q of i, of j and of the others."""
+        residuals, jacobians = rows_of_parts(trace, self.parts, self.columns, blocks)
+        return residuals, *jacobians
+
+
+def rows_of_parts(
+    trace: Trace,
+    parts: Sequence[Part],
+    columns: Sequence[tuple[int, ...]],
+    blocks: Sequence[Matrix],
+) -> tuple[Matrix, list[Matrix]]:
+    """Return C and C_q by body of the parts of a joint."""
+    r_i, p_i, a_i, r_j, p_j, a_j, *rest = blocks
+    share(trace, p_i, a_i)
+    share(trace, p_j, a_j)
+    state = {"r_i": r_i, "p_i": p_i, "r_j": r_j, "p_j": p_j}
+    given = iter(rest)
+    residuals: list[Matrix] = []
+    slopes: list[list[Matrix]] = [[] for _ in columns]
+    for part in parts:
+        if part.kind == COMBINATION:
+            residuals.append(next(given))
+            own = [next(given) for _ in columns]
+        else:
+            constants = [next(given) for _ in part.constants]
+            found = _evaluate(trace, part, "constraint", state, constants)
+            residuals.append(_pick(trace, found["C"], part, 1))
+            own = _by_body(_pick(trace, found["C_q"], part, 2 * COLUMNS), columns)
+        for body, matrix in zip(slopes, own, strict=True):
+            body.append(matrix)
+    graph = trace.graph
+    jacobians = [stack(graph, own, len(kept)) for own, kept in zip(slopes, columns, strict=True)]
+    return stack(graph, residuals, 1), jacobians
+
+
+def _by_body(jacobian: Matrix, columns: Sequence[tuple[int, ...]]) -> list[Matrix]:
+    """Cut the Jacobian of a kind, which knows bodies i and j only."""
+    found = [
+        jacobian.columns([side * COLUMNS + k for k in kept])
+        for side, kept in enumerate(columns[:2])
+    ]
+    zero = jacobian.graph.const(0)
+    for kept in columns[2:]:
+        rows = ((zero,) * len(kept),) * len(jacobian.rows)
+        found.append(Matrix(jacobian.graph, rows, len(kept)))
+    return found
+
+
+def _dot(a: Matrix, b: Matrix, i: int, j: int) -> int:
+    graph = a.graph
+    return graph.sum(graph.mul(x, y) for x, y in zip(a.rows[i], b.rows[j], strict=True))
+
+
+@dataclass(frozen=True, slots=True)
+class Rates:
+    """What a joint asks of velocities or accelerations.
+
+    Blocks: p, A, v and ω′ of body i, then what is multiplied by its Jacobian, and the Jacobian;
+    the same of body j; r of both; of each other body what is multiplied, and the Jacobian; then
+    what belongs to the parts.
+
+    Parameters
+    ----------
+    parts : tuple of Part
+        What the joint is composed of.
+    output : str
+        ``nu`` for C_q v − ν, ``gamma`` for C_q M⁻¹f − γ.
+    others : int
+        Bodies beside i and j.
+    """
+
+    parts: tuple[Part, ...]
+    output: str
+    others: int = 0
+
+    @property
+    def title(self) -> str:
+        """Name the output and the kinds."""
+        return f"{self.output} {_title(self.parts)}"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the difference (n,)."""
+        p_i, a_i, v_i, omega_i, x_i, left, p_j, a_j, v_j, omega_j, x_j, right = blocks[:12]
+        r_i, r_j, *rest = blocks[12:]
+        share(trace, p_i, a_i)
+        share(trace, p_j, a_j)
+        state = {"r_i": r_i, "p_i": p_i, "v_i": v_i, "omega_i_b": omega_i}
+        state |= {"r_j": r_j, "p_j": p_j, "v_j": v_j, "omega_j_b": omega_j}
+        others, given = rest[: 2 * self.others], iter(rest[2 * self.others :])
+        rates = []
+        for part in self.parts:
+            if part.kind == COMBINATION:
+                rates.append(next(given))
+            else:
+                constants = [next(given) for _ in part.constants]
+                found = _evaluate(trace, part, "rates", state, constants)
+                rates.append(_pick(trace, found[self.output], part, 1))
+        total = left @ x_i + right @ x_j
+        for x, jacobian in zip(others[::2], others[1::2], strict=True):
+            total += jacobian @ x
+        return (total - stack(trace.graph, rates, 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class FreeAcceleration:
+    """M⁻¹f of a body under gravity. Blocks: gravity, ω′, and (I₂ − I₃)/I₁ and its like.
+
+    Parameters
+    ----------
+    columns : tuple of int
+        The body's coordinates.
+    """
+
+    columns: tuple[int, ...]
+    title: str = "free acceleration"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the acceleration of each coordinate, with I dω′/dt = −ω′ × I ω′."""
+        gravity, omega, ratios = (block.flat for block in blocks)
+        mul = trace.graph.mul
+        spin = [
+            mul(ratios[k], mul(omega[(k + 1) % 3], omega[(k + 2) % 3])) for k in range(len(omega))
+        ]
+        rows = [(x,) for x in (*gravity, *spin)]
+        return (Matrix(trace.graph, tuple(rows[k] for k in self.columns), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """Time derivative of the coordinates. Blocks: p, v, ω′, as far as there are any.
+
+    Parameters
+    ----------
+    coordinates : tuple of int
+        Places in (r, p) that are coordinates.
+    """
+
+    coordinates: tuple[int, ...]
+    title: str = "motion"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return (v, ½ p ∘ (0, ω′)) at the coordinates."""
+        p, v, omega = blocks
+        rates = trace.inline(
+            frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": omega.flat}
+        )
+        rows = [(x,) for x in (*v.flat, *rates["p_dot"])]
+        return (Matrix(trace.graph, tuple(rows[k] for k in self.coordinates), 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """Coordinates after a correction. Blocks: r, p, δr, δθ′.
+
+    Parameters
+    ----------
+    coordinates : tuple of int
+        Places in (r, p) that are coordinates.
+    """
+
+    coordinates: tuple[int, ...]
+    title: str = "move"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return r + δr and w/|w|, w = p ∘ (1, ½ δθ′)."""
+        r, p, dr, dtheta = blocks
+        graph = trace.graph
+        moved = list((r + dr).flat)
+        if any(place > 2 for place in self.coordinates):
+            change = trace.inline(
+                frozen("rotation", "euler_rates"), {"p": p.flat, "omega_b": dtheta.flat}
+            )["p_dot"]
+            w = [graph.add(a, b) for a, b in zip(p.flat, change, strict=True)]
+            norm = graph.sqrt(graph.sum(graph.mul(x, x) for x in w))
+            factor = graph.div(graph.const(1), norm)
+            moved += [graph.mul(x, factor) for x in w]
+        rows = tuple((moved[k],) for k in self.coordinates)
+        return (Matrix(graph, rows, 1),)
+
+
+@dataclass(frozen=True, slots=True)
+class Energy:
+    """Energy of a body. Blocks: r, v, ω′, half the mass and moments, and minus the weight."""
+
+    title: str = "energy"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return kinetic and potential energy (2,): ½ m v·v + ½ ω′·I ω′, −m g·r."""
+        r, v, omega, halves, weight = (block.flat for block in blocks)
+        graph = trace.graph
+        kinetic = graph.sum(
+            graph.mul(half, graph.mul(x, x)) for half, x in zip(halves, (*v, *omega), strict=True)
+        )
+        potential = graph.sum(graph.mul(a, b) for a, b in zip(weight, r, strict=True))
+        return (Matrix(graph, ((kinetic,), (potential,)), 1),)

@@ -1,0 +1,51 @@
+"""Sums of many blocks, a few at a time, so that no kernel grows with the count of bodies."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.recording.traces import Trace
+
+#: How many terms one task adds up.
+CHUNK = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Sum:
+    """Add vectors. Blocks: the vectors."""
+
+    title: str = "sum"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the sum."""
+        total, *rest = blocks
+        for block in rest:
+            total += block
+        return (total,)
+
+
+def summed(recorder: Recorder, parts: Sequence[Block], into: Block | None = None) -> Block:
+    """Record the sum of blocks; return where it is.
+
+    Parameters
+    ----------
+    recorder : Recorder
+        The program, in the segment that needs it.
+    parts : sequence of Block
+        One at least, all of one shape.
+    into : Block, optional
+        Where it goes. Without it nothing is recorded of one part alone.
+    """
+    while len(parts) > CHUNK:
+        parts = [
+            recorder.call(Sum(), *parts[k : k + CHUNK])[0] for k in range(0, len(parts), CHUNK)
+        ]
+    if len(parts) == 1 and into is None:
+        return parts[0]
+    return recorder.call(Sum(), *parts, into=(into,))[0]

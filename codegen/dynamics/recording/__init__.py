@@ -1,0 +1,4 @@
+"""What operations are recorded on: kernels, tasks and one workspace.
+
+``program``, ``recorder``, ``traces``, ``matrix``, ``inline``, ``disjoint``, ``design``.
+"""

@@ -1,0 +1,134 @@
+"""The numbers of a program that depend on parameters: where they are, and how they are computed.
+
+They stand in the region ``design``. The segment ``setup`` computes them from the parameters, once
+where a run begins. A scene whose formulas of parameters stand in forces and drivers only has
+neither.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from kousoku.model import precise
+from kousoku.model.traced import Traced, at_scene
+from kousoku.model.varying import Varying, is_varying
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Coordinates
+    from kousoku.model.mechanism import Carried, MovingBody, System
+    from kousoku.model.precise import High, Quadruple, Triple
+
+
+@dataclass(frozen=True, slots=True)
+class Design:
+    """The numbers of a program that depend on parameters.
+
+    Parameters
+    ----------
+    places : tuple of (str, int)
+        The key of each formula, and its place in the region ``design``.
+    start : tuple of (int, str)
+        Slots of q and v whose value at the start depends on parameters, and the key of the value.
+    positive : tuple of (str, str)
+        Keys of the scene whose numbers must be positive, and the keys of their formulas.
+    names : tuple of str
+        The parameters that the numbers depend on.
+    """
+
+    places: tuple[tuple[str, int], ...] = ()
+    start: tuple[tuple[int, str], ...] = ()
+    positive: tuple[tuple[str, str], ...] = ()
+    names: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls,
+        places: Mapping[str, int],
+        start: Sequence[tuple[int, float]],
+        positive: Sequence[tuple[str, float]],
+        names: Iterable[str],
+    ) -> Design:
+        """Return where numbers are, by the numbers."""
+        return cls(
+            tuple(places.items()),
+            tuple((slot, key_of(value)) for slot, value in start),
+            tuple((name, key_of(value)) for name, value in positive),
+            tuple(dict.fromkeys(names)),
+        )
+
+    def moved(self, slots: Mapping[int, int]) -> Design:
+        """Return it in a workspace where slots have moved."""
+        return replace(self, start=tuple((slots[slot], key) for slot, key in self.start))
+
+    def __bool__(self) -> bool:
+        return bool(self.places)
+
+    def place(self, value: float) -> int:
+        """Return the place of a number that depends on parameters."""
+        return dict(self.places)[key_of(value)]
+
+
+def key_of(value: float) -> str:
+    """Return the key of a number that depends on parameters."""
+    assert isinstance(value, Varying)
+    return value.traced.key
+
+
+def number(value: float) -> High:
+    """Return a number of a system to compute with, exactly: a fraction, or a formula."""
+    return value.traced if isinstance(value, Varying) else Fraction(value)
+
+
+def shown_numbers(system: System) -> Iterator[float]:
+    """Yield the numbers that those who read results need, and that depend on parameters."""
+    shown: list[MovingBody | Carried] = [*system.bodies, *system.carried]
+    for one in shown:
+        yield from (x for x in (*one.origin_b, *one.axes_b) if is_varying(x))
+    yield from (value for _, value in system.positive)
+
+
+def start_of(body: MovingBody) -> tuple[Triple, Quadruple, Triple, Triple]:
+    """Return r, p, v and ω′ at the start: the frame of the user stays where the scene has it.
+
+    Where nothing of the body depends on parameters they are the numbers of the system.
+    """
+    r, v, omega = (precise.triple(values) for values in (body.r, body.v, body.omega_b))
+    p = _quadruple(body.p)
+    if not is_varying((*body.origin_b, *body.axes_b)):
+        return r, p, v, omega
+    origin, axes = precise.triple(body.origin_b), _quadruple(body.axes_b)
+    old_origin, (w, x, y, z) = _in_scene(origin), _in_scene(axes)
+    old = w, x, y, z
+    turned, spin = p, omega
+    if is_varying(body.axes_b):
+        turned = precise.compose(precise.compose(p, old), precise.conjugate(axes))
+        spin = precise.rotate(axes, precise.rotate_back(old, omega))
+    place = precise.add(r, precise.rotate(p, old_origin))
+    velocity = precise.add(v, precise.rotate(p, precise.cross(omega, old_origin)))
+    arm, rate = (precise.rotate(turned, s) for s in (origin, precise.cross(spin, origin)))
+    return precise.subtract(place, arm), turned, precise.subtract(velocity, rate), spin
+
+
+def starts(system: System, places: Sequence[Coordinates]) -> list[tuple[int, float]]:
+    """Return the slots of q and v whose value at the start depends on parameters, and the value."""
+    found = []
+    for body, own in zip(system.bodies, places, strict=True):
+        slots = (own.r, own.p, own.v, own.omega_b)
+        for part, values in zip(slots, start_of(body), strict=True):
+            for place, value in zip(part, values, strict=True):
+                if place.slot >= 0 and isinstance(value, Traced):
+                    found.append((place.slot, precise.double(value)))
+    return found
+
+
+def _in_scene(values: Sequence[High]) -> Any:
+    return tuple(map(at_scene, values))
+
+
+def _quadruple(values: Sequence[float]) -> Quadruple:
+    w, x, y, z = map(precise.number, values)
+    return w, x, y, z

@@ -1,0 +1,357 @@
+"""A program: kernels that are called one after the other on one flat workspace of doubles.
+
+A place in the workspace is a slot. A task is one call of a kernel: it reads runs of consecutive
+slots and writes runs of consecutive slots. The length of each run belongs to the kernel, so that a
+task is a few numbers, and many tasks of one kernel are a loop over a short table.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.design import Design
+from kousoku.model.errors import EmitError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from fractions import Fraction
+
+    from kousoku.codegen.kernel import Kernel
+
+
+@dataclass(frozen=True, slots=True)
+class Region:
+    """A named part of the workspace.
+
+    Parameters
+    ----------
+    name : str
+        ``q``, ``v``, ``C``, ``lam`` … as in :data:`REGIONS`.
+    base, size : int
+        First slot, and count of slots.
+    """
+
+    name: str
+    base: int
+    size: int
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """One call of a kernel.
+
+    Parameters
+    ----------
+    kernel : int
+        Its place in :attr:`Program.kernels`.
+    inputs, outputs : tuple of int
+        First slot of each run, one for each input and output of the kernel. All inputs are read
+        before any output is written.
+    """
+
+    kernel: int
+    inputs: tuple[int, ...]
+    outputs: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """Tasks that run together.
+
+    Parameters
+    ----------
+    name : str
+        ``geometry``, ``position`` … as in :data:`SEGMENTS`.
+    tasks : tuple of Task
+        In an order in which they can run.
+    """
+
+    name: str
+    tasks: tuple[Task, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where one coordinate of a body is.
+
+    Parameters
+    ----------
+    slot : int
+        In the workspace, -1 of a coordinate that does not change.
+    value : float
+        What it is then, and at the start.
+    """
+
+    slot: int
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Coordinates:
+    """Where position and velocity of a body are.
+
+    Parameters
+    ----------
+    body : str
+        As in the scene.
+    r, p, v, omega_b : tuple of Place
+        Centre of mass and its velocity in frame O, Euler parameters, angular velocity in the frame
+        of the body. A point has constant p; in a planar program r along the normal and the two
+        parameters across it are constant.
+    """
+
+    body: str
+    r: tuple[Place, ...]
+    p: tuple[Place, ...]
+    v: tuple[Place, ...]
+    omega_b: tuple[Place, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Auxiliary:
+    """An entry of q that belongs to no body; see ``composition.auxiliary``.
+
+    Parameters
+    ----------
+    kind : str
+        ``turns`` of an angle [rad], ``work`` of a force or a driver [J].
+    name : str
+        Of the coordinate, the force or the driver.
+    place : Place
+        Its slot, and its value at the start.
+    """
+
+    kind: str
+    name: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """Momenta that a part of a system keeps; see ``composition.momentum``.
+
+    Parameters
+    ----------
+    bodies : tuple of int
+        The bodies of the part.
+    linear, angular : tuple of (3,)
+        Directions in frame O along which its linear momentum is constant, and its angular momentum.
+    about : (3,) [m], optional
+        The point of the ground that the angular momentum is about; its centre of mass unless given.
+    """
+
+    bodies: tuple[int, ...]
+    linear: tuple[tuple[float, float, float], ...]
+    angular: tuple[tuple[float, float, float], ...]
+    about: tuple[float, float, float] | None = None
+
+    @property
+    def count(self) -> int:
+        """Count of numbers that stay what they are."""
+        return len(self.linear) + len(self.angular)
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One row of the constraints that are kept.
+
+    Parameters
+    ----------
+    joint : str
+        As in the scene.
+    instance : int
+        Its place in :attr:`kousoku.model.mechanism.System.constraints`.
+    row : int
+        Its place in the kind.
+    """
+
+    joint: str
+    instance: int
+    row: int
+
+
+@dataclass(frozen=True, slots=True)
+class Program:
+    """What a scene needs to move, and nothing else.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    kernels : tuple of Kernel
+        Each input and each output is one run of slots; names are ``x0``, ``x1`` … and ``y0`` ….
+    segments : tuple of Segment
+        No two tasks of a segment write the same slot. What ``geometry`` leaves in the workspace is
+        read by those in :data:`AFTER_GEOMETRY`; segments share nothing else but the regions.
+    regions : tuple of Region
+        By name; the rest of the workspace is scratch.
+    constants : tuple of Fraction
+        The numbers in the region ``constants``: they are put there once.
+    size : int
+        Count of slots.
+    bodies : tuple of Coordinates
+        In the order of the system.
+    rows : tuple of Row
+        In the order of the regions ``C`` and ``lam``.
+    is_planar : bool
+        Whether all bodies move in parallel coordinate planes.
+    left_out : tuple of Row
+        Rows that depend on others, in the order of the region ``C_left_out``.
+    reduced : tuple of Row
+        Rows that hold by themselves, in the order of the region ``C_left_out``: those of joints
+        that bodies are put onto. Where there are some no row is left out.
+    placed : tuple of int
+        Bodies whose centre of mass follows from all else where they are put onto a joint.
+    not_unique : tuple of str
+        Joints whose reactions are not unique.
+    is_weighed : bool
+        Whether masses are those of the scene; else its energies and works mean nothing.
+    parameters : tuple of float
+        Values in the region ``parameters`` unless a run has others.
+    auxiliary : tuple of Auxiliary
+        What stands in q after the coordinates of the bodies.
+    kept : tuple of Kept
+        The momenta of the region ``momenta``.
+    on_demand : tuple of Segment
+        What a run calls where it must: those of :data:`ON_DEMAND`.
+    design : Design
+        The numbers of the region ``design``, which depend on parameters.
+    """
+
+    name: str
+    kernels: tuple[Kernel, ...]
+    segments: tuple[Segment, ...]
+    regions: tuple[Region, ...]
+    constants: tuple[Fraction, ...]
+    size: int
+    bodies: tuple[Coordinates, ...]
+    rows: tuple[Row, ...]
+    is_planar: bool
+    auxiliary: tuple[Auxiliary, ...] = ()
+    kept: tuple[Kept, ...] = ()
+    left_out: tuple[Row, ...] = ()
+    reduced: tuple[Row, ...] = ()
+    placed: tuple[int, ...] = ()
+    not_unique: tuple[str, ...] = ()
+    is_weighed: bool = True
+    parameters: tuple[float, ...] = ()
+    on_demand: tuple[Segment, ...] = ()
+    design: Design = field(default_factory=Design)
+
+    def region(self, name: str) -> Region:
+        """Return a region by its name."""
+        for region in self.regions:
+            if region.name == name:
+                return region
+        known = ", ".join(region.name for region in self.regions)
+        raise EmitError(f"the program of {self.name} has no region {name}; it has {known}")
+
+    def segment(self, name: str) -> Segment:
+        """Return a segment by its name."""
+        for segment in (*self.segments, *self.on_demand):
+            if segment.name == name:
+                return segment
+        known = ", ".join(segment.name for segment in (*self.segments, *self.on_demand))
+        raise EmitError(f"the program of {self.name} has no segment {name}; it has {known}")
+
+
+#: What the regions hold, in the order of the workspace.
+REGIONS = {
+    "t": "time, s",
+    "parameters": "what formulas depend on and a run may vary, in the order of the scene",
+    "q": "r (frame O) and Euler parameters p of each body in turn, then the auxiliary entries",
+    "v": "velocity (frame O) and angular velocity (body frame) of each body in turn",
+    "dq": "correction of the coordinates, in the order of v: lengths and virtual rotations",
+    "q_moved": "q after dq, Euler parameters of norm one",
+    "C": "residuals, joint by joint",
+    "C_left_out": "residuals of rows that depend on others, or hold by themselves; right behind C",
+    "pivots": "D^-1 of the factors, in the order of C: very large where the rank is nearly lost",
+    "dv": "correction of v",
+    "q_dot": "time derivative of q",
+    "v_dot": "time derivative of v",
+    "lam": "multipliers, in the order of C",
+    "free": "M^-1 f of each body that is put onto a joint with the ground",
+    "reactions": "force (frame O) and torque (body frame) of each joint on body j, or on i if j is"
+    " the ground, at the centre of mass; the columns of that body only",
+    "coordinates": "value and rate of each coordinate that is shown, and its acceleration where"
+    " accelerations are wanted: m or rad",
+    "energies": "kinetic and potential energy, J",
+    "momenta": "linear and angular momenta that should not change, part by part: kg m/s, kg m^2/s",
+    "C_dot": "C_q v - nu, in the order of C and C_left_out",
+    "C_ddot": "C_q v_dot - gamma, in the order of C and C_left_out",
+    "more_lam": "correction of lam",
+    "more_power": "correction of the power of each driver",
+    "all_lam": "multipliers, in the order of C and C_left_out",
+    "wrenches": "force and torque of each joint at its point, the torque relative to a length",
+    "design": "numbers of the scene that depend on parameters",
+    "constants": "the scene's numbers",
+}
+
+#: The regions that only segments of ``ON_DEMAND`` write.
+ON_DEMAND_REGIONS = ("more_lam", "more_power", "all_lam", "wrenches")
+
+#: What the segments read and write, in the order in which they can run.
+SEGMENTS = {
+    "geometry": "q, t -> C, the Jacobian, and the factors of C_q M^-1 C_q^T",
+    "position": "C -> dq = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 C",
+    "move": "q, dq, t -> q_moved",
+    "velocity": "v, t -> dv = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 (C_q v - nu)",
+    "acceleration": "v, t -> q_dot, v_dot, lam, free",
+    "reaction": "lam, v_dot, free -> reactions",
+    "coordinate": "q, v, v_dot -> coordinates",
+    "energy": "q, v -> energies",
+    "momentum": "q, v -> momenta",
+    "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
+}
+
+#: What a run calls where the growth check finds that much or all was lost; no evaluation does.
+ON_DEMAND = {
+    "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
+    "wrench": "all_lam -> wrenches, reactions",
+    "setup": "parameters -> design: once, where a run begins",
+}
+
+#: The segments that read what ``geometry`` left; the others need regions only.
+AFTER_GEOMETRY = frozenset(
+    {
+        *("position", "velocity", "acceleration", "reaction", "coordinate", "momentum", "check"),
+        *("refinement", "wrench"),
+    }
+)
+
+
+def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:
+    """Yield first slot and length of each run that a task reads."""
+    lengths = (quantity.size for quantity in program.kernels[task.kernel].inputs)
+    return zip(task.inputs, lengths, strict=True)
+
+
+def writes(program: Program, task: Task) -> Iterator[tuple[int, int]]:
+    """Yield first slot and length of each run that a task writes."""
+    lengths = (quantity.size for quantity in program.kernels[task.kernel].outputs)
+    return zip(task.outputs, lengths, strict=True)
+
+
+def levels(program: Program, segment: Segment) -> tuple[tuple[int, ...], ...]:
+    """Return the tasks of a segment by level: those of one level do not need each other.
+
+    Returns
+    -------
+    tuple of tuple of int
+        For each level the places of its tasks in the segment, in the order of the segment.
+    """
+    level_of_slot: dict[int, int] = {}
+    found: list[list[int]] = []
+    for place, task in enumerate(segment.tasks):
+        level = 0
+        for base, length in reads(program, task):
+            for slot in range(base, base + length):
+                level = max(level, level_of_slot.get(slot, 0))
+        for base, length in writes(program, task):
+            for slot in range(base, base + length):
+                level_of_slot[slot] = level + 1
+        if level == len(found):
+            found.append([])
+        found[level].append(place)
+    return tuple(tuple(tasks) for tasks in found)

@@ -1,0 +1,333 @@
+"""The recorder: operations on blocks of slots become kernels and tasks.
+
+An operation is traced once for each *pattern* of its blocks: which entries are 0 or ±1, which are
+the same slot, and where a run of consecutive slots ends. All further calls with that pattern are
+looked up, so that a thousand equal joints cost one trace.
+
+An entry of a block is coded as one number: 0, 1 and −1 are themselves, s + 2 is what is in slot s,
+and −(s + 2) is its negative.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Protocol
+
+from kousoku.codegen.dynamics.recording.program import Region, Segment, Task
+from kousoku.codegen.dynamics.recording.traces import Trace, traced_kernel
+from kousoku.model import precise
+from kousoku.model.traced import Traced
+from kousoku.model.traced import exact as exactly
+from kousoku.model.varying import is_varying
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from fractions import Fraction
+
+    from kousoku.codegen.dynamics.recording.matrix import Matrix
+    from kousoku.codegen.dynamics.recording.traces import Codes
+    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.precise import High
+
+    #: For each block its entries, coded with leaves instead of slots, and its shape.
+    Pattern = tuple[tuple[tuple[int, ...], int, int], ...]
+
+#: Slots of constants are counted from here while the rest of the workspace grows.
+CONSTANTS = 1 << 40
+#: Slots of numbers that depend on parameters.
+DESIGN = 1 << 41
+#: How many traces are kept for the next program.
+MOST_TRACES = 1024
+#: The kernel of a call that computes nothing.
+NOTHING = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A matrix of entries of the workspace.
+
+    Parameters
+    ----------
+    entries : tuple of int
+        Coded as in :mod:`kousoku.codegen.dynamics.recording.recorder`, row by row.
+    height, width : int
+        Count of rows and columns.
+    """
+
+    entries: tuple[int, ...]
+    height: int
+    width: int
+
+    @property
+    def T(self) -> Block:
+        """The transpose."""
+        entries = tuple(x for k in range(self.width) for x in self.entries[k :: self.width])
+        return Block(entries, self.width, self.height)
+
+    def __neg__(self) -> Block:
+        entries = tuple(-x for x in self.entries)
+        return Block(entries, self.height, self.width)
+
+    def part(self, start: int, count: int) -> Block:
+        """Return some entries of a column, one after the other."""
+        return Block(self.entries[start : start + count], count, 1)
+
+
+def column(entries: Sequence[int]) -> Block:
+    """Return entries as one column."""
+    return Block(tuple(entries), len(entries), 1)
+
+
+def zeros(height: int, width: int) -> Block:
+    """Return a block of structural zeros."""
+    return Block((0,) * (height * width), height, width)
+
+
+def slot_of(entry: int) -> int:
+    """Return the slot that an entry stands for: it is neither 0 nor ±1."""
+    return entry - 2
+
+
+def _slots(base: int, size: int) -> Block:
+    return column(range(base + 2, base + size + 2))
+
+
+class Operation(Protocol):
+    """What can be traced: hashable, so that equal operations share their kernels."""
+
+    @property
+    def title(self) -> str:
+        """What it computes, in one line; kernels and counts are named after it."""
+
+    def __hash__(self) -> int:
+        """Return a hash that equal operations share."""
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the results in terms of the nodes of ``blocks``."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Traced:
+    """A kernel, and how the results of a call are made of its slots."""
+
+    kernel: int
+    used: tuple[int, ...]
+    fresh: int
+    results: tuple[Codes, ...]
+
+
+class Recorder:
+    """A program while it grows."""
+
+    def __init__(self) -> None:
+        self.kernels: list[Kernel] = []
+        self.segments: list[tuple[str, list[Task]]] = []
+        self.regions: list[Region] = []
+        self.constants: list[Fraction] = []
+        self.design: dict[str, tuple[int, Traced]] = {}
+        self._size = 0
+        self._pool: dict[tuple[Fraction, ...], int] = {}
+        self._columns: dict[tuple[High, ...], Block] = {}
+        self._traced: dict[object, _Traced] = {}
+        self._kernel_ids: dict[object, int] = {}
+
+    def region(self, name: str, size: int) -> Block:
+        """Set aside a named part of the workspace; return it as a column."""
+        base = self._allocate(size)
+        self.regions.append(Region(name, base, size))
+        return _slots(base, size)
+
+    def known(self, name: str) -> Block:
+        """Return a region that was set aside."""
+        base, size = next((one.base, one.size) for one in self.regions if one.name == name)
+        return _slots(base, size)
+
+    def begin(self, name: str) -> None:
+        """Begin a segment; tasks are recorded into it from now on."""
+        self.segments.append((name, []))
+
+    def constant(self, values: Sequence[High]) -> Block:
+        """Return numbers as a column; equal columns of numbers are stored once.
+
+        Those that depend on parameters are in the region ``design``, each formula once.
+        """
+        key = tuple(values)
+        if key not in self._columns:
+            self._columns[key] = self._new_constant(key)
+        return self._columns[key]
+
+    def _new_constant(self, values: Sequence[High]) -> Block:
+        numbers = [precise.number(value) if is_varying(value) else value for value in values]
+        exact = [x if isinstance(x, Traced) else exactly(x) for x in numbers]
+        fixed = [x for x in exact if not isinstance(x, Traced)]
+        stored = tuple(value for value in fixed if abs(value) not in {0, 1})
+        if stored not in self._pool:
+            self._pool[stored] = CONSTANTS + len(self.constants)
+            self.constants.extend(stored)
+        slot = self._pool[stored]
+        entries = []
+        for value in exact:
+            if isinstance(value, Traced):
+                place, _ = self.design.setdefault(value.key, (len(self.design), value))
+                entries.append(DESIGN + place + 2)
+            elif abs(value) in {0, 1}:
+                entries.append(int(value))
+            else:
+                entries.append(slot + 2)
+                slot += 1
+        return column(entries)
+
+    def call(
+        self, operation: Operation, *blocks: Block, into: Sequence[Block | None] = ()
+    ) -> tuple[Block, ...]:
+        """Record a call of an operation.
+
+        Parameters
+        ----------
+        operation : Operation
+            What is computed.
+        *blocks : Block
+            What it takes.
+        into : sequence of Block or None
+            For each result the consecutive slots where it must be written, or None where any
+            place will do; results beyond the last go to any place.
+
+        Returns
+        -------
+        tuple of Block
+            The results. Entries that are 0, ±1, or an entry of the input up to its sign have no
+            slot of their own.
+        """
+        pattern, leaves, bases, lengths = pattern_of(blocks)
+        pinned = tuple(block is not None for block in into)
+        key = (operation, pattern, tuple(lengths), pinned)
+        known = self._traced.get(key)
+        if known is None:
+            known = self._traced[key] = self._trace(operation, pattern, lengths, pinned)
+        base = self._allocate(known.fresh)
+        outputs = [base] if known.fresh else []
+        outputs += [
+            slot_of(block.entries[0]) for block in into if block is not None and block.entries
+        ]
+        if outputs:
+            inputs = tuple(bases[run] for run in known.used)
+            self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs)))
+        results = [
+            Block(tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width)
+            for entries, height, width in known.results
+        ]
+        for place, block in enumerate(into):
+            if block is not None:
+                results[place] = block
+        return tuple(results)
+
+    def finish(self) -> tuple[list[Segment], list[Region], int]:
+        """Return segments and regions with the constants behind all else, and the size."""
+        regions, size = list(self.regions), self._size
+        bases = {}
+        for first, name, count in (
+            (DESIGN, "design", len(self.design)),
+            (CONSTANTS, "constants", len(self.constants)),
+        ):
+            bases[first] = size - first
+            if count or first == CONSTANTS:
+                regions.append(Region(name, size, count))
+            size += count
+
+        def moved(slots: tuple[int, ...]) -> tuple[int, ...]:
+            return tuple(
+                x + bases[DESIGN if x >= DESIGN else CONSTANTS] if x >= CONSTANTS else x
+                for x in slots
+            )
+
+        segments = [
+            Segment(
+                name,
+                tuple(
+                    replace(task, inputs=moved(task.inputs), outputs=moved(task.outputs))
+                    for task in tasks
+                ),
+            )
+            for name, tasks in self.segments
+        ]
+        return segments, regions, size
+
+    def _allocate(self, count: int) -> int:
+        base = self._size
+        self._size += count
+        return base
+
+    def _entry(self, kind: str, x: int, leaves: Sequence[int], base: int) -> int:
+        """Return the code of a result: x is a code over leaves, fresh slots or constants."""
+        if kind == "number" or not x:
+            return x
+        sign, place = (1, x - 1) if x > 0 else (-1, -x - 1)
+        slot = leaves[place] if kind == "leaf" else base + place
+        return sign * (slot + 2)
+
+    def _trace(
+        self,
+        operation: Operation,
+        pattern: Pattern,
+        lengths: Sequence[int],
+        pinned: tuple[bool, ...],
+    ) -> _Traced:
+        kernel, used, fresh, codes = _traced_kernel(operation, pattern, tuple(lengths), pinned)
+        number = self._kernel_id(kernel) if kernel.outputs else NOTHING
+        return _Traced(number, used, fresh, codes)
+
+    def _kernel_id(self, kernel: Kernel) -> int:
+        key = (kernel.nodes, kernel.results, kernel.inputs, kernel.title)
+        if key not in self._kernel_ids:
+            self._kernel_ids[key] = len(self.kernels)
+            self.kernels.append(replace(kernel, name=f"k{len(self.kernels)}"))
+        return self._kernel_ids[key]
+
+
+@lru_cache(maxsize=MOST_TRACES)
+def _traced_kernel(
+    operation: Operation, pattern: Pattern, lengths: tuple[int, ...], pinned: tuple[bool, ...]
+) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
+    """Trace an operation once for all programs: a scene is composed again without some rows."""
+    trace = Trace(lengths)
+    results = operation(trace, *(trace.matrix(*block) for block in pattern))
+    return traced_kernel(trace, operation.title, results, pinned)
+
+
+def pattern_of(blocks: Sequence[Block]) -> tuple[Pattern, list[int], list[int], list[int]]:
+    """Return what decides a trace, and what differs between its calls.
+
+    Returns
+    -------
+    pattern : tuple
+        For each block its entries, coded with leaves instead of slots, and its shape.
+    leaves : list of int
+        The slots by first occurrence.
+    bases, lengths : list of int
+        The runs that these slots form; no run goes from one block into the next.
+    """
+    numbers: dict[int, int] = {}
+    bases: list[int] = []
+    lengths: list[int] = []
+    pattern = []
+    for block in blocks:
+        previous = -2
+        codes = []
+        for x in block.entries:
+            if -1 <= x <= 1:
+                codes.append(x)
+                continue
+            slot = abs(x) - 2
+            number = numbers.get(slot)
+            if number is None:
+                number = numbers[slot] = len(numbers)
+                if slot == previous + 1:
+                    lengths[-1] += 1
+                else:
+                    bases.append(slot)
+                    lengths.append(1)
+                previous = slot
+            codes.append(number + 2 if x > 0 else -number - 2)
+        pattern.append((tuple(codes), block.height, block.width))
+    return tuple(pattern), list(numbers), bases, lengths

@@ -1,0 +1,237 @@
+"""One operation while it is traced, and the kernel that its trace becomes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.matrix import Matrix
+from kousoku.codegen.graph import Graph, Op
+from kousoku.codegen.kernel import Kernel
+from kousoku.codegen.passes.rebuild import copy_node, substitute
+from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.model.quantity import Quantity
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kousoku.codegen.graph import Node
+
+    #: For each entry of a result what it is: a ``number`` 0 or ±1, a ``leaf`` or a ``fresh`` slot;
+    #: of the last two ±(place + 1). And the shape of the result.
+    Codes = tuple[tuple[tuple[str, int], ...], int, int]
+
+
+#: What a kernel adds to a divisor that may be zero: its inverse is infinite, and 0 · ∞ no number.
+ADDED = Fraction(SMALLEST_SUBNORMAL)
+#: What is added here, where factors are taken out: its inverse is finite, and it changes no sum
+#: with a length above 10⁻²⁸⁵.
+ADDED_HERE = Fraction(1, 2**1000)
+
+
+def with_finite_quotients(kernel: Kernel) -> Kernel:
+    """Return a kernel whose divisors have an inverse, also where they are zero."""
+    if all(node.value != ADDED for node in kernel.nodes):
+        return kernel
+    nodes = (replace(x, value=ADDED_HERE) if x.value == ADDED else x for x in kernel.nodes)
+    return replace(kernel, nodes=tuple(nodes))
+
+
+class Trace:
+    """The graph of one operation.
+
+    Parameters
+    ----------
+    lengths : sequence of int
+        Lengths of the runs that it reads; leaves are numbered run by run.
+    """
+
+    def __init__(self, lengths: Sequence[int]) -> None:
+        self.graph = Graph()
+        self.lengths = tuple(lengths)
+        self._leaves = [
+            self.graph.input(f"x{run}", place)
+            for run, length in enumerate(lengths)
+            for place in range(length)
+        ]
+        self.numbers = {node: place for place, node in enumerate(self._leaves)}
+        self._known: dict[int, int] = {}
+
+    def leaf(self, code: int) -> int:
+        """Return the node of an entry: 0, ±1, or ±(leaf + 2)."""
+        if -1 <= code <= 1:
+            return self.graph.const(code)
+        node = self._leaves[abs(code) - 2]
+        return node if code > 0 else self.graph.neg(node)
+
+    def matrix(self, codes: Sequence[int], height: int, width: int) -> Matrix:
+        """Return the matrix of entries that are coded as in :meth:`leaf`."""
+        nodes = [self.leaf(code) for code in codes]
+        rows = tuple(tuple(nodes[k * width : (k + 1) * width]) for k in range(height))
+        return Matrix(self.graph, rows, width)
+
+    def inline(self, kernel: Kernel, inputs: Mapping[str, Sequence[int]]) -> dict[str, list[int]]:
+        """Rebuild a frozen kernel here; return the nodes of its outputs, row by row."""
+        return substitute(self.graph, with_finite_quotients(kernel), inputs)
+
+    def is_known(self, nodes: Iterable[int], leaves: Iterable[int]) -> None:
+        """State that ``nodes`` were computed before: they are read, not computed again."""
+        for node, leaf in zip(nodes, leaves, strict=True):
+            if self.graph.nodes[node].args and node != leaf:
+                self._known[node] = leaf
+
+    def rebuilt(self, results: Sequence[Matrix]) -> tuple[Graph, list[list[int]]]:
+        """Return a graph of what ``results`` need beyond what is known, and their nodes in it."""
+        graph = Graph()
+        new: dict[int, int] = {}
+        order = self._needed(node for result in results for node in result.flat)
+        for node in order:
+            known = self._known.get(node)
+            if known is None:
+                new[node] = copy_node(graph, self.graph.nodes[node], new)
+            else:
+                new[node] = new[known]
+        return graph, [[new[node] for node in result.flat] for result in results]
+
+    def _needed(self, wanted: Iterable[int]) -> list[int]:
+        """Return what is needed in an order in which it can be built: leaves first."""
+        nodes = self.graph.nodes
+        needed: dict[int, None] = {}
+        stack = list(wanted)
+        while stack:
+            node = stack.pop()
+            if node in needed:
+                continue
+            needed[node] = None
+            known = self._known.get(node)
+            stack.extend(nodes[node].args if known is None else (known,))
+        return sorted(needed, key=lambda node: (self._depth(nodes[node]), node))
+
+    def _depth(self, node: Node) -> int:
+        """Return 0 of leaves, 1 of the negatives of leaves, 2 of all else."""
+        if not node.args:
+            return 0
+        return 1 if node.op is Op.NEG and node.args[0] in self.numbers else 2
+
+
+def traced_kernel(
+    trace: Trace, title: str, results: Sequence[Matrix], pinned: Sequence[bool]
+) -> tuple[Kernel, tuple[int, ...], int, tuple[Codes, ...]]:
+    """Return the kernel of a trace.
+
+    Parameters
+    ----------
+    trace : Trace
+        The operation.
+    title : str
+        What it computes.
+    results : sequence of Matrix
+        What it gives.
+    pinned : sequence of bool
+        Which results are written in full, each to slots of its own; those beyond the last are not.
+
+    Returns
+    -------
+    kernel : Kernel
+        Its first output, if any, is what is new in the results that are not pinned; then follow
+        the results that are.
+    used : tuple of int
+        The runs that its inputs are: those that it reads.
+    fresh : int
+        Count of slots of that first output.
+    codes : tuple of Codes
+        What the entries of the results are.
+    """
+    graph, nodes = trace.rebuilt(results)
+    is_pinned = [place < len(pinned) and pinned[place] for place in range(len(results))]
+    sorter = _Sorter(graph, trace)
+    codes = tuple(
+        (
+            tuple(("number", 0) if held else sorter.code(node) for node in flat),
+            len(result.rows),
+            result.width,
+        )
+        for flat, result, held in zip(nodes, results, is_pinned, strict=True)
+    )
+    outputs = [tuple(sorter.fresh)] if sorter.fresh else []
+    outputs += [tuple(flat) for flat, held in zip(nodes, is_pinned, strict=True) if held and flat]
+    kernel, used = _compact(graph, title, trace.lengths, outputs)
+    return kernel, used, len(sorter.fresh), codes
+
+
+class _Sorter:
+    """Sort the entries of results into numbers, copies, and what is new."""
+
+    def __init__(self, graph: Graph, trace: Trace) -> None:
+        self.graph = graph
+        self.fresh: dict[int, int] = {}
+        self._leaves: dict[tuple[str, int], int] = {}
+        for run, length in enumerate(trace.lengths):
+            for place in range(length):
+                self._leaves[f"x{run}", place] = len(self._leaves)
+
+    def code(self, node: int) -> tuple[str, int]:
+        found = self.graph.nodes[node]
+        if found.value is not None and abs(found.value) <= 1 and found.value.denominator == 1:
+            return "number", int(found.value)
+        if found.symbol is not None:
+            return "leaf", self._leaves[found.symbol] + 1
+        if found.op is Op.NEG:
+            kind, place = self.code(found.args[0])
+            return kind, -place
+        if found.op is Op.SUB:
+            turned = self.graph.sub(found.args[1], found.args[0])
+            if turned in self.fresh:
+                return "fresh", -self.fresh[turned] - 1
+        place = self.fresh.setdefault(node, len(self.fresh))
+        return "fresh", place + 1
+
+
+def _compact(
+    graph: Graph, title: str, lengths: Sequence[int], outputs: Sequence[Sequence[int]]
+) -> tuple[Kernel, tuple[int, ...]]:
+    """Return the kernel of what ``outputs`` need, without name, and the runs that it reads."""
+    order = _in_order(graph, outputs)
+    symbols = [graph.nodes[node].symbol for node in order]
+    read = {name for name, _ in filter(None, symbols)}
+    used = tuple(k for k in range(len(lengths)) if f"x{k}" in read)
+    renamed = {f"x{k}": f"x{number}" for number, k in enumerate(used)}
+    kept = Graph()
+    ids: dict[int, int] = {}
+    for node, symbol in zip(order, symbols, strict=True):
+        if symbol is None:
+            ids[node] = copy_node(kept, graph.nodes[node], ids)
+        else:
+            ids[node] = kept.input(renamed[symbol[0]], symbol[1])
+    kernel = Kernel(
+        name="",
+        title=title,
+        formula="",
+        source="",
+        inputs=tuple(
+            Quantity(f"x{number}", (lengths[k],), "", "run of slots")
+            for number, k in enumerate(used)
+        ),
+        outputs=tuple(
+            Quantity(f"y{k}", (len(output),), "", "run of slots")
+            for k, output in enumerate(outputs)
+        ),
+        nodes=tuple(kept.nodes),
+        results=tuple(tuple(ids[node] for node in output) for output in outputs),
+    )
+    return kernel, used
+
+
+def _in_order(graph: Graph, outputs: Sequence[Sequence[int]]) -> list[int]:
+    """Return what outputs need, each node after its operands and near where it is first used."""
+    done: dict[int, None] = {}
+    stack = [node for output in reversed(outputs) for node in reversed(output)]
+    while stack:
+        node = stack[-1]
+        missing = [arg for arg in reversed(graph.nodes[node].args) if arg not in done]
+        if missing:
+            stack.extend(missing)
+        else:
+            done[stack.pop()] = None
+    return list(done)

@@ -1,0 +1,192 @@
+"""Positions along the branch that a loop is assembled on, and what its rows are there.
+
+From one position to the next all bodies are moved a little by a displacement that changes no row,
+and are put back on the rows. Everything is doubles in an order that is ours, and finite rotations
+are fractions instead of sines: the same scene gives the same positions on every machine, where
+gears do not make it depend on the machine's arctangent.
+
+Drivers do not hold here: the positions are those that joints allow, whatever moves them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
+    from kousoku.model.mechanism import MovingBody
+
+#: How far the fastest body moves from one position to the next, in radians or lengths.
+STEP = 0.25
+#: How often a step that fails is halved.
+HALVINGS = 4
+#: What holds to this part of the length of the scene is on the branch.
+HOLDS = 1e-11
+#: Steps back to the branch.
+MOST_STEPS, MOST_DAMPED_STEPS = 40, 60
+#: The least damping, where rows depend on each other on the branch.
+LEAST_DAMPING = 1e-13
+#: A position that came back to less than this part of a step was not left.
+MOVED = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Position:
+    """Where the bodies of a part are, and the ranks there.
+
+    Parameters
+    ----------
+    r, p : (bodies + 1, 3) and (bodies + 1, 4)
+        Positions, the ground last; r in lengths of the scene.
+    near : (coordinates,)
+        Angles that count turns.
+    factors : Factors
+        Of the rows of joints.
+    """
+
+    r: Array
+    p: Array
+    near: Array
+    factors: Factors
+
+
+class Branch:
+    """The rows of a part as functions of positions, in lengths of the scene and radians.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        The constraints of the part between its bodies.
+    rows, columns : sequence of int
+        The rows of joints and the columns that are looked at.
+    length : float [m]
+        What compares metres with radians.
+    """
+
+    def __init__(
+        self, residuals: Residuals, rows: Sequence[int], columns: Sequence[int], length: float
+    ) -> None:
+        self._residuals, self._length = residuals, length
+        self._rows, self._columns = list(rows), list(columns)
+        #: Factors that make rows and columns free of units.
+        self._all_by = np.where(residuals.in_metres, 1 / length, 1.0)
+        self._rows_by = self._all_by[self._rows]
+        is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
+        self._columns_by = np.where(is_length, length, 1.0)[self._columns]
+
+    def positions(self, bodies: Sequence[MovingBody]) -> Iterator[Position]:
+        """Yield the position of the bodies, and others along the branch, until nothing moves."""
+        r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)]) / self._length
+        p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
+        near = self._residuals.near
+        here = Position(r, p, near, factorise(self._at(r, p, near)[1]))
+        yield here
+        direction = _any_direction(len(self._columns))
+        while here.factors.rank < len(self._columns):
+            direction = _of_size_one(here.factors.null_part(direction))
+            there = self._next(here, direction)
+            if there is None:
+                return
+            yield there
+            here = there
+
+    def with_others(self, position: Position, rows: Sequence[int]) -> Factors:
+        """Return the factors at a position of more rows than those that hold there."""
+        _, matrix = self._residuals.doubles(position.r * self._length, position.p, position.near)
+        chosen = list(rows)
+        matrix = matrix[np.ix_(chosen, self._columns)]
+        return factorise(matrix * self._all_by[chosen][:, None] * self._columns_by)
+
+    def _at(self, r: Array, p: Array, near: Array) -> tuple[Array, Array]:
+        c, matrix = self._residuals.doubles(r * self._length, p, near)
+        matrix = matrix[np.ix_(self._rows, self._columns)]
+        scaled = matrix * self._rows_by[:, None] * self._columns_by
+        return c[self._rows] * self._rows_by, scaled
+
+    def _next(self, here: Position, direction: Array) -> Position | None:
+        """Return a position near, in a direction or as near to it as the rows allow."""
+        for halvings in range(HALVINGS + 1):
+            step = STEP / 2**halvings
+            for settle in (self._settled, self._settled_damped):
+                found = settle(here, step * direction)
+                if found is not None and self._far(here, *found) > MOVED * step:
+                    near = self._residuals.angles(found[0] * self._length, found[1], here.near)
+                    return Position(*found, near, factorise(self._at(*found, near)[1]))
+        return None
+
+    @staticmethod
+    def _far(here: Position, r: Array, p: Array) -> float:
+        return float(max(np.abs(r - here.r).max(), np.abs(p - here.p).max()))
+
+    def _settled(self, here: Position, step: Array) -> tuple[Array, Array] | None:
+        """Return the position after a step, back on the rows that were independent before it."""
+        r, p = self._moved(here.r, here.p, step)
+        before = np.inf
+        for _ in range(MOST_STEPS):
+            c = self._residuals.elements(r * self._length, p, here.near)[0][self._rows]
+            c = c * self._rows_by
+            size = float(np.abs(c).max(initial=0))
+            if size <= HOLDS:
+                return r, p
+            kept = float(np.abs(c[list(here.factors.taken)]).max(initial=0))
+            if kept > before or kept <= HOLDS / 10:
+                return None
+            before = kept
+            r, p = self._moved(r, p, here.factors.least_change(-c))
+        return None
+
+    def _settled_damped(self, here: Position, step: Array) -> tuple[Array, Array] | None:
+        """Return the position after a step, back on all rows: damped, as their rank may differ."""
+        r, p = self._moved(here.r, here.p, step)
+        before = np.inf
+        for _ in range(MOST_DAMPED_STEPS):
+            c, matrix = self._at(r, p, here.near)
+            size = float(np.abs(c).max(initial=0))
+            if size <= HOLDS:
+                return r, p
+            if size > before:
+                return None
+            before = size
+            r, p = self._moved(r, p, damped_change(matrix, -c, max(size**2, LEAST_DAMPING)))
+        return None
+
+    def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:
+        """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        full = np.zeros(self._residuals.columns)
+        full[self._columns] = step
+        by_body = full.reshape(-1, COLUMNS)
+        r, p = r.copy(), p.copy()
+        r[:-1] += by_body[:, :3]
+        w, x, y, z = p[:-1].T
+        a, b, c = by_body[:, 3:].T / 2
+        turned: Any = np.array(
+            [
+                w - x * a - y * b - z * c,
+                x + w * a + y * c - z * b,
+                y + w * b + z * a - x * c,
+                z + w * c + x * b - y * a,
+            ]
+        )
+        p[:-1] = (turned / np.sqrt((turned * turned).sum(axis=0))).T
+        return r, p
+
+
+def _any_direction(count: int) -> Array:
+    """Return numbers from −1 to 1 without a pattern: the fractions of k √2 + k² √3."""
+    k = np.arange(1.0, count + 1.0)
+    numbers = k * 2**0.5 + k * k * 3**0.5
+    return 2 * (numbers - np.floor(numbers)) - 1
+
+
+def _of_size_one(x: Array) -> Array:
+    scaled: Array = x / np.abs(x).max()
+    return scaled

@@ -1,0 +1,157 @@
+"""Drivers that prescribe what joints or other drivers determine already: refused, never dropped.
+
+Rows of joints may depend on each other, and some of them are left out. A driver says how the
+mechanism shall move; where it takes part in a dependence there is one driver too many, also where
+its formula agrees with the others, or the mechanism stands where that driver cannot move it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART
+from kousoku.model.errors import SceneError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.redundancy.branch import Branch, Position
+    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
+    from kousoku.model.mechanism import System
+
+#: Joints and drivers that a message names.
+SHOWN = 6
+
+
+class Drivers:
+    """The rows of drivers in a part, beside those of its joints.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    branch : Branch
+        The part; positions of it are those that joints allow.
+    joints, drivers : sequence of (Row, int)
+        Rows, and which row of the branch each is.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        branch: Branch,
+        joints: Sequence[tuple[Row, int]],
+        drivers: Sequence[tuple[Row, int]],
+    ) -> None:
+        self._system, self._branch = system, branch
+        self._rows = [row for row, _ in (*joints, *drivers)]
+        self._places = [place for _, place in (*joints, *drivers)]
+        self._count = len(drivers)
+        self._first = len(joints)
+        #: Of each position that was looked at the rank of joints, and the factors of all rows.
+        self._at: list[tuple[int, Factors]] = []
+        self._rank = 0
+
+    def look(self, position: Position) -> bool:
+        """Look at a position; return whether drivers are known to prescribe what is free."""
+        self._rank = max(self._rank, position.factors.rank)
+        if self._count and not self._are_free():
+            factors = self._branch.with_others(position, self._places)
+            self._at.append((position.factors.rank, factors))
+        return self._are_free()
+
+    def _extra(self, rank: int, factors: Factors) -> int:
+        """Return how many drivers prescribe what joints of a rank, or others, determine."""
+        return rank + self._count - factors.rank
+
+    def _are_free(self) -> bool:
+        regular = [(rank, factors) for rank, factors in self._at if rank == self._rank]
+        return not self._count or any(not self._extra(*found) for found in regular)
+
+    def require_free(self) -> None:
+        """Refuse drivers that depend on others, and scenes that start where they cannot move.
+
+        Raises
+        ------
+        SceneError
+            The message names the drivers and joints that depend on each other, and how many drivers
+            to leave out.
+        """
+        if not self._count:
+            return
+        regular = [(rank, factors) for rank, factors in self._at if rank == self._rank]
+        if not self._are_free():
+            self._refuse(*min(((self._extra(*one), one[1]) for one in regular), key=lambda x: x[0]))
+        rank, factors = self._at[0]
+        if self._extra(rank, factors):
+            names = self._taking_part(factors)
+            drivers = _listed(name for name in names if name in self._named())
+            joints = _listed(name for name in names if name not in self._named()) or "the bodies"
+            where = f"at a dead centre of {drivers}: there {joints} may go on either way"
+        elif rank < self._rank:
+            where = (
+                f"where rows of joints repeat each other that do not do so elsewhere, and"
+                f" {_listed(self._named())} cannot tell which of several motions follows"
+            )
+        else:
+            return
+        raise SceneError(
+            f"the scene starts {where}; start it elsewhere, or drive another coordinate",
+            key="drivers",
+        )
+
+    def _refuse(self, extra: int, factors: Factors) -> None:
+        names = self._taking_part(factors)
+        drivers = [name for name in names if name in self._named()]
+        joints = [name for name in names if name not in self._named()]
+        held = f" determine already with {_listed(joints)}" if joints else " prescribe already"
+        if len(drivers) == 1:
+            raise SceneError(
+                f"prescribes {extra} more than {_listed(joints) or 'bodies'} leave free, whatever"
+                " its formula is; drive another coordinate, leave it out, or free a joint",
+                key=drivers[0],
+            )
+        raise SceneError(
+            f"{_listed(drivers)} prescribe more than is free: each of them drives what the others"
+            f"{held}, also where their formulas agree; leave out {extra} of them",
+            key="drivers",
+        )
+
+    def _named(self) -> dict[str, None]:
+        return dict.fromkeys(self._key(row) for row in self._rows[self._first :])
+
+    def _key(self, row: Row) -> str:
+        return key_of(self._system.constraints[row.instance])
+
+    def _taking_part(self, factors: Factors) -> list[str]:
+        """Return what takes part in dependences of drivers, in the order of the scene."""
+        takes_part = np.zeros(len(self._rows), bool)
+        for dependence in np.abs(_of_drivers(factors.dependences(), self._first)):
+            takes_part |= dependence > TAKES_PART
+        rows = sorted(
+            (row for row, part in zip(self._rows, takes_part, strict=True) if part),
+            key=lambda row: row.instance,
+        )
+        return list(dict.fromkeys(map(self._key, rows)))
+
+
+def _of_drivers(dependences: Array, first: int) -> Array:
+    """Return the dependences without those that rows of joints have among themselves.
+
+    What is left of the space are as many vectors as drivers depend on joints and each other.
+    """
+    drivers = dependences[:, first:]
+    left, sizes, _ = np.linalg.svd(drivers, full_matrices=False)
+    found: Array = left[:, sizes > TAKES_PART].T @ dependences
+    return found
+
+
+def _listed(names: Iterable[str]) -> str:
+    names = list(names)
+    shown = ", ".join(names[:SHOWN])
+    more = len(names) - SHOWN
+    return f"{shown} and {more} more" if more > 0 else shown

@@ -1,0 +1,308 @@
+"""Degrees of freedom of a scene, the rows that depend on others, and which can be left out.
+
+Only joints that loops connect can depend on each other. For each such part the rank of C_q is
+taken at the start and at positions along the branch that the part is assembled on, because rows
+may depend on each other only there (Bricard's linkage), or only at some of its positions (a
+parallelogram that lies flat). The rows that are left out can be left out at all of them.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.composition.combinations import fixed_law
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
+from kousoku.codegen.dynamics.redundancy.branch import Branch
+from kousoku.codegen.dynamics.redundancy.driven import Drivers
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.rank import Factors
+    from kousoku.model.mechanism import System
+
+#: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
+MOST_ROWS = 700
+#: Positions that are looked at, where they are cheap, and rows times positions where not.
+POSITIONS, ROWS_AND_POSITIONS = 24, 6000
+
+
+@dataclass(frozen=True, slots=True)
+class DependentSet:
+    """Rows that depend on each other.
+
+    Parameters
+    ----------
+    joints : tuple of str
+        Whose rows take part: what these joints carry is not determined.
+    rows : int
+        How many rows take part.
+    dimension : int
+        How many of them can be left out.
+    is_everywhere : bool
+        Whether they depend on each other along the branch, or only at the start.
+    """
+
+    joints: tuple[str, ...]
+    rows: int
+    dimension: int
+    is_everywhere: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Freedom:
+    """What the rows of a program leave free.
+
+    Parameters
+    ----------
+    columns, rows : int
+        Velocities, and rows that are not structurally zero.
+    rank : int
+        Of C_q along the branch.
+    dependent : tuple of DependentSet
+        Those along the branch, then those at the start only.
+    dropped : tuple of Row
+        Rows that depend on the others and are left out.
+    worst : float
+        How well the remaining rows keep their rank at the worst position: 1 is best.
+    positions : int
+        How many positions were looked at in the part with the fewest; 0 without a loop.
+    unknown : tuple of str
+        Joints of parts that have too many rows and may have some that depend on others: nothing is
+        known of them.
+    drivers : int
+        How many of the rows are those of drivers in loops.
+    """
+
+    columns: int
+    rows: int
+    rank: int
+    dependent: tuple[DependentSet, ...] = ()
+    dropped: tuple[Row, ...] = ()
+    worst: float = 1.0
+    positions: int = 0
+    unknown: tuple[str, ...] = ()
+    drivers: int = 0
+
+    @property
+    def degrees(self) -> int:
+        """Degrees of freedom."""
+        return self.columns - self.rank
+
+    @property
+    def not_unique(self) -> tuple[str, ...]:
+        """Joints whose reactions are not unique."""
+        sets = (one.joints for one in self.dependent if one.is_everywhere)
+        return tuple(dict.fromkeys(joint for joints in sets for joint in joints))
+
+
+def freedom_of(system: System, program: Program) -> Freedom:
+    """Return degrees of freedom and dependent rows of a program that keeps all rows.
+
+    Parameters
+    ----------
+    system : System
+        An assembled scene.
+    program : Program
+        What it was composed to; which rows and columns are there is taken from it.
+    """
+    columns = program.region("v").size
+    total = Freedom(columns, len(program.rows), len(program.rows))
+    by_instance: dict[int, list[Row]] = {}
+    for row in program.rows:
+        by_instance.setdefault(row.instance, []).append(row)
+    for part in loops_of(system):
+        rows = [row for place in part.instances for row in by_instance.get(place, ())]
+        if len(rows) > MOST_ROWS:
+            if not _is_independent(system, program, part, rows):
+                total = replace(total, unknown=(*total.unknown, *_joints(rows)))
+            continue
+        found = _freedom_of_part(system, program, part, rows)
+        total = replace(
+            total,
+            rank=total.rank - len(found.dropped),
+            dependent=total.dependent + found.dependent,
+            dropped=total.dropped + found.dropped,
+            worst=min(total.worst, found.worst),
+            positions=min(total.positions or found.positions, found.positions),
+            drivers=total.drivers + found.drivers,
+        )
+    return total
+
+
+def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]:
+    """Return the rows of instances of which some are left out, as composing wants them."""
+    left = dict.fromkeys((row.instance, row.row) for row in freedom.dropped)
+    touched = dict.fromkeys(row.instance for row in freedom.dropped)
+    kept: dict[int, list[int]] = {instance: [] for instance in touched}
+    for row in program.rows:
+        if row.instance in kept and (row.instance, row.row) not in left:
+            kept[row.instance].append(row.row)
+    return kept
+
+
+def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
+    """Return the columns that some bodies have in a program; six in turn belong to each body."""
+    return [
+        COLUMNS * body + k
+        for body in bodies
+        for k, place in enumerate((*program.bodies[body].v, *program.bodies[body].omega_b))
+        if place.slot >= 0
+    ]
+
+
+def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
+    residuals, first = _residuals(system, part)
+    joints, driven = _sorted(system, rows)
+    chosen = [first[row.instance] + row.row for row in joints]
+    branch = Branch(residuals, chosen, _columns(program, part), Metric(system).size)
+    others = [(row, first[row.instance] + row.row) for row in driven]
+    drivers = Drivers(system, branch, list(zip(joints, chosen, strict=True)), others)
+    count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
+    positions: list[Position] = []
+    for position in branch.positions([system.bodies[k] for k in part.bodies]):
+        positions.append(position)
+        are_free = drivers.look(position)
+        depends = position.factors.rank < len(joints)
+        if len(positions) == count or (are_free and not depends):
+            break
+    drivers.require_free()
+    found = _dependences(joints, positions)
+    return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
+
+
+def _is_independent(system: System, program: Program, part: Part, rows: Sequence[Row]) -> bool:
+    """Return whether sparse factors show that no row depends on others at the start.
+
+    Then none does along the branch, but at some of its positions.
+    """
+    residuals, first = _residuals(system, part)
+    length = Metric(system).size
+    bodies = [system.bodies[k] for k in part.bodies]
+    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
+    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
+    _, at, columns, values = residuals.elements(r, p)
+    is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
+    is_row[[first[row.instance] + row.row for row in rows]] = True
+    is_column[_columns(program, part)] = True
+    there = is_row[at] & is_column[columns]
+    at, columns, values = at[there], columns[there], values[there]
+    values = values * np.where(residuals.in_metres, 1 / length, 1.0)[at]
+    values = values * np.where(columns % COLUMNS < COLUMNS // 2, length, 1.0)
+    left_out = np.flatnonzero(~is_row).tolist()
+    return BlockFactors(Pattern(residuals), (at, columns, values), left_out=left_out).is_regular
+
+
+def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
+    """Return the rows that hold at all times and those of drivers.
+
+    A point is driven in three directions. Where one of them stays, as in a plane, nothing moves in
+    it: such a row may repeat what joints hold.
+    """
+    instances = [system.constraints[row.instance] for row in rows]
+    parts = Counter((one.joint, one.is_driver) for one in instances)
+    names = [name for name, _ in system.parameters]
+    drives = [
+        one.is_driver and not (parts[one.joint, True] > 1 and isfinite(fixed_law(one, names)))
+        for one in instances
+    ]
+    joints = [row for row, is_driven in zip(rows, drives, strict=True) if not is_driven]
+    return joints, [row for row, is_driven in zip(rows, drives, strict=True) if is_driven]
+
+
+def _dependences(rows: Sequence[Row], positions: Sequence[Position]) -> Freedom:
+    """Return what is known of the rows of joints after all positions were looked at."""
+    rank = max(position.factors.rank for position in positions)
+    regular = [position for position in positions if position.factors.rank == rank]
+    dependences = [position.factors.dependences() for position in regular]
+    left, worst = rows_to_leave(dependences)
+    everywhere = _components([position.factors for position in regular])
+    sets = [_set(rows, places, count, is_everywhere=True) for places, count in everywhere]
+    if positions[0].factors.rank < rank:
+        for places, count in _components([positions[0].factors]):
+            more = count - sum(n for other, n in everywhere if set(other) <= set(places))
+            if more > 0:
+                sets.append(_set(rows, places, more, is_everywhere=False))
+    return Freedom(
+        columns=0,
+        rows=len(rows),
+        rank=rank,
+        dependent=tuple(sets),
+        dropped=tuple(rows[place] for place in left),
+        worst=worst,
+        positions=len(positions),
+    )
+
+
+def _residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
+    """Return the rows of a part between its own bodies, and the first row of each instance."""
+    place = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
+    instances = [system.constraints[k] for k in part.instances]
+    terms = dict.fromkeys(term.coordinate for one in instances for term in one.terms)
+    term_of = {coordinate: k for k, coordinate in enumerate(terms)}
+    own = [
+        replace(
+            one,
+            i=place[one.i],
+            j=place[one.j],
+            terms=tuple(replace(x, coordinate=term_of[x.coordinate]) for x in one.terms),
+        )
+        for one in instances
+    ]
+    measured = [system.coordinates[k] for k in terms]
+    coordinates = [replace(one, i=place[one.i], j=place[one.j]) for one in measured]
+    bodies = [system.bodies[k] for k in part.bodies]
+    residuals = Residuals(own, bodies, coordinates, system.parameters)
+    return residuals, dict(zip(part.instances, residuals.first, strict=False))
+
+
+def _columns(program: Program, part: Part) -> list[int]:
+    """Return the columns of a part; one of its bodies stays if none is the ground."""
+    place = {body: k for k, body in enumerate(part.bodies)}
+    free = part.bodies if part.is_grounded else part.bodies[1:]
+    return [
+        COLUMNS * place[column // COLUMNS] + column % COLUMNS
+        for column in columns_of(program, free)
+    ]
+
+
+def _components(factors: Sequence[Factors]) -> list[tuple[tuple[int, ...], int]]:
+    """Return the sets of rows that depend on each other at some of the positions, and dimensions.
+
+    Rows are in one set when a row that depends on others is made of them.
+    """
+    together = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
+    for one in factors:
+        takes_part = np.abs(one.combinations()) > TAKES_PART
+        for row, parts in zip(one.left, takes_part, strict=True):
+            for k in np.flatnonzero(parts):
+                together.join(row, one.taken[int(k)])
+    left = factors[0].left
+    sets = [(tuple(rows), sum(row in rows for row in left)) for rows in together.sets()]
+    return [(rows, count) for rows, count in sets if count]
+
+
+def _set(
+    rows: Sequence[Row], places: Sequence[int], dimension: int, *, is_everywhere: bool
+) -> DependentSet:
+    joints = _joints(rows[place] for place in places)
+    return DependentSet(joints, len(places), dimension, is_everywhere)
+
+
+def _joints(rows: Iterable[Row]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(row.joint for row in rows))

@@ -1,0 +1,120 @@
+"""The parts of a system whose joints close loops; what hangs on them like a tree is left out.
+
+Two joints are in one part when some loop passes both, the ground being a body that loops may pass.
+Constraints between bodies do not notice how all of these move together. So parts that share one
+body or none do not touch each other's ranks, and the rows of a joint in no loop are independent.
+
+A joint may connect more than two bodies, as a gear between the joints of two wheels does: it is a
+vertex of its own, with an edge to each of its bodies, and these edges stay in one part.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.mechanism import System
+
+    #: A joint that is tried: its place, the body it was reached from, and its other body.
+    Step = tuple[int, int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """Bodies and joints that loops connect.
+
+    Parameters
+    ----------
+    bodies : tuple of int
+        Moving bodies, in the order of the system.
+    instances : tuple of int
+        Places of the constraints in the system.
+    is_grounded : bool
+        Whether the ground is one of its bodies.
+    """
+
+    bodies: tuple[int, ...]
+    instances: tuple[int, ...]
+    is_grounded: bool
+
+
+def loops_of(system: System) -> tuple[Part, ...]:
+    """Return the parts of a system that loops connect, in the order of their first constraints."""
+    joints: dict[tuple[object, ...], list[int]] = {}
+    for place, instance in enumerate(system.constraints):
+        key = (instance.joint, *sorted(instance.bodies))
+        joints.setdefault(key, []).append(place)
+    places = list(joints.values())
+    bodies = [system.constraints[own[0]].bodies for own in places]
+    found = []
+    for group in _groups(len(system.bodies), bodies):
+        if len(group) > 1:
+            connected = sorted({body for joint in group for body in bodies[joint]})
+            instances = sorted(place for joint in group for place in places[joint])
+            moving = tuple(body for body in connected if body != GROUND_INDEX)
+            found.append(Part(moving, tuple(instances), GROUND_INDEX in connected))
+    return tuple(sorted(found, key=lambda part: part.instances))
+
+
+def _groups(count: int, bodies: Sequence[Sequence[int]]) -> list[list[int]]:
+    """Return the joints that loops connect; given are the bodies of each joint."""
+    ends: list[tuple[int, int]] = []
+    joint_of: list[int] = []
+    vertices = count
+    for joint, connected in enumerate(bodies):
+        if len(connected) == 2:
+            ends.append((connected[0], connected[1]))
+            joint_of.append(joint)
+            continue
+        ends += [(vertices, body) for body in connected]
+        joint_of += [joint] * len(connected)
+        vertices += 1
+    joints = DisjointSets(range(len(bodies)))
+    for edges in _biconnected(vertices, ends):
+        for edge in edges[1:]:
+            joints.join(joint_of[edges[0]], joint_of[edge])
+    return joints.sets()
+
+
+def _biconnected(count: int, ends: Sequence[tuple[int, int]]) -> Iterator[list[int]]:
+    """Yield the edges of each biconnected component; vertices are −1 … count − 1 (Tarjan)."""
+    beside: dict[int, list[tuple[int, int]]] = {k: [] for k in range(-1, count)}
+    for edge, (i, j) in enumerate(ends):
+        beside[i].append((edge, j))
+        beside[j].append((edge, i))
+    number: dict[int, int] = {}
+    low: dict[int, int] = {}
+    open_edges: list[int] = []
+    for root in range(-1, count):
+        if root in number:
+            continue
+        number[root] = low[root] = len(number)
+        path: list[tuple[int, int, Iterator[tuple[int, int]]]] = [(root, -1, iter(beside[root]))]
+        while path:
+            body, came_by, rest = path[-1]
+            for edge, other in rest:
+                if edge == came_by:
+                    continue
+                if other not in number:
+                    number[other] = low[other] = len(number)
+                    open_edges.append(edge)
+                    path.append((other, edge, iter(beside[other])))
+                    break
+                if number[other] < number[body]:
+                    open_edges.append(edge)
+                    low[body] = min(low[body], number[other])
+            else:
+                path.pop()
+                if path:
+                    above = path[-1][0]
+                    low[above] = min(low[above], low[body])
+                    if low[body] >= number[above]:
+                        start = open_edges.index(came_by)
+                        yield open_edges[start:]
+                        del open_edges[start:]

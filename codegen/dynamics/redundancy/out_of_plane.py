@@ -1,0 +1,110 @@
+"""Which joints of a scene that moves in a plane are held out of the plane more than once.
+
+The rows that hold bodies in the plane are not solved for. Where some of them depend on each other,
+as in every loop of revolute joints, the forces out of the plane are not unique.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
+from kousoku.codegen.stream import Stream
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Place, Program
+    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.model.mechanism import System
+
+    Array = np.ndarray[Any, np.dtype[np.float64]]
+
+#: Rows of the largest part that is looked at; the time grows with their cube.
+MOST_ROWS = 2000
+#: How far the second position is from the first, and how often it is corrected.
+AWAY, CORRECTIONS = 2.0**-5, 8
+
+
+def held_twice(system: System, program: Program) -> tuple[str, ...]:
+    """Return the joints whose rows out of the plane depend on others, in the order of the system.
+
+    They are looked at where the scene starts, and at one more position, as a start may be special.
+    Joints of parts that are too large are among them: nothing is known of these.
+
+    Parameters
+    ----------
+    system : System
+        An assembled scene.
+    program : Program
+        What it was composed to, in the plane.
+    """
+    solved = {(row.instance, row.row) for row in (*program.rows, *program.left_out)}
+    out = [
+        COLUMNS * k + c
+        for k, body in enumerate(program.bodies)
+        for c, place in enumerate((*body.v, *body.omega_b))
+        if place.slot < 0 and not (system.bodies[k].is_point and c > 2)
+    ]
+    positions = list(_positions(program))
+    found: dict[str, None] = {}
+    for part in loops_of(system):
+        found |= dict.fromkeys(_of_part(system, part, solved, out, positions))
+    return tuple(found)
+
+
+def _of_part(
+    system: System,
+    part: Part,
+    solved: set[tuple[int, int]],
+    out: Sequence[int],
+    positions: Sequence[tuple[Array, Array]],
+) -> Iterator[str]:
+    """Yield the joints of the rows of a part that depend on others."""
+    instances = [system.constraints[place] for place in part.instances]
+    residuals = Residuals.of(system, instances)
+    rows = [
+        (first + row, instance.joint)
+        for place, instance, first in zip(part.instances, instances, residuals.first, strict=False)
+        for row in range(residuals.count(instance))
+        if (place, row) not in solved
+    ]
+    if len(rows) > MOST_ROWS:
+        yield from (joint for _, joint in rows)
+        return
+    for r, p in positions:
+        _, jacobian = residuals.doubles(r, p)
+        matrix = jacobian[np.ix_([row for row, _ in rows], out)]
+        sizes = np.abs(factorise(matrix).dependences()).max(axis=0, initial=0.0).tolist()
+        yield from (joint for (_, joint), x in zip(rows, sizes, strict=True) if x > TAKES_PART)
+
+
+def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
+    """Yield r and p of all bodies, the ground last, at the start and near it on the branch."""
+    work, stream = Workspace(program), Stream("near the start")
+    yield _position(work)
+    work["q"] = [x + AWAY * stream.sign() * stream.magnitude() for x in work["q"]]
+    for _ in range(CORRECTIONS):
+        try:
+            work.run("geometry", "position", "move")
+        except ZeroDivisionError:  # a pivot is exactly zero: the start is all that can be had
+            return
+        work["q"] = work["q_moved"]
+    yield _position(work)
+
+
+def _position(work: Workspace) -> tuple[Array, Array]:
+    bodies = work.program.bodies
+    r = [_numbers(work, body.r) for body in bodies]
+    p = [_numbers(work, body.p) for body in bodies]
+    return np.array([*r, [0.0] * 3]), np.array([*p, [1.0, 0.0, 0.0, 0.0]])
+
+
+def _numbers(work: Workspace, places: Sequence[Place]) -> list[float]:
+    return [work.values[place.slot] if place.slot >= 0 else place.value for place in places]

@@ -1,0 +1,242 @@
+"""Whether all bodies of a system stay in planes parallel to the xy-plane, with the proof.
+
+The kinds are evaluated with e1 = e2 = 0 and z constant. A row without a structural derivative by
+x, y and θ_z is constant on such motions. If all of these vanish at the start, they vanish for good
+and are dropped. What is left determines the planar motion. It is the motion of the system if for
+each joint
+
+- no row that is left has a derivative by z, θ_x or θ_y: its reactions stay in the plane; or
+- both its bodies are held to the ground in z, θ_x and θ_y by rows that were dropped, whose
+  reactions balance whatever leads out of the plane.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.codegen.dynamics.composition.bodies import (
+    GROUND,
+    NO_TURN,
+    body_blocks,
+    sizes,
+    start,
+)
+from kousoku.codegen.dynamics.composition.combinations import fixed_law
+from kousoku.codegen.dynamics.composition.joints import live_rows
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.dynamics.recording.recorder import Recorder
+from kousoku.codegen.dynamics.simplification.forces_plane import (
+    leaves_plane,
+    leaves_with_parameters,
+)
+from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
+from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.varying import fixed_system
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+
+#: Largest residual of a dropped row, in metres or radians: what rounding leaves.
+RESIDUAL = 1e-12
+NORMAL = 2
+#: Columns of one body that lead out of the plane.
+OUT = (2, 3, 4)
+#: Smallest singular value of rows that hold a body in the plane.
+HOLDS = 1e-6
+ALONG_Z = {(0.0, 0.0, 1.0), (0.0, 0.0, -1.0)}
+
+
+def is_planar(system: System, *, must_be_held: bool = False) -> bool:
+    """Return whether all bodies move in planes parallel to the xy-plane.
+
+    Parameters
+    ----------
+    system : System
+        The scene, as it starts.
+    must_be_held : bool
+        Whether only that counts which joints hold in the plane, however it starts in it.
+    """
+    if not all(_starts_in_plane(body) for body in system.bodies):
+        return False
+    if leaves_with_parameters(system, NORMAL):
+        return False
+    fixed = fixed_system(system)
+    wants_hold = (
+        must_be_held
+        or system.has_gravity(NORMAL)
+        or any(leaves_plane(fixed, force, NORMAL) for force in fixed.forces)
+    )
+    if wants_hold and not _may_hold(system):
+        return False
+    recorder = Recorder()
+    q, v = (recorder.region("", size) for size in sizes(system, is_planar=True))
+    bodies = body_blocks(system, recorder, q, v, is_planar=True)
+    joints: dict[tuple[str, tuple[int, ...]], _Joint] = {}
+
+    def body(index: int) -> BodyBlocks:
+        return GROUND if index == GROUND_INDEX else bodies[index]
+
+    for instance, known in zip(system.constraints, fixed.constraints, strict=True):
+        live = live_rows(system, instance, recorder, body)
+        residual, jacobian = _at_start(fixed, known)
+        dropped = [row for row in range(len(residual)) if row not in live]
+        if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
+            return False
+        joint = joints.setdefault((instance.joint, instance.bodies), _Joint())
+        joint.live.append(jacobian[list(live)])
+        joint.dropped.append(jacobian[dropped])
+        if dropped or instance.kind != COMBINATION:
+            joint.turns_about_z &= all(axis in ALONG_Z for axis in _axes(system, instance))
+    held = _held(system, joints)
+    return (all(held) or not wants_hold) and all(
+        joint.stays_in_plane or all(held[k] for k in ends if k != GROUND_INDEX)
+        for (_, ends), joint in joints.items()
+    )
+
+
+def plane_of(system: System) -> int | None:
+    """Return the turn that brings the plane of a system into the xy-plane, None of no plane.
+
+    A scene in the xy-plane is meant to be planar. In another plane only joints make it so: a chain
+    that hangs at rest stays in a plane, too, but not when it is started otherwise.
+    """
+    if is_planar(system):
+        return 0
+    shifts = (1, 2) if can_turn(system) else ()
+    return next((k for k in shifts if is_planar(turned(system, k), must_be_held=True)), None)
+
+
+@dataclass(slots=True)
+class _Joint:
+    """Derivatives of a joint at the start: (rows, six for each body) of each instance.
+
+    Parameters
+    ----------
+    live, dropped : list of array
+        Of the rows that are left, and of those that are not.
+    turns_about_z : bool
+        Whether all its axes are along z. Then the rows that are dropped are, for any planar motion,
+        those of the start, each block turned about z, and their rank does not change.
+    """
+
+    live: list[Any] = field(default_factory=list)
+    dropped: list[Any] = field(default_factory=list)
+    turns_about_z: bool = True
+
+    @property
+    def stays_in_plane(self) -> bool:
+        """Whether no reaction that is left leads out of the plane."""
+        return not any(
+            np.any(self._out(rows, side))
+            for rows in self.live
+            for side in range(rows.shape[1] // COLUMNS)
+        )
+
+    def holds(self, side: int) -> bool:
+        """Whether the body on one side cannot leave the plane while the other stays."""
+        rows = np.vstack([self._out(rows, side) for rows in self.dropped])
+        if not self.turns_about_z or len(rows) < len(OUT):
+            return False
+        return bool(np.linalg.svd(rows, compute_uv=False)[-1] > HOLDS)
+
+    @staticmethod
+    def _out(rows: Any, side: int) -> Any:
+        return rows[:, [side * COLUMNS + k for k in OUT]]
+
+
+def _may_hold(system: System) -> bool:
+    """Return whether joints that turn about z only connect all bodies to the ground.
+
+    Others hold no body in the plane. This costs little, and most scenes in space end here.
+    """
+    beside: dict[int, list[int]] = {}
+    joints: dict[tuple[str, tuple[int, ...]], bool] = {}
+    for one in system.constraints:
+        turns_about_z = one.kind == COMBINATION or all(a in ALONG_Z for a in _axes(system, one))
+        key = (one.joint, one.bodies)
+        joints[key] = joints.get(key, True) and turns_about_z
+    for (_, ends), turns_about_z in joints.items():
+        for k in ends if turns_about_z else ():
+            beside.setdefault(k, []).extend(ends)
+    reached = {GROUND_INDEX: None}
+    waiting = [GROUND_INDEX]
+    while waiting:
+        for k in beside.get(waiting.pop(), ()):
+            if k not in reached:
+                reached[k] = None
+                waiting.append(k)
+    return len(reached) > len(system.bodies)
+
+
+def _starts_in_plane(body: MovingBody) -> bool:
+    (*_, e1, e2, _), (_, _, v_z, *omega) = start(body)
+    return e1 == e2 == v_z == omega[0] == omega[1] == 0
+
+
+def _at_start(system: System, instance: Instance) -> tuple[Sequence[float], Any]:
+    """Return residuals and Jacobian (rows, six for each body) of an instance at the start.
+
+    A residual that changes with time, or with a parameter, is infinite.
+    """
+    if instance.kind != COMBINATION:
+        residual, jacobian = _kernel_at_start(system, instance)
+        return residual, np.reshape(jacobian, (-1, 2 * COLUMNS))
+    total = instance.offset - fixed_law(instance, [name for name, _ in system.parameters])
+    rows = np.zeros((1, len(instance.bodies), COLUMNS))
+    for term in instance.terms:
+        one = system.coordinates[term.coordinate]
+        (value,), jacobian = _kernel_at_start(system, one)
+        turns = round((one.near - value) / math.tau) if one.counts_turns else 0
+        total += term.factor * (value + math.tau * turns)
+        for index, part in zip((one.i, one.j), np.reshape(jacobian, (2, COLUMNS)), strict=True):
+            rows[0, instance.bodies.index(index)] += term.factor * part
+    return [total], rows.reshape(1, -1)
+
+
+def _kernel_at_start(
+    system: System, one: Instance | Coordinate
+) -> tuple[Sequence[float], Sequence[float]]:
+    inputs: dict[str, Sequence[float]] = dict(one.constants)
+    for end, index in (("i", one.i), ("j", one.j)):
+        position = (
+            (0.0, 0.0, 0.0, *NO_TURN) if index == GROUND_INDEX else start(system.bodies[index])[0]
+        )
+        inputs |= {f"r_{end}": position[:3], f"p_{end}": position[3:]}
+    found = evaluate(frozen(one.kind, "constraint"), inputs, FLOAT)
+    return found["C"], found["C_q"]
+
+
+def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
+    """Return the axes of an instance, or of what it combines."""
+    constants = list(instance.constants)
+    for term in instance.terms:
+        constants += system.coordinates[term.coordinate].constants
+    return [value for name, value in constants if name.startswith(("a_", "b_"))]
+
+
+def _held(system: System, joints: dict[tuple[str, tuple[int, ...]], _Joint]) -> list[bool]:
+    """Return for each body whether joints hold it to the ground in the plane, one after another."""
+    held = [False] * len(system.bodies)
+    beside: list[list[int]] = [[] for _ in system.bodies]
+    waiting: list[int] = []
+    for (_, (i, j, *_)), joint in joints.items():
+        for side, (body, other) in enumerate(((i, j), (j, i))):
+            if body != GROUND_INDEX and joint.holds(side):
+                if other == GROUND_INDEX:
+                    waiting.append(body)
+                else:
+                    beside[other].append(body)
+    while waiting:
+        body = waiting.pop()
+        if not held[body]:
+            held[body] = True
+            waiting.extend(beside[body])
+    return held

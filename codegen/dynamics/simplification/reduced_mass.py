@@ -1,0 +1,86 @@
+"""The mass that moves with what a joint with the ground leaves free: Rᵀ M R, exactly.
+
+It does not change with the position, since R turns with the body: of a turn about an axis it is
+m |s′ × a′|² + a′ᵀ I′ a′, of turns about a point m s̃′ᵀ s̃′ + I′, of a displacement m.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.simplification.reduction import NOTHING, POINT
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.simplification.reduction import Reduction
+    from kousoku.model.mechanism import MovingBody
+
+    Square = list[list[Fraction]]
+
+
+def axes_of(one: Reduction) -> Square:
+    """Return the axes that a body turns about, in its frame, one below the other."""
+    if one.turn == POINT:
+        return [[Fraction(int(k == n)) for n in range(3)] for k in range(3)]
+    return [] if one.turn == NOTHING else [[Fraction(x) for x in one.axis_b]]
+
+
+def arms_of(one: Reduction) -> Square:
+    """Return s′ × a′ of each of these axes, by columns: the centre of mass moves along it."""
+    x, y, z = (Fraction(value) for value in one.joint_b)
+    arms = [(y * c - z * b, z * a - x * c, x * b - y * a) for a, b, c in axes_of(one)]
+    return [[arm[k] for arm in arms] for k in range(3)]
+
+
+def mass_of(one: Reduction, body: MovingBody) -> Square:
+    """Return Rᵀ M R of all freedoms, turns first, those too that are driven."""
+    mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
+    axes = axes_of(one)
+    arms = transposed(arms_of(one)) if axes else []
+    found = [
+        [
+            mass * _dot(arm, other)
+            + _dot([x * m for x, m in zip(axis, moments, strict=True)], away)
+            for other, away in zip(arms, axes, strict=True)
+        ]
+        for arm, axis in zip(arms, axes, strict=True)
+    ]
+    if one.slides:  # across all arms
+        found = [[*row, Fraction(0)] for row in found]
+        found.append([Fraction(0)] * one.turns + [mass])
+    return found
+
+
+def shares_of(one: Reduction, body: MovingBody) -> tuple[Square, Square]:
+    """Return (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns."""
+    turns, whole = range(one.turns), mass_of(one, body)
+    inverse = inverse_of([[whole[a][b] for b in turns] for a in turns])
+    mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
+    spins = [[x * m for x, m in zip(axis, moments, strict=True)] for axis in axes_of(one)]
+    return [[mass * x for x in row] for row in inverse], [
+        [_dot(row, column) for column in transposed(spins)] for row in inverse
+    ]
+
+
+def transposed(rows: Sequence[Sequence[Fraction]]) -> Square:
+    """Return columns as rows; there is one row at least, or none at all."""
+    return [list(column) for column in zip(*rows, strict=True)]
+
+
+def inverse_of(matrix: Square) -> Square:
+    """Return the inverse of a symmetric positive definite matrix, by elimination."""
+    size = len(matrix)
+    rows = [[*row, *(Fraction(int(k == n)) for n in range(size))] for k, row in enumerate(matrix)]
+    for k in range(size):
+        rows[k] = [x / rows[k][k] for x in rows[k]]
+        for n in range(size):
+            if n != k:
+                factor = rows[n][k]
+                rows[n] = [x - factor * y for x, y in zip(rows[n], rows[k], strict=True)]
+    return [row[size:] for row in rows]
+
+
+def _dot(a: Sequence[Fraction], b: Sequence[Fraction]) -> Fraction:
+    return sum((x * y for x, y in zip(a, b, strict=True)), Fraction(0))

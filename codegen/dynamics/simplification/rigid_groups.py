@@ -1,0 +1,114 @@
+"""Which bodies are one, because fixed joints hold them together."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.moved import moved_by_parameters
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.model.mechanism import System
+
+    #: The bodies that a fixed joint joins.
+    Edge = tuple[int, int]
+
+#: What a fixed joint is composed of.
+RIGID = ["n1", "p1", "point"]
+#: Joints of a body that is made of two that move: the rows of each are coupled with all others, and
+#: with six revolute joints that costs more than the fixed joint.
+MOST_JOINTS = 4
+#: Kinds of constraints and of forces that are known to mean the same in another frame.
+CONSTRAINTS = frozenset({"point", "distance", "n1", "n2", "p1", "p2", COMBINATION})
+FORCES = frozenset(
+    {"force", "torque", "force_b", "torque_b", "spring_damper", "along", "coordinate_spring"}
+)
+
+
+def grouped(system: System) -> tuple[tuple[int, ...], ...]:
+    """Return the bodies that are one, in groups of two and more; what stands still with the ground.
+
+    Two bodies of a group stay apart if there is a coordinate between them, or a force whose work is
+    told or whose energy depends on parameters; so does a body with a force or constraint that is
+    not known to mean the same in another frame, and the ground where gravity depends on parameters.
+    All bodies do where nothing else would move. Two that move are not made one where that one would
+    have more than :data:`MOST_JOINTS` joints: it would cost more than it saves.
+    """
+    fixed = fixed_joints(system)
+    edges = [edge for edge in fixed if not (GROUND_INDEX in edge and any(system.gravity_law))]
+    count = len(system.bodies)
+    joints = _joint_counts(system, fixed)
+    leaders = _joined(count, edges, joints)
+    while kept := _kept(system, leaders) & {body for edge in edges for body in edge}:
+        edges = [edge for edge in edges if kept.isdisjoint(edge)]
+        leaders = _joined(count, edges, joints)
+    groups = leaders.sets()
+    if len(groups) == 1:
+        return ()
+    return tuple(tuple(group) for group in groups if len(group) > 1)
+
+
+def _joined(count: int, edges: Sequence[Edge], counts: Mapping[int, int]) -> DisjointSets:
+    """Return the groups that fixed joints make: first what they hold to the ground."""
+    leaders = DisjointSets(range(GROUND_INDEX, count))
+    beside: dict[int, list[int]] = {}
+    for i, j in edges:
+        beside.setdefault(i, []).append(j)
+        beside.setdefault(j, []).append(i)
+    waiting = [GROUND_INDEX]
+    while waiting:
+        for other in beside.get(waiting.pop(), ()):
+            if leaders.join(GROUND_INDEX, other):
+                waiting.append(other)
+    joints = dict(counts)
+    for i, j in edges:
+        a, b = leaders.of(i), leaders.of(j)
+        if a != b and joints[a] + joints[b] <= MOST_JOINTS:
+            leaders.join(a, b)
+            joints[leaders.of(a)] = joints[a] + joints[b]
+    return leaders
+
+
+def fixed_joints(system: System) -> list[Edge]:
+    """Return the bodies of each joint that leaves no motion."""
+    kinds: dict[tuple[str, int, int], list[str]] = {}
+    for one in system.constraints:
+        if moved_by_parameters(system, one):
+            continue
+        kinds.setdefault((one.joint, one.i, one.j), []).append(one.kind.partition("_")[0])
+    return [(i, j) for (_, i, j), parts in kinds.items() if i != j and sorted(parts) == RIGID]
+
+
+def _joint_counts(system: System, edges: list[Edge]) -> dict[int, int]:
+    """Return how many joints each body has beside those that are fixed."""
+    joints = dict.fromkeys((one.joint, one.bodies) for one in system.constraints)
+    counts = dict.fromkeys(range(GROUND_INDEX, len(system.bodies)), 0)
+    for _, bodies in joints:
+        for body in bodies:
+            counts[body] += 1
+    for edge in edges:
+        for body in edge:
+            counts[body] -= 1
+    return counts
+
+
+def _kept(system: System, leaders: DisjointSets) -> set[int]:
+    """Return the bodies that stay what they are."""
+    found: set[int] = set()
+    for coordinate in system.coordinates:
+        if leaders.of(coordinate.i) == leaders.of(coordinate.j):
+            found |= {coordinate.i, coordinate.j}
+    for one in system.constraints:
+        name, _, axis = one.kind.partition("_")
+        is_inner = len({leaders.of(body) for body in one.bodies}) == 1
+        opens = is_inner and moved_by_parameters(system, one)
+        if opens or (name if len(axis) == 1 else one.kind) not in CONSTRAINTS:
+            found |= {*one.bodies}
+    for force in system.forces:
+        is_inner = leaders.of(force.i) == leaders.of(force.j)
+        if force.kind not in FORCES or (is_inner and (force.works or force.formulas)):
+            found |= {force.i, force.j}
+    return found - {GROUND_INDEX}

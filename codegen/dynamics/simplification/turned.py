@@ -1,0 +1,136 @@
+"""The same system with its axes in another order, so that any coordinate plane can be the xy-plane.
+
+Axes are exchanged in turn, x for y for z for x, in frame O and in all body frames. That is a
+rotation, and nothing else changes: no sign and no product. A system whose bodies stay in the
+xz-plane is composed as one that stays in the xy-plane, and its coordinates are named back.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, TypeVar
+
+from kousoku.model.mechanism import COMBINATION
+from kousoku.model.rows import ROWS
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.model.mechanism import Instance, MovingBody, System
+
+    T = TypeVar("T")
+    Triple = tuple[T, T, T]
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+
+AXES = "xyz"
+#: The kinds that know which of their axes is which.
+KINDS = frozenset(
+    {
+        *("point", "distance", "n1", "n2", "angle", "length", COMBINATION),
+        *(f"{p}_{x}" for p in ("p1", "p2") for x in AXES),
+    }
+)
+
+
+def can_turn(system: System) -> bool:
+    """Return whether all kinds of a system are known to mean the same after a turn."""
+    kinds = [instance.kind for instance in system.constraints]
+    kinds += [coordinate.kind for coordinate in system.coordinates]
+    return KINDS.issuperset(kinds)
+
+
+def turned(system: System, shift: int) -> System:
+    """Return the system whose component k is what component k + shift was, counted in turn."""
+    return replace(
+        system,
+        bodies=tuple(_turned_body(body, shift) for body in system.bodies),
+        constraints=tuple(_turned_instance(one, shift) for one in system.constraints),
+        gravity=_triple(system.gravity, shift),
+        gravity_law=_triple(system.gravity_law, shift),
+        coordinates=tuple(
+            replace(one, constants=_turned_constants(one.constants, shift))
+            for one in system.coordinates
+        ),
+        forces=tuple(
+            replace(one, constants=_turned_constants(one.constants, shift)) for one in system.forces
+        ),
+    )
+
+
+def turned_row(kind: str, row: int, shift: int) -> int:
+    """Return which row of the turned kind is a row of a kind."""
+    kept = _components(kind)
+    component = (kept[row] - shift) % 3
+    return _components(_turned_kind(kind, shift)).index(component) if len(kept) > 1 else row
+
+
+def named_back(program: Program, system: System, shift: int) -> Program:
+    """Return the program of a turned system with the names that ``system`` has for all."""
+    back = -shift
+    bodies = tuple(
+        replace(
+            body,
+            r=_triple(body.r, back),
+            p=(body.p[0], *_triple(body.p[1:], back)),
+            v=_triple(body.v, back),
+            omega_b=_triple(body.omega_b, back),
+        )
+        for body in program.bodies
+    )
+    rows, left_out, reduced = (
+        tuple(
+            replace(
+                row,
+                row=turned_row(
+                    _turned_kind(system.constraints[row.instance].kind, shift), row.row, back
+                ),
+            )
+            for row in own
+        )
+        for own in (program.rows, program.left_out, program.reduced)
+    )
+    return replace(program, bodies=bodies, rows=rows, left_out=left_out, reduced=reduced)
+
+
+def _triple(values: Sequence[T], shift: int) -> Triple[T]:
+    x, y, z = (values[(k + shift) % 3] for k in range(3))
+    return x, y, z
+
+
+def _turned_body(body: MovingBody, shift: int) -> MovingBody:
+    e0, *e = body.p
+    return replace(
+        body,
+        inertia=_triple(body.inertia, shift),
+        r=_triple(body.r, shift),
+        p=(e0, *_triple(e, shift)),
+        v=_triple(body.v, shift),
+        omega_b=_triple(body.omega_b, shift),
+        origin_b=_triple(body.origin_b, shift),
+        axes_b=(body.axes_b[0], *_triple(body.axes_b[1:], shift)),
+    )
+
+
+def _turned_instance(instance: Instance, shift: int) -> Instance:
+    constants = _turned_constants(instance.constants, shift)
+    return replace(instance, kind=_turned_kind(instance.kind, shift), constants=constants)
+
+
+def _turned_constants(constants: Constants, shift: int) -> Constants:
+    return tuple(
+        (name, _triple(values, shift) if len(values) == 3 else values) for name, values in constants
+    )
+
+
+def _turned_kind(kind: str, shift: int) -> str:
+    name, _, axis = kind.partition("_")
+    return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis in ROWS else kind
+
+
+def _components(kind: str) -> tuple[int, ...]:
+    """Return which component each row of a kind is; a single row is none."""
+    if kind == "point":
+        return 0, 1, 2
+    _, _, axis = kind.partition("_")
+    return ROWS.get(axis, (0,))

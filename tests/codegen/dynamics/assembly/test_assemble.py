@@ -1,0 +1,275 @@
+"""Assembly finds the nearest positions and velocities that fit, or says which joints stay open."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.model.errors import AssemblyError
+from kousoku.model.families import chain, n_four_bar
+from kousoku.model.read import read_scene, scene_from_dict
+from kousoku.model.system import system_of
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import System
+
+ROOT = Path(__file__).parents[4]
+Tree = dict[str, Any]
+ULP = 2.0**-52
+
+
+def built(bodies: Tree, joints: Tree) -> System:
+    """Return the system of bodies and joints."""
+    return system_of(
+        scene_from_dict({"name": "s", "unit": "m", "bodies": bodies, "joints": joints})
+    )
+
+
+def disturbed(system: System, size: float, *, in_plane: bool = False) -> System:
+    """Return a system whose bodies stand, turn and move otherwise, each in its own way."""
+    bodies = []
+    for k, body in enumerate(system.bodies):
+        x, y, z = (size * math.sin(3 * k + i) for i in range(3))
+        a, b, c = (size * math.cos(5 * k + i) for i in range(3))
+        if in_plane:
+            z = a = b = 0.0
+        r = (body.r[0] + x, body.r[1] + y, body.r[2] + z)
+        w, e1, e2, e3 = body.p
+        p = np.array([w - a * e1 - b * e2 - c * e3, e1 + a * w, e2 + b * w, e3 + c * w])
+        w, e1, e2, e3 = (float(component) for component in p / np.linalg.norm(p))
+        v = (math.sin(k), math.cos(k), 0.0 if in_plane else 0.5)
+        omega = (a, b, 1.0)
+        bodies.append(replace(body, r=r, p=(w, e1, e2, e3), v=v, omega_b=omega))
+    return replace(system, bodies=tuple(bodies))
+
+
+def residuals(system: System) -> tuple[float, float]:
+    """Return the largest |C| and |C_q v| at the start."""
+    c, rates = Residuals(system.constraints, system.bodies).fast(system.bodies)
+    return float(np.abs(c).max(initial=0)), float(np.abs(rates).max(initial=0))
+
+
+#: Scenes that give the velocity of their crank only.
+NEAR = {"lever_crank_bodies", "piston_crank_bodies"}
+SCENES = [path.stem for path in sorted((ROOT / "scenes").glob("*.toml"))]
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_fits_stays_as_it_is(name: str) -> None:
+    scene = read_scene(ROOT / "scenes" / f"{name}.toml")
+    if scene.is_spatial:
+        system = system_of(msgspec.structs.replace(scene, inputs={}))
+        found = assemble(system)
+        if any(one.is_driver for one in system.constraints):  # velocities are those of the drivers
+            places = [[(body.r, body.p) for body in one.bodies] for one in (system, found)]
+            assert places[0] == places[1]
+        else:
+            assert (found is system) is (name not in NEAR)
+
+
+ON_A_ROD = {"rod": {"type": "rod", "bodies": ["ground", "b"], "points": [[0] * 3] * 2, "length": 1}}
+
+
+def on_a_rod(**keys: Any) -> System:
+    """Return a point on a rod of 1 m."""
+    return built({"b": {"position": [0.6, 0.8, 0.5], "point": True, "mass": 2, **keys}}, ON_A_ROD)
+
+
+def test_a_point_on_a_rod_goes_straight_to_the_sphere() -> None:
+    start = np.array([0.6, 0.8, 0.5])
+    (body,) = assemble(on_a_rod()).bodies
+    assert body.r == pytest.approx(start / math.sqrt(1.25), abs=ULP / 2)
+
+
+def test_a_solver_is_generated_for_the_assembled_positions() -> None:
+    near, on = (
+        scene_from_dict(
+            {
+                "name": "s",
+                "unit": "m",
+                "bodies": {"b": {"position": [0, 0, -z], "point": True, "mass": 2}},
+                "joints": ON_A_ROD,
+            }
+        )
+        for z in (1.5, 1)
+    )
+    assert generate_dynamics(near) == generate_dynamics(on)
+
+
+def test_a_velocity_loses_what_would_stretch_the_rod() -> None:
+    system = assemble(on_a_rod(position=[0, 0, 2], velocity=[3, -4, 5]))
+    assert system.bodies[0].r == (0, 0, 1)
+    assert system.bodies[0].v == (3, -4, 0)
+
+
+def test_the_nearest_positions_are_weighted_by_mass_and_inertia() -> None:
+    """Of a body on a hinge, m (r − r₀)·r′(θ) + J (θ − θ₀) = 0 with r = l (cos θ, sin θ)."""
+    bar = {"position": [0.9, 0.5, 0], "mass": 2, "inertia": {"xx": 1, "yy": 1, "zz": 0.75}}
+    hinge = {
+        "type": "revolute",
+        "bodies": ["ground", "bar"],
+        "points": [[0, 0, 0], [-1, 0, 0]],
+        "axes": [[0, 0, 1], [0, 0, 1]],
+    }
+    (body,) = assemble(built({"bar": bar}, {"hinge": hinge})).bodies
+    theta = 2 * math.atan2(body.p[3], body.p[0])
+    assert body.r == pytest.approx((math.cos(theta), math.sin(theta), 0), abs=2 * ULP)
+    along = -math.sin(theta) * (body.r[0] - 0.9) + math.cos(theta) * (body.r[1] - 0.5)
+    assert 2 * along + 0.75 * theta == pytest.approx(0, abs=4 * ULP)
+    assert 0.1 < theta < 0.5
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-3, 0.1])
+def test_closed_loops_close_though_their_rows_repeat_each_other(size: float) -> None:
+    system = assemble(disturbed(system_of(n_four_bar(2)), size))
+    c, rates = residuals(system)
+    assert c < 4 * ULP
+    assert rates < 16 * ULP
+
+
+def test_a_plane_linkage_stays_in_its_plane_to_the_last_digit() -> None:
+    system = assemble(disturbed(system_of(n_four_bar(2)), 0.05, in_plane=True))
+    for body in system.bodies:
+        assert (body.r[2], body.p[1], body.p[2]) == (0, 0, 0)
+        assert (body.v[2], body.omega_b[0], body.omega_b[1]) == (0, 0, 0)
+    assert residuals(system)[0] < 4 * ULP
+
+
+@pytest.mark.parametrize("name", sorted(NEAR))
+def test_a_mechanism_in_a_plane_gets_velocities_in_that_plane(name: str) -> None:
+    """The piston stands at its dead centre: what iterations leave is compared with the crank."""
+    system = assemble(system_of(read_scene(ROOT / "scenes" / f"{name}.toml")))
+    assert is_planar(system)
+    assert residuals(system) < (4 * ULP, 4 * ULP)
+    assert name != "piston_crank_bodies" or system.bodies[-1].v == (0, 0, 0)
+
+
+def test_a_chain_is_put_together() -> None:
+    c, rates = residuals(assemble(disturbed(system_of(chain(4)), 0.2)))
+    assert c < 8 * ULP
+    assert rates < 8 * ULP
+
+
+def test_the_order_of_the_joints_changes_no_digit() -> None:
+    """What was solved in doubles on the way leaves no trace: the result is rounded once."""
+    system = disturbed(system_of(chain(3)), 0.05)
+    other = replace(system, constraints=system.constraints[::-1])
+    assert assemble(system).bodies == assemble(other).bodies
+
+
+def four_bar(crank: Tree, **coupler: Any) -> System:
+    """Return a four-bar with cranks of 1 m and 2 m, 3 m apart, and a coupler of 2.5 m."""
+    rod = {"mass": 1}
+    bodies = {
+        "crank": {"position": [0, 0, 0], "mass": 1, **crank},
+        "pin": {"position": [2.5, 1.5, 0], "point": True, **rod, **coupler},
+    }
+    joints: Tree = {
+        "a": {"type": "hinge", "bodies": ["ground", "crank"], "at": [0, 0, 0], "axis": [0, 0, 1]},
+        "b": {
+            "type": "rod",
+            "bodies": ["crank", "pin"],
+            "points": [[1, 0, 0], [0, 0, 0]],
+            "length": 2.5,
+        },
+        "c": {
+            "type": "rod",
+            "bodies": ["ground", "pin"],
+            "points": [[3, 0, 0], [0, 0, 0]],
+            "length": 2,
+        },
+        "plane": {
+            "type": "inplane",
+            "bodies": ["ground", "pin"],
+            "points": [[0, 0, 0], [0, 0, 0]],
+            "axes": [[0, 0, 1], [0, 0, 1]],
+        },
+    }
+    del joints["plane"]["axes"]
+    joints["plane"]["axis"] = [0, 0, 1]
+    return built(bodies, joints)
+
+
+TURNED = {"orientation": {"quaternion": [2, 0, 0, 1], "order": "wxyz"}}
+"""By 2 atan ½: the crank points to (3/5, 4/5)."""
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_the_branch_that_the_scene_stands_on_is_kept(side: int) -> None:
+    crank, pin = assemble(four_bar(TURNED, position=[2.5, side * 1.5, 0])).bodies
+    assert side * pin.r[1] > 0.5
+    end = (1 - 2 * crank.p[3] ** 2, 2 * crank.p[0] * crank.p[3])
+    assert math.dist(end, pin.r[:2]) == pytest.approx(2.5, abs=4 * ULP)
+    assert math.dist((3, 0), pin.r[:2]) == pytest.approx(2, abs=4 * ULP)
+
+
+def test_what_is_held_is_not_moved() -> None:
+    free = assemble(four_bar(TURNED)).bodies[0]
+    held = four_bar(TURNED | {"hold": ["orientation"]})
+    crank = assemble(held).bodies[0]
+    assert free.p != held.bodies[0].p
+    assert crank.p == pytest.approx(held.bodies[0].p, abs=ULP)
+    assert residuals(assemble(held))[0] < 4 * ULP
+
+
+def test_a_held_coordinate_stays_and_the_others_move() -> None:
+    held = four_bar(TURNED, hold=["y"])
+    pin = assemble(held).bodies[1]
+    assert pin.r[1] == 1.5
+    assert pin.r[0] == pytest.approx(3 - math.sqrt(4 - 2.25), abs=2 * ULP)
+
+
+def test_a_held_angular_velocity_drives_the_rest() -> None:
+    spin = {"angular_velocity": [0, 0, 2], "hold": ["angular_velocity"]}
+    system = assemble(four_bar(TURNED | spin))
+    assert system.bodies[0].omega_b == (0, 0, 2)
+    assert math.hypot(*system.bodies[1].v) > 0.5
+    assert residuals(system)[1] < 8 * ULP
+    without = assemble(four_bar(TURNED | {"angular_velocity": [0, 0, 2]}))
+    assert 0 < without.bodies[0].omega_b[2] < 2
+
+
+def test_joints_that_stay_open_are_named_with_metres() -> None:
+    joints = {
+        name: {"type": "rod", "bodies": ["ground", "p"], "points": [at, [0, 0, 0]], "length": 1}
+        for name, at in (("left", [0, 0, 0]), ("right", [3, 0, 0]))
+    }
+    system = built({"p": {"position": [1.25, 0, 0], "point": True, "mass": 1}}, joints)
+    with pytest.raises(AssemblyError, match=r"joints\.\w+ by 0\.5 m, joints\.\w+ by 0\.5 m; check"):
+        assemble(system)
+
+
+def test_joints_that_stay_open_are_named_with_radians() -> None:
+    """Axes at 0.2 rad cannot both be those of a body that holds its orientation."""
+    bodies = {"b": {"position": [0, 0, 0], "mass": 1, "hold": ["orientation"]}}
+    axes = [[0, 0, 1], [math.sin(0.2), 0, math.cos(0.2)]]
+    joints = {"guide": {"type": "parallel_axes", "bodies": ["ground", "b"], "axes": axes}}
+    with pytest.raises(AssemblyError, match=r"joints\.guide by 0\.1 rad") as caught:
+        assemble(built(bodies, joints))
+    assert "bodies.b.hold by 0.1 rad" in str(caught.value)
+
+
+def test_velocities_that_are_held_against_a_joint_are_named() -> None:
+    system = on_a_rod(position=[1, 0, 0], velocity=[2, 0, 0], hold=["velocity"])
+    with pytest.raises(AssemblyError, match=r"these are torn: .*by 1 m/s") as caught:
+        assemble(system)
+    assert "joints.rod by" in str(caught.value) and "bodies.b.hold by" in str(caught.value)
+    assert sorted(caught.value.keys) == ["bodies.b.hold", "joints.rod"]
+
+
+def test_a_large_system_that_does_not_fit_is_refused_at_once() -> None:
+    system = system_of(chain(1300))
+    moved = replace(system.bodies[7], r=(9.0, 9.0, 9.0))
+    bodies = (*system.bodies[:7], moved, *system.bodies[8:])
+    with pytest.raises(AssemblyError, match="has 6500 rows; assembly moves at most 6000"):
+        assemble(replace(system, bodies=bodies))

@@ -1,0 +1,241 @@
+"""Forces, torques and springs of whole systems against vector algebra and dense equations."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+
+if TYPE_CHECKING:
+    from types import SimpleNamespace
+
+    from kousoku.model.mechanism import System
+
+S_I, S_J, LOAD = (0.3, -0.2, 0.4), (-0.1, 0.5, 0.2), (1.5, -2.5, 0.7)
+LAW = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free_length", (0.8,)))
+
+
+def spring(name: str, i: int, j: int) -> ForceElement:
+    return ForceElement(name, "spring_damper", i, j, (("s_i_b", S_I), ("s_j_b", S_J), *LAW))
+
+
+def force(kind: str, j: int) -> ForceElement:
+    constants = (("s_j_b", S_J), ("force", LOAD))
+    return ForceElement(kind, kind, GROUND_INDEX, j, constants)
+
+
+def torque(kind: str, j: int) -> ForceElement:
+    return ForceElement(kind, kind, GROUND_INDEX, j, (("torque", LOAD),))
+
+
+def rotation(p: Any) -> Any:
+    """Return A by Rodrigues' formula."""
+    e0, e = p[0], np.asarray(p[1:])
+    skew = np.array([[0.0, -e[2], e[1]], [e[2], 0.0, -e[0]], [-e[1], e[0], 0.0]])
+    return np.eye(3) + 2 * e0 * skew + 2 * skew @ skew
+
+
+def end_of(state: dict[str, Any], index: int, point: Any) -> tuple[Any, Any, Any]:
+    """Return place and velocity of a point, and A."""
+    if index == GROUND_INDEX:
+        return np.array(point), np.zeros(3), np.eye(3)
+    a = rotation(state["p"][index])
+    turning = a @ np.cross(state["omega_b"][index], point)
+    return state["r"][index] + a @ point, state["v"][index] + turning, a
+
+
+def loads_of(system: System, state: dict[str, Any]) -> Any:
+    """Return force in frame O and torque in the body frame on each body."""
+    loads = np.zeros((len(system.bodies) + 1, 6))  # the ground stands last
+    for one in system.forces:
+        given = {name: np.array(values) for name, values in one.constants}
+        _, _, a = end_of(state, one.j, S_J)
+        if one.kind == "spring_damper":
+            (x_i, v_i, a_i), (x_j, v_j, _) = (
+                end_of(state, index, given[f"s_{end}_b"])
+                for end, index in (("i", one.i), ("j", one.j))
+            )
+            length = np.linalg.norm(x_j - x_i)
+            along = (x_j - x_i) / length
+            tension = 70.0 * (length - 0.8) + 6.0 * along @ (v_j - v_i)
+            loads[one.i, :3] += tension * along
+            loads[one.i, 3:] += np.cross(S_I, a_i.T @ along) * tension
+            loads[one.j, :3] -= tension * along
+            loads[one.j, 3:] -= np.cross(S_J, a.T @ along) * tension
+        elif one.kind == "force":
+            loads[one.j, :3] += LOAD
+            loads[one.j, 3:] += np.cross(S_J, a.T @ LOAD)
+        elif one.kind == "force_b":
+            loads[one.j, :3] += a @ LOAD
+            loads[one.j, 3:] += np.cross(S_J, LOAD)
+        else:
+            loads[one.j, 3:] += a.T @ LOAD if one.kind == "torque" else np.array(LOAD)
+    return loads[:-1]
+
+
+def put(workspace: Workspace, state: dict[str, Any]) -> None:
+    for name in ("r", "p", "v", "omega_b"):
+        for body, values in zip(workspace.program.bodies, state[name], strict=True):
+            for place, value in zip(getattr(body, name), values, strict=True):
+                if place.slot >= 0:
+                    workspace.values[place.slot] = float(value)
+
+
+def accelerations(workspace: Workspace) -> Any:
+    program = workspace.program
+    offset = program.region("v_dot").base - program.region("v").base
+    return np.array(
+        [
+            [
+                workspace.values[place.slot + offset] if place.slot >= 0 else 0.0
+                for place in (*body.v, *body.omega_b)
+            ]
+            for body in program.bodies
+        ]
+    )
+
+
+def own_law(i: int, j: int) -> ForceElement:
+    """Return the same spring by a formula in units of half a metre: it is homogeneous."""
+    constants = (("s_i_b", S_I), ("s_j_b", S_J), ("unit", (0.5,)), ("free_length", (0.8,)))
+    return ForceElement("own", "spring_damper", i, j, constants, law="70*x + 6*v")
+
+
+ELEMENTS = {
+    "spring with a law of its own": (own_law(2, 0),),
+    "spring to the ground": (spring("s", GROUND_INDEX, 1),),
+    "spring from the ground's side j": (spring("s", 1, GROUND_INDEX),),
+    "spring between bodies": (spring("s", 2, 0),),
+    "force": (force("force", 1),),
+    "force that turns with the body": (force("force_b", 1),),
+    "torque": (torque("torque", 2),),
+    "torque that turns with the body": (torque("torque_b", 0),),
+    "all on one body": (
+        *(spring(f"s{k}", 0, 1) for k in range(5)),
+        force("force", 1),
+        force("force_b", 1),
+        torque("torque", 1),
+        torque("torque_b", 1),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ELEMENTS)
+def test_accelerations_under_forces_are_those_of_the_dense_equations(
+    mechanisms: SimpleNamespace, rng: np.random.Generator, name: str
+) -> None:
+    system = replace(mechanisms.chain(3), forces=ELEMENTS[name])
+    without = mechanisms.chain(3)
+    for _ in range(3):
+        state = mechanisms.random_state(system, rng)
+        workspace = Workspace(compose(system))
+        put(workspace, state)
+        workspace.run("geometry", "acceleration")
+        wanted, _, _ = mechanisms.dense(system, state, loads_of(system, state))
+        free, _, _ = mechanisms.dense(without, state)
+        assert np.abs(wanted - free).max() > 0.1
+        found = accelerations(workspace)
+        np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-11 * np.abs(wanted).max())
+
+
+def test_energy_of_springs_and_forces_changes_as_their_work_says(
+    mechanisms: SimpleNamespace, rng: np.random.Generator
+) -> None:
+    free = (("stiffness", (70.0,)), ("damping", (0.0,)), ("free_length", (0.8,)))
+    elastic = replace(spring("s", 0, 2), constants=(("s_i_b", S_I), ("s_j_b", S_J), *free))
+    system = replace(mechanisms.chain(3), forces=(elastic, force("force", 1)))
+    assert not any(one.works for one in system.forces)
+    workspace = Workspace(compose(system, ["energies"]))
+    workspace["v"] = list(rng.normal(size=len(workspace["v"])))
+    workspace.run("geometry", "velocity")
+    workspace["v"] = [a + b for a, b in zip(workspace["v"], workspace["dv"], strict=True)]
+    workspace.run("acceleration")
+    q, v = np.array(workspace["q"]), np.array(workspace["v"])
+    q_dot, v_dot = np.array(workspace["q_dot"]), np.array(workspace["v_dot"])
+    energies = []
+    for step in (-1e-5, 1e-5):
+        workspace["q"], workspace["v"] = list(q + step * q_dot), list(v + step * v_dot)
+        workspace.run("energy")
+        energies.append(np.array(workspace["energies"]))
+    rates = (energies[1] - energies[0]) / 2e-5
+    assert abs(rates[0]) > 1.0
+    assert abs(rates.sum()) < 1e-6 * abs(rates[0])
+
+
+@pytest.mark.parametrize(
+    "element",
+    [
+        spring("damped", GROUND_INDEX, 0),
+        own_law(GROUND_INDEX, 0),
+        force("force_b", 0),
+        torque("torque", 0),
+        torque("torque_b", 0),
+    ],
+    ids=lambda one: one.name,
+)
+def test_work_that_no_potential_holds_is_known(element: ForceElement) -> None:
+    assert element.works
+
+
+def in_plane(height: float) -> ForceElement:
+    ends = (("s_i_b", (0.0, 0.5, 0.0)), ("s_j_b", (0.1, 0.0, height)))
+    return ForceElement("s", "spring_damper", GROUND_INDEX, 0, (*ends, *LAW))
+
+
+def test_a_force_out_of_the_plane_makes_a_free_body_leave_it(mechanisms: SimpleNamespace) -> None:
+    free = replace(mechanisms.planar_pendulum(1), constraints=())
+    assert compose(replace(free, forces=(in_plane(0.0),))).is_planar
+    assert not compose(replace(free, forces=(in_plane(0.3),))).is_planar
+    assert not compose(replace(free, forces=(torque("torque", 0),))).is_planar
+    assert not compose(replace(free, forces=(force("force", 0),))).is_planar
+    about_z = ForceElement("motor", "torque", GROUND_INDEX, 0, (("torque", (0.0, 0.0, 2.0)),))
+    assert compose(replace(free, forces=(about_z,))).is_planar
+
+
+@pytest.mark.parametrize("plane", [0, 1, 2])
+def test_joints_that_hold_a_plane_hold_it_against_forces(
+    mechanisms: SimpleNamespace, plane: int
+) -> None:
+    def turn(values: Any) -> Any:
+        return tuple(np.roll(values, -plane).tolist())
+
+    system = mechanisms.planar_pendulum(2)
+    elements = (in_plane(0.3), force("force", 1), torque("torque", 0))
+    bodies = tuple(
+        replace(one, r=turn(one.r), inertia=turn(one.inertia), p=(one.p[0], *turn(one.p[1:])))
+        for one in system.bodies
+    )
+    constraints = tuple(
+        replace(
+            one,
+            kind=one.kind.replace("p1_z", f"p1_{'zyx'[plane]}"),
+            constants=tuple((name, turn(values)) for name, values in one.constants),
+        )
+        for one in system.constraints
+    )
+    forces = tuple(
+        replace(
+            one,
+            constants=tuple(
+                (name, turn(values) if len(values) == 3 else values)
+                for name, values in one.constants
+            ),
+        )
+        for one in elements
+    )
+    gravity = turn(system.gravity)
+    turned = replace(system, bodies=bodies, constraints=constraints, forces=forces, gravity=gravity)
+    found = []
+    for may_be_planar in (True, False):
+        program = compose(turned, may_be_planar=may_be_planar)
+        assert program.is_planar == may_be_planar
+        workspace = Workspace(program)
+        workspace.run("geometry", "acceleration")
+        found.append(accelerations(workspace))
+    np.testing.assert_allclose(found[0], found[1], rtol=0, atol=1e-11 * np.abs(found[1]).max())
