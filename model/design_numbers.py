@@ -13,7 +13,6 @@ from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME, WORD, state_names, used_names
 from kousoku.model.terms import Number
-from kousoku.model.traced import CONTEXT, traced
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
@@ -44,7 +43,7 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
     read: dict[str, float] = {}
     wrong = problems.broken("parameters")
     moving = state_names(scene) - {*scene.parameters}
-    exact = {name: CONTEXT.mpf(value) for name, value in scene.parameters.items()}
+    exact: dict[str, Any] = {}
 
     def number(given: Formula, key: str) -> float:
         if given.text in read:
@@ -53,6 +52,7 @@ def read_formulas(scene: Scene, problems: Problems) -> Scene:
         if is_known and not problems.is_full:
             try:
                 _require_fixed(given.text, moving)
+                exact.update({} if exact else _in_fifty_digits(scene.parameters))
                 read[given.text] = _value(given.text, scene.parameters, exact)
                 return read[given.text]
             except ExpressionError as error:
@@ -81,8 +81,16 @@ def _require_fixed(text: str, moving: Collection[str]) -> None:
             raise ExpressionError(problem, column=found.start() + 1)
 
 
+def _in_fifty_digits(parameters: Mapping[str, float]) -> dict[str, Any]:
+    from kousoku.model.traced import CONTEXT
+
+    return {name: CONTEXT.mpf(value) for name, value in parameters.items()}
+
+
 def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any]) -> float:
     """Return the number that a formula is in a scene: it has one in 50 digits and in doubles."""
+    from kousoku.model.traced import traced
+
     expression = parse_expression(text, parameters)
     value = float(traced(expression, exact))
     if not abs(value) <= LARGEST or not isfinite(value_of(expression, parameters)):
