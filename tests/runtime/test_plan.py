@@ -87,15 +87,19 @@ def test_calls_keep_no_references(tiny: Path, plan_type: Any) -> None:
     assert kernel._fast is not None, plan_type
     r, length, out = np.ones(3), np.array(2.0), (np.empty(1), np.empty((1, 4)))
     held = (r, length, out, *out, None)
-    before = [sys.getrefcount(thing) for thing in held]
-    for _ in range(1000):
-        for given in (out, (out[0], None), (None, None), None):
-            kernel(r, length, out=given)
-        with pytest.raises(ValueError, match="shape"):
-            kernel(r[:2], length, out=out)
-    after = [sys.getrefcount(thing) for thing in held]
-    # Other threads and caches hold None, too: a leak would hold it a thousand times.
-    assert all(abs(a - b) < 100 for a, b in zip(after, before, strict=True))
+
+    def held_more() -> list[int]:
+        before = [sys.getrefcount(thing) for thing in held]
+        for _ in range(1000):
+            for given in (out, (out[0], None), (None, None), None):
+                kernel(r, length, out=given)
+            with pytest.raises(ValueError, match="shape"):
+                kernel(r[:2], length, out=out)
+        return [abs(sys.getrefcount(thing) - b) for thing, b in zip(held, before, strict=True)]
+
+    # Others hold None, too, and let it go when garbage is collected: a leak holds it every time.
+    rounds = [held_more() for _ in range(3)]
+    assert all(min(more) < 100 for more in zip(*rounds, strict=True))
 
 
 @pytest.mark.slow
