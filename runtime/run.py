@@ -35,7 +35,8 @@ STEP_TOO_SMALL, NOT_PROJECTED, NOT_ASSEMBLED, BAD_ARGUMENT, WRONG_STATE = -1, -2
 MESSAGES = {
     STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
     " fast, or the tolerance is too tight for doubles",
-    NOT_PROJECTED: "the constraints cannot be met between two steps",
+    NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
+    " dependent; steps of other lengths may pass such a place",
     NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
     " motion there, or a formula of a force has no finite value there",
     BAD_ARGUMENT: "a number is not finite, or an argument is out of range",

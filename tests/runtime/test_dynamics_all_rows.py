@@ -193,7 +193,7 @@ def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Pat
     ((motor, _),) = module.DRIVERS
     rows = work[module.D_ROWS : module.D_MATRIX].reshape(-1, module.NV)
     rows[motor] *= 1e-9
-    assert 0.0 < module.factorise(work) < 1e-17
+    assert 0.0 < module.factorise(work, np.zeros(module.STATE_SIZE)) < 1e-17
     assert motor in work[module.D_ORDER :][: module.NC]
 
 
@@ -208,13 +208,13 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     are_better, factorise = module.are_better, module.factorise
     made: list[float] = []
 
-    def made_of(w: Array) -> float:
-        made.append(factorise(w))
+    def made_of(w: Array, state: Array) -> float:
+        made.append(factorise(w, state))
         return made[-1]
 
-    def noted(ratio: float, w: Array) -> bool:
+    def noted(ratio: float, w: Array, state: Array) -> bool:
         before = len(made)
-        helps = bool(are_better(ratio, w))
+        helps = bool(are_better(ratio, w, state))
         if len(made) > before:
             tried.append(0.0 if helps else ratio)
         return helps

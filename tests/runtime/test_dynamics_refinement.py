@@ -33,6 +33,8 @@ OUTPUTS = ("accelerations", "reactions")
 #: Its cranks come to the line of the ground points, where the rank drops, within half a second.
 SCENE = n_four_bar(2, rate=-7.0)
 END = 0.5
+#: The angular acceleration of the cranks is −PULL cos θ [rad/s²].
+PULL = 9.81 * 3.5 / 3
 #: A driver brings cranks from half a radian to nearly that line.
 AT_START = (math.cos(0.5), math.sin(0.5))
 DRIVER = '[drivers]\nmotor = { joint = "ground_0", value = "-0.497*t" }\n'
@@ -57,6 +59,17 @@ def passed(solver: DynamicsSolver, heights: Any = HEIGHTS) -> Run:
     run = solver.begin([0.0, *times, END], tolerance=1e-10)
     run.finish()
     return run
+
+
+def rate_at(height: Any) -> Any:
+    """Return the angular velocity of the cranks, which starts at a height of 1 m."""
+    return -np.sqrt(49 + 2 * PULL * (1 - height))
+
+
+def time_of_the_line() -> float:
+    """Return when the cranks come to the line: ∫ dθ / |ω| over a quarter of a turn."""
+    x, weights = np.polynomial.legendre.leggauss(40)
+    return float(-math.pi / 4 * np.sum(weights / rate_at(np.cos(math.pi / 4 * (x + 1)))))
 
 
 def in_fifty_digits(q: Any, v: Any) -> dict[str, Any]:
@@ -86,30 +99,33 @@ def test_rows_near_a_position_of_lower_rank_have_the_accelerations_of_fifty_digi
         for name, found in (("v_dot", v_dot), ("reactions", reactions)):
             lost[name] = max(lost[name], worst(once[name], exact[name]))
             left[name] = max(left[name], worst(found, exact[name]))
-    assert lost["v_dot"] > 5e-11 > 10 * left["v_dot"]
-    assert lost["reactions"] > 3e-9 > 10 * left["reactions"]
+    for name, limit in (("v_dot", 5e-12), ("reactions", 3e-10)):
+        assert left[name] < limit
+        assert lost[name] > 5 * left[name]
     ledger = run.motion().ledger
     assert len(HEIGHTS) <= ledger.refinements < ledger.derivatives / 20
     assert f"{ledger.refinements} accelerations refined" in str(ledger)
     assert max(ledger.worst("acceleration")) < 1e-12
 
 
-def test_rows_that_rounding_of_positions_decides_about_take_accelerations_of_the_polynomial(
+def test_rows_that_small_errors_of_positions_decide_about_are_told_by_the_polynomial(
     solver: DynamicsSolver,
 ) -> None:
-    """All cranks have the acceleration of one pendulum; no factors tell it so near to the line."""
+    """All cranks move like one pendulum; no factors tell it so near to the line."""
     run = passed(solver, NEARER)
     motion = run.motion()
     rows = slice(1, 1 + len(NEARER))
     x, y = motion.position["coupler_0"][rows, :2].T
     assert np.all(np.abs(y) < 3e-5) and y[0] > 0.0 > y[-1]
     for crank in ("crank_0", "crank_1", "crank_2"):
+        rate = motion.angular_velocity[crank][rows, 2]
+        np.testing.assert_allclose(rate, rate_at(y), rtol=0, atol=1e-9)
         found = motion.angular_acceleration[crank][rows, 2]
-        np.testing.assert_allclose(found, -9.81 * 3.5 / 3 * x, rtol=0, atol=1e-7)
+        np.testing.assert_allclose(found, -PULL * x, rtol=0, atol=1e-7)
     ledger = motion.ledger
     assert (ledger.passed, ledger.passed_time) == (len(NEARER), motion.time[len(NEARER)])
-    assert max(ledger.worst("position")) < 1e-14
-    assert max(ledger.worst("velocity")) < 1e-13
+    assert max(ledger.worst("position")) < 1e-10
+    assert max(ledger.worst("velocity")) < 1e-10
     for force in motion.force.values():
         assert np.isnan(force[rows, :2]).all()
         assert np.isfinite(force[[0, -1]]).all()
@@ -117,15 +133,28 @@ def test_rows_that_rounding_of_positions_decides_about_take_accelerations_of_the
 
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
 def test_a_run_may_end_where_the_rank_drops(solver: DynamicsSolver, method: str) -> None:
-    """The cranks are in the line after ∫ dθ/√(49 + 2 k (1 − cos θ)) over a quarter of a turn."""
-    x, weights = np.polynomial.legendre.leggauss(40)
-    speed = np.sqrt(49 + 2 * 9.81 * 3.5 / 3 * (1 - np.cos(math.pi / 4 * (x + 1))))
-    end = math.pi / 4 * float(np.sum(weights / speed))
+    end = time_of_the_line()
     motion = solver.simulate(times=[0.0, end], tolerance=1e-9, method=method)
     np.testing.assert_allclose(motion.position["coupler_0"][-1, :2], [1, 0], rtol=0, atol=1e-9)
     alpha = motion.angular_acceleration["crank_0"][-1, 2]
-    assert alpha == pytest.approx(-9.81 * 3.5 / 3, abs=1e-3)
+    assert alpha == pytest.approx(-PULL, abs=1e-3)
     assert (motion.ledger.passed, motion.ledger.passed_time) == (1, end)
+
+
+@pytest.mark.parametrize("late", [-1e-7, -1e-10, 1e-15, 1e-12, 1e-8, 1e-7])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_no_stage_of_a_step_need_lie_where_the_rank_drops(
+    solver: DynamicsSolver, method: str, late: float
+) -> None:
+    """Steps of a tenth of the way have one there: the end, or one that the polynomial wants."""
+    end = time_of_the_line() * (1 + late)
+    for parts in (3, 7, 10, 20):
+        motion = solver.simulate(
+            times=[0.0, end], tolerance=1.35e-6, method=method, largest_step=end / parts
+        )
+        rate = motion.angular_velocity["crank_0"][-1, 2]
+        assert rate == pytest.approx(rate_at(0.0), abs=1e-4)
+        assert (motion.ledger.passed, motion.ledger.passed_time) == (1, end)
 
 
 def test_power_of_a_driver_is_refined_with_the_accelerations(
