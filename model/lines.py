@@ -10,7 +10,7 @@ import tomllib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
 Path = tuple[str | int, ...]
 """The keys, and the places in lists, that lead to a value."""
@@ -39,9 +39,18 @@ def key_lines(text: str) -> Mapping[Path, int]:
     mapping of tuple to int
         Lines, counted from 1, by the path to the value: ``("nodes", "O1", "at", 0)``.
     """
+    lines: dict[Path, int] = {}
+    for path, line in each_key_line(text):
+        lines.setdefault(path, line)
+    return lines
+
+
+def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
+    """Go through valid TOML, so that a reader can stop; a path may come again, its first counts."""
     scanner = _Scanner(text)
-    scanner.document()
-    return scanner.lines
+    for _ in scanner.statements():
+        yield from scanner.lines.items()
+        scanner.lines.clear()
 
 
 def deep_key_line(text: str, parts: int) -> int:
@@ -75,7 +84,8 @@ class _Scanner:
         self._counts: dict[Path, int] = {}
         self._line, self._counted = 1, 0
 
-    def document(self) -> None:
+    def statements(self) -> Iterator[None]:
+        """Read the document, and wait behind each header and each value."""
         table: Path = ()
         self.skip(_BLANK)
         while self.place < len(self.text):
@@ -87,6 +97,7 @@ class _Scanner:
                 self.place += 1
             else:
                 self.value(self.assigned(table))
+            yield
             self.skip(_BLANK)
 
     def header(self, *, is_list: bool) -> Path:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.decode import decode_parts, join
 from kousoku.model.design_numbers import read_formulas
 from kousoku.model.errors import AssemblyError, Problem, SceneError
-from kousoku.model.lines import deep_key_line, key_lines
+from kousoku.model.lines import deep_key_line, each_key_line
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
 from kousoku.model.validate import check_parts
@@ -148,16 +148,22 @@ def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
     """
     if not text:
         return problems
-    lines = _lines(text)
+    lines = _lines(text, [one.place or one.key for one in problems])
     found = [replace(one, line=_line(lines, one.place or one.key)) for one in problems]
     return sorted(found, key=lambda one: one.line)
 
 
-def _lines(text: str) -> dict[str, int]:
-    """Return the line of each dotted key."""
+def _lines(text: str, wanted: Sequence[str] | None = None) -> dict[str, int]:
+    """Return the line of each dotted key, or of so many that those wanted are among them."""
     lines: dict[str, int] = {}
-    for path, line in key_lines(text).items():
-        lines.setdefault(_dotted(path), line)
+    missing = None if wanted is None else set(wanted)
+    for path, line in each_key_line(text):
+        key = _dotted(path)
+        lines.setdefault(key, line)
+        if missing is not None:
+            missing.discard(key)
+            if not missing:
+                break
     return lines
 
 

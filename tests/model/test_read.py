@@ -3,12 +3,19 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from kousoku.model import read
+from kousoku.model.decode import MOST_ELEMENTS
 from kousoku.model.errors import AssemblyError, SceneError
+from kousoku.model.lines import each_key_line
 from kousoku.model.read import LARGEST_FILE, located, read_scene, scene_from_dict, scene_from_toml
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "scenes").glob("*.toml"))
@@ -144,3 +151,22 @@ def test_lines_stand_behind_whole_names_in_errors_of_assembly(tmp_path: Path) ->
         f"{path}:2: s: open: joints.ab (line 2) by 2 m, joints.a.b, joints.a (line 1) by 1 m, "
         "drivers.turn (line 3) by 1 rad; mend"
     )
+
+
+def test_a_scene_that_is_too_large_is_refused_where_its_table_begins(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The line of a limit is said at once: what stands behind it is not gone through."""
+    gone_through = []
+
+    def counted(text: str) -> Iterator[tuple[tuple[str | int, ...], int]]:
+        for path, line in each_key_line(text):
+            gone_through.append(path)
+            yield path, line
+
+    monkeypatch.setattr(read, "each_key_line", counted)
+    bodies = "\n".join(f"b{k} = {{ position = [{k}, 0, 0] }}" for k in range(MOST_ELEMENTS + 1))
+    with pytest.raises(SceneError) as caught:
+        scene_from_toml(f'name = "many"\nunit = "m"\n[bodies]\n{bodies}\n', file="many.toml")
+    assert str(caught.value).startswith("many.toml:3: bodies: has 20001 elements")
+    assert gone_through == [("name",), ("unit",), ("bodies",)]
