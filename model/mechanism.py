@@ -51,6 +51,9 @@ class MovingBody:
         Origin of the user's body frame, in the principal frame.
     axes_b : (4,)
         Euler parameters that take components in the user's body frame to the principal frame.
+    spins_in_o : bool
+        Whether the scene gives the angular velocity in frame O, so that assembly keeps it there
+        where it turns the body.
     """
 
     name: str
@@ -63,6 +66,7 @@ class MovingBody:
     omega_b: Vector
     origin_b: Vector
     axes_b: Quaternion
+    spins_in_o: bool = False
 
 
 @dataclass(frozen=True, slots=True)

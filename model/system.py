@@ -172,6 +172,7 @@ def _moving(
         omega_b=fixed(to_vector(frame.principal(spin))),
         origin_b=frame.point(ZERO, unit),
         axes_b=to_quaternion(frame.axes),
+        spins_in_o=body.angular_velocity is not None,
     )
 
 

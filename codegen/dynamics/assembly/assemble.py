@@ -10,13 +10,14 @@ depends on how: it is rounded once.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.least import Metric, Solver
 from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
-from kousoku.codegen.dynamics.assembly.pose import Pose
+from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers, with_turns_counted
 from kousoku.codegen.dynamics.assembly.violations import key_of, listed, worst_first
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.model.mechanism import MovingBody, System
-    from kousoku.model.precise import High
+    from kousoku.model.precise import High, Quadruple, Triple
 
 MOST_ROWS = 6000
 """Rows of the largest system whose positions are moved."""
@@ -149,7 +150,11 @@ def _placed(
 
 def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> list[High]:
     """Return the velocities nearest to those of the scene at which all joints stay closed."""
-    given = [precise.number(x) for body in system.bodies for x in (*body.v, *body.omega_b)]
+    given = [
+        x
+        for body, p in zip(system.bodies, pose.p, strict=False)
+        for x in chain.from_iterable(_given_velocities(body, p))
+    ]
     _, jacobian = rows.at(pose)
     kept = rows.first[len(system.constraints)]
     rates = [x - y for x, y in zip(jacobian.times(given), rows.nu, strict=True)]
@@ -161,6 +166,22 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
     prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)
     _check_velocities(system, rows, torn, max(metric.norm(given), prescribed))
     return v
+
+
+def _given_velocities(body: MovingBody, p: Quadruple) -> tuple[Triple, Triple]:
+    """Return what the scene gives for a body that assembly turned to p: v and omega_b.
+
+    The velocity of its origin stays, and of its angular velocity the components that are given.
+    """
+    v, omega_b = precise.triple(body.v), precise.triple(body.omega_b)
+    before = normalised(body.p)
+    if p == before:
+        return v, omega_b
+    arm = precise.triple(body.origin_b)
+    origin = precise.add(v, precise.rotate(before, precise.cross(omega_b, arm)))
+    if body.spins_in_o:
+        omega_b = precise.rotate_back(p, precise.rotate(before, omega_b))
+    return precise.subtract(origin, precise.rotate(p, precise.cross(omega_b, arm))), omega_b
 
 
 def _check_velocities(

@@ -12,9 +12,11 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.simplification.planar import is_planar
+from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import read_scene, scene_from_dict
@@ -26,6 +28,14 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[4]
 Tree = dict[str, Any]
 ULP = 2.0**-52
+
+TILTED: Tree = {
+    "position": [0.05, -0.1, 0.02],
+    "orientation": {"rotation_vector": [0.3, -0.2, 0.7]},
+    "mass": 2,
+    "center": [0.4, 0.1, 0.2],
+    "inertia": {"xx": 0.2, "yy": 0.3, "zz": 0.3},
+}
 
 
 def built(bodies: Tree, joints: Tree) -> System:
@@ -237,6 +247,26 @@ def test_a_held_angular_velocity_drives_the_rest() -> None:
     assert residuals(system)[1] < 8 * ULP
     without = assemble(four_bar(TURNED | {"angular_velocity": [0, 0, 2]}))
     assert 0 < without.bodies[0].omega_b[2] < 2
+
+
+@pytest.mark.parametrize("hold", [["angular_velocity"], []])
+def test_an_angular_velocity_in_frame_o_stays_there_where_its_body_is_turned(
+    hold: list[str],
+) -> None:
+    body = TILTED | {"center": [0.1, 0, 0.2], "angular_velocity": [0, 0, 2], "hold": hold}
+    hinge = {"type": "hinge", "bodies": ["ground", "b"], "points": [[0, 0, 0], [0.1, 0, 0]]}
+    (b,) = assemble(built({"b": body}, {"h": hinge | {"axes": [[0, 0, 1]] * 2}})).bodies
+    omega = precise.rotate(normalised(b.p), precise.triple(b.omega_b))
+    assert [float(x) for x in omega] == pytest.approx([0, 0, 2], abs=4 * ULP)
+
+
+def test_a_held_velocity_is_that_of_the_origin_where_the_body_is_turned() -> None:
+    held = {"velocity": [0, 0, 0.5], "angular_velocity_b": [0, 0, 3], "hold": ["velocity"]}
+    slot = {"type": "cylindrical", "bodies": ["ground", "b"], "points": [[0, 0, 0]] * 2}
+    (b,) = assemble(built({"b": TILTED | held}, {"c": slot | {"axes": [[0, 0, 1]] * 2}})).bodies
+    arm = precise.cross(precise.triple(b.omega_b), precise.triple(b.origin_b))
+    origin = precise.add(precise.triple(b.v), precise.rotate(normalised(b.p), arm))
+    assert [float(x) for x in origin] == pytest.approx([0, 0, 0.5], abs=4 * ULP)
 
 
 def test_joints_that_stay_open_are_named_with_metres() -> None:
