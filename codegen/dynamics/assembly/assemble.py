@@ -1,7 +1,7 @@
 """Assembly: the nearest positions and velocities that fit, from those that a scene gives.
 
 Positions are the q with C(q) = 0 whose displacement d from the start has the least dᵀ W d, where
-W holds masses and moments of inertia: d = W⁻¹ C_qᵀ λ. Velocities are those with C_q v = ν for which
+W holds masses and moments of inertia: d = W⁻¹ C_dᵀ λ. Velocities are those with C_q v = ν for which
 v − v₀ is least in the same way. Drivers are rows like all others, taken at t = 0. Rows are
 evaluated in 50 digits and equations solved in doubles, again and again, until the result no longer
 depends on how: it is rounded once.

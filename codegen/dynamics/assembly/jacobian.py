@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.pose import rates_of_turn
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model import precise
 
 if TYPE_CHECKING:
@@ -37,6 +39,21 @@ class Jacobian:
         rows = np.array([row for row, _, _ in self._elements], int)
         columns = np.array([column for _, column, _ in self._elements], int)
         return rows, columns, np.array([float(value) for _, _, value in self._elements])
+
+    def of_displacement(self, d: Sequence[High]) -> Jacobian:
+        """Return the derivative by a displacement d so far, whose turns are rotation vectors."""
+        turns = range(3, len(d), COLUMNS)
+        rates = {k: rates_of_turn((d[k], d[k + 1], d[k + 2])) for k in turns}
+        elements: list[tuple[int, int, High]] = []
+        for row, column, value in self._elements:
+            place = column % COLUMNS - 3
+            if place < 0:
+                elements.append((row, column, value))
+                continue
+            first = column - place
+            parts = enumerate(rates[first][place])
+            elements += ((row, first + k, value * rate) for k, rate in parts)
+        return Jacobian(elements, self._shape)
 
     def dense(self) -> Array:
         """Return the matrix in doubles."""

@@ -184,8 +184,8 @@ def _stages(missing: Array, drives: Array, size: float) -> int:
 def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
     """Return the positions nearest to ``start`` on the branch of ``pose``, which fits already.
 
-    With d the displacement so far, d ← W⁻¹ C_qᵀ λ where S λ = C_q d − C, until it stays. Where that
-    does not settle, the positions stay those that fit.
+    With d the displacement so far, and C_d = C_q ∂q/∂d, d ← W⁻¹ C_dᵀ λ where S λ = C_d d − C, until
+    it stays. Where that does not settle, the positions stay those that fit.
     """
     metric, rough = search.metric, search.rough
     begin = Place.of(start)
@@ -197,6 +197,7 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
     solver: Solver | None = None
     for _ in range(MOST_STEPS):
         c, jacobian = search.rows.at(moved)
+        jacobian = jacobian.of_displacement(d)
         solver = solver.with_jacobian(jacobian) if solver else Solver(jacobian, metric, search.rows)
         towards = solver.displacement(_less(jacobian.times(d), c))
         missing = _less(towards, d)

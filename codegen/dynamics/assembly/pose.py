@@ -16,6 +16,10 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import Coordinate, MovingBody
 
 
+_ONE, _NONE = precise.number(1.0), precise.number(0.0)
+_UNIT = (_ONE, _NONE, _NONE), (_NONE, _ONE, _NONE), (_NONE, _NONE, _ONE)
+
+
 @dataclass(frozen=True, slots=True)
 class Pose:
     """Positions of all bodies; that of the ground stands last, where its index −1 finds it.
@@ -79,6 +83,25 @@ def _from_turn(turn: Triple) -> Quadruple:
         return IDENTITY
     sine = HIGH_CONTEXT.sin(angle / 2)
     return (HIGH_CONTEXT.cos(angle / 2), *precise.scale(sine / angle, turn))
+
+
+def rates_of_turn(turn: Triple) -> tuple[Triple, Triple, Triple]:
+    """Return the matrix T with δθ′ = T dw of a rotation vector w that changes by dw.
+
+    T = 1 − (1 − cos|w|)/|w|² w̃ + (|w| − sin|w|)/|w|³ w̃².
+    """
+    angle = precise.length(turn)
+    if angle == 0:
+        return _UNIT
+    a = 2 * (HIGH_CONTEXT.sin(angle / 2) / angle) ** 2
+    b = (angle - HIGH_CONTEXT.sin(angle)) / angle**3
+    columns = []
+    for axis in _UNIT:
+        across = precise.cross(turn, axis)
+        twice = precise.scale(b, precise.cross(turn, across))
+        columns.append(precise.add(precise.subtract(axis, precise.scale(a, across)), twice))
+    (xx, yx, zx), (xy, yy, zy), (xz, yz, zz) = columns
+    return (xx, xy, xz), (yx, yy, yz), (zx, zy, zz)
 
 
 def _to_turn(p: Quadruple) -> Triple:

@@ -19,6 +19,7 @@ from kousoku.model import precise
 from kousoku.model.precise import IDENTITY, ZERO
 
 if TYPE_CHECKING:
+    from kousoku.codegen.dynamics.assembly.jacobian import Places
     from kousoku.codegen.dynamics.assembly.least import Metric
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.redundancy.rank import Array
@@ -40,6 +41,9 @@ MOST_STEPS = 60
 
 HOPELESS = 1e3
 """A step of so many sizes of the system settles nowhere."""
+
+SMALL_TURN = 1e-3
+"""Below it 1/6 stands for (|w| − sin|w|)/|w|³: with |w|² that is right to 10⁻¹⁴."""
 
 DIFFERENCE, RIGHT = 1e-6, 1e-5
 """Displacement by which the step is differentiated, and what may be wrong of the result."""
@@ -142,7 +146,7 @@ class RoughSearch:
     def polished(self, start: Place, place: Place) -> Place | None:
         """Return the positions nearest to ``start`` on the branch of a place that fits.
 
-        None where d ← W⁻¹ C_qᵀ λ with S λ = C_q d − C does not settle.
+        None where d ← W⁻¹ C_dᵀ λ with S λ = C_d d − C does not settle, C_d = C_q ∂q/∂d.
         """
         moved, d = place, place.since(start)
         accelerated = Accelerated(1 / self._roots)
@@ -179,8 +183,10 @@ class RoughSearch:
 
     def _nearest(self, place: Place, d: Array) -> Array:
         c, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+        rows, columns, values = _of_displacement(rows, columns, values, d)
         rates = np.bincount(rows, values * d[columns], self._rows.rows)
-        return self._step(place, (rates - c) * self._lengths, LEAST_DAMPING)
+        missing = (rates - c) * self._lengths
+        return self._least((rows, columns, values), missing, LEAST_DAMPING)
 
     def _away(self, change: Array) -> float:
         return _norm(change / self._roots)
@@ -191,12 +197,49 @@ class RoughSearch:
     def _step(self, place: Place, missing: Array, damping: float) -> Array:
         """Return a displacement that changes the rows, as lengths, about as wanted, damped."""
         _, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
+        return self._least((rows, columns, values), missing, damping)
+
+    def _least(
+        self, elements: tuple[Places, Places, Array], missing: Array, damping: float
+    ) -> Array:
+        """Return the least displacement for a Jacobian by its rows, columns and values."""
+        rows, columns, values = elements
         scaled = values * self._lengths[rows] * self._roots[columns]
         factors = BlockFactors(self._pattern, (rows, columns, scaled), damping)
         multipliers = factors.solve(missing)
         size = len(self._roots)
         step: Array = self._roots * np.bincount(columns, scaled * multipliers[rows], size)
         return step
+
+
+def _of_displacement(
+    rows: Places, columns: Places, values: Array, d: Array
+) -> tuple[Places, Places, Array]:
+    """Return the derivative by a displacement, as of a Jacobian, from its elements for δθ′."""
+    rates = _rates_of_turns(d.reshape(-1, COLUMNS)[:, 3:])
+    place = columns % COLUMNS - 3
+    turns = place >= 0
+    body, place = columns[turns] // COLUMNS, place[turns]
+    parts = values[turns, None] * rates[body, place]
+    first = np.repeat(body * COLUMNS + 3, 3) + np.tile((0, 1, 2), len(body))
+    return (
+        np.concatenate((rows[~turns], np.repeat(rows[turns], 3))),
+        np.concatenate((columns[~turns], first)),
+        np.concatenate((values[~turns], parts.ravel())),
+    )
+
+
+def _rates_of_turns(w: Array) -> Array:
+    """Return T with δθ′ = T dw of each rotation vector w, (n, 3, 3)."""
+    x, y, z = w.T
+    zero = np.zeros_like(x)
+    tilde = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
+    angle = np.sqrt((w * w).sum(axis=1))[:, None, None]
+    safe = np.where(angle > SMALL_TURN, angle, 1.0)
+    a = 0.5 * np.sinc(angle / (2 * np.pi)) ** 2
+    b = np.where(angle > SMALL_TURN, (safe - np.sin(safe)) / safe**3, 1 / 6)
+    turned: Array = np.eye(3) - a * tilde + b * (tilde @ tilde)
+    return turned
 
 
 def _norm(x: Array) -> float:

@@ -139,6 +139,23 @@ def test_the_nearest_positions_are_weighted_by_mass_and_inertia() -> None:
     assert 0.1 < theta < 0.5
 
 
+def test_no_turn_that_a_joint_allows_brings_a_body_nearer_to_where_it_was_written() -> None:
+    inertia = {"inertia": {"xx": 0.05, "yy": 0.4, "zz": 0.43}}
+    joint = {"type": "parallel", "bodies": ["ground", "b"], "axes": [[0, 0, 1], [0.8, 0.6, 1]]}
+    written = built({"b": TILTED | inertia}, {"j": joint})
+    (start,), (b,) = written.bodies, assemble(written).bodies
+
+    def distance(angle: float) -> float:
+        p = precise.compose(normalised((1, 0, 0, math.tan(angle / 2))), normalised(b.p))
+        w, *e = map(float, precise.compose(precise.conjugate(normalised(start.p)), p))
+        turn = 2 * math.atan2(math.hypot(*e), w) / math.hypot(*e) * np.array(e)
+        return float(turn @ (b.inertia * turn))
+
+    assert distance(0) > 0.01
+    assert distance(1e-4) - distance(-1e-4) == pytest.approx(0, abs=1e-12)
+    assert distance(0.1) > distance(0) < distance(-0.1)
+
+
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 0.1])
 def test_closed_loops_close_though_their_rows_repeat_each_other(size: float) -> None:
     system = assemble(disturbed(system_of(n_four_bar(2)), size))
