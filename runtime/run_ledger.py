@@ -81,8 +81,8 @@ class RunLedger:
     drift : float
         Largest correction of a step onto the constraints, relative to a length of the scene.
     avoided : int
-        Steps that were made shorter, since a stage fell where rows of the constraints are nearly
-        dependent and rounding is large.
+        Lengths of steps that were given up, since a stage fell where rows of the constraints are
+        nearly dependent and rounding is large: for a shorter one, or at the end for a longer one.
     growth, growth_time : float, float [s]
         Smallest ratio of the smallest to the largest pivot of a factorisation, and when that was:
         it is near zero where the rank drops.

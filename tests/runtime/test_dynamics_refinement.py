@@ -157,6 +157,41 @@ def test_no_stage_of_a_step_need_lie_where_the_rank_drops(
         assert (motion.ledger.passed, motion.ledger.passed_time) == (1, end)
 
 
+@pytest.mark.parametrize("tolerance", [1e-8, 1e-9])
+def test_steps_do_not_creep_where_the_rank_drops_for_long(
+    backend: str, bodies_folder: Callable[..., Path], tolerance: float
+) -> None:
+    """Cranks swing up from below and come over the line with 1e-3 rad/s alone."""
+    scene = n_four_bar(2, turned=(0.0, -1.0), rate=math.sqrt(2 * PULL + 1e-6))
+    target: Any = backend
+    motion = load_dynamics(bodies_folder(scene, OUTPUTS), target=target).simulate(
+        times=[0.0, 1.0], tolerance=tolerance, method="dopri5", most_steps=120
+    )
+    assert motion.ledger.growth < 1e-8
+    fallen = -motion.position["coupler_0"][-1, 1]
+    assert fallen > 0.8
+    for crank in ("crank_0", "crank_1", "crank_2"):
+        rate = motion.angular_velocity[crank][-1, 2]
+        assert abs(rate) == pytest.approx(math.sqrt(1e-6 + 2 * PULL * fallen), abs=20 * tolerance)
+
+
+def test_a_last_step_that_fails_elsewhere_is_a_rejected_one(
+    backend: str, bodies_folder: Callable[..., Path]
+) -> None:
+    """A driver that starts suddenly leads too far for the step that would reach the end."""
+    driver = DRIVER.replace("-0.497*t", "0.3*t^20")
+    scene = scene_from_toml(f"{to_toml(n_four_bar(1, rate=0.0))}\n{driver}")
+    target: Any = backend
+    ledger = (
+        load_dynamics(bodies_folder(scene, OUTPUTS), target=target)
+        .simulate(times=[0.0, 1.0], tolerance=1e-3, method="dopri5")
+        .ledger
+    )
+    assert ledger.growth > 0.2
+    assert ledger.rejected > 0
+    assert ledger.avoided == 0
+
+
 def test_power_of_a_driver_is_refined_with_the_accelerations(
     backend: str, bodies_folder: Callable[..., Path]
 ) -> None:
