@@ -42,6 +42,7 @@ from kousoku.model.zero_directions import check_zero_directions
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from kousoku.model.errors import Problem
     from kousoku.model.joints import Part
     from kousoku.model.mass import MassProperties
     from kousoku.model.scene import Scene
@@ -87,9 +88,8 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     check_zero_directions(scene, frames)
     coordinates = CoordinateList(scene, frames, unit)
     start_values(scene, coordinates)
-    joints = (_instances(name, joint, frames, coordinates) for name, joint in scene.joints.items())
     constraints = (
-        *chain.from_iterable(joints),
+        *_constraints(scene, frames, coordinates),
         *driver_instances(scene, coordinates, frames),
     )
     forces = force_elements(scene, frames, coordinates, unit)
@@ -174,6 +174,22 @@ def _moving(
         axes_b=to_quaternion(frame.axes),
         spins_in_o=body.angular_velocity is not None,
     )
+
+
+def _constraints(
+    scene: Scene, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
+) -> list[Instance]:
+    """Return what all joints are composed of; all that cannot be composed is refused at once."""
+    made: list[Instance] = []
+    problems: list[Problem] = []
+    for name, joint in scene.joints.items():
+        try:
+            made += _instances(name, joint, frames, coordinates)
+        except SceneError as error:
+            problems += error.problems
+    if problems:
+        raise SceneError.of(problems)
+    return made
 
 
 def _instances(

@@ -12,6 +12,7 @@ from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of
+from kousoku.model.problems import Problems
 from kousoku.model.terms import Apply, Function, ordered
 from kousoku.model.validate_coordinates import (
     check_leaves,
@@ -24,7 +25,6 @@ from kousoku.model.values import value_of
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Driver, Value
 
@@ -63,9 +63,10 @@ def check_drivers(scene: Scene, problems: Problems) -> None:
             )
             if used is not None
         ]
-        if problems.touches("parameters"):  # a formula may use the one that is missing
-            problems.break_(key)
-        problems.check(key, [key, *uses], _check_driver, scene, name, drives)
+        problems.check(key, [key, *uses], _check_driven, scene, name, drives)
+        if not problems.touches("parameters"):  # a formula may use the one that is missing
+            problems.check(key, (), _check_laws, scene, driver, key)
+            problems.check(key, [key, *uses], _check_turn, scene, driver, f"{key}.value")
     for name, given in scene.inputs.items():
         if given.joint is None or problems.is_broken(join("inputs", name)):
             continue
@@ -75,7 +76,7 @@ def check_drivers(scene: Scene, problems: Problems) -> None:
             problems.add(problem, join("inputs", name))
 
 
-def _check_driver(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
+def _check_driven(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
     driver, key = scene.drivers[name], join("drivers", name)
     sort = only_one(driver, tuple(KEYS), key)
     known = tuple(dict.fromkeys(name for names in KEYS.values() for name in names))
@@ -84,12 +85,17 @@ def _check_driver(scene: Scene, name: str, drives: dict[Driven, str]) -> None:
         other = drives.setdefault(driven, key)
         if other != key:
             raise SceneError(f"drives the same as {other}; leave one of them out", key=key)
-    if driver.path is not None:
-        for index, value in enumerate(driver.path):
-            _check_law(scene, value, f"{key}.path[{index}]")
-    elif driver.value is not None:
-        start = _check_law(scene, driver.value, f"{key}.value")
-        _check_turn(scene, driver, start, f"{key}.value")
+
+
+def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
+    """Check all formulas of a driver, whatever is wrong with what it drives."""
+    laws = {f"{key}.path[{index}]": value for index, value in enumerate(driver.path or ())}
+    if driver.value is not None:
+        laws[f"{key}.value"] = driver.value
+    problems = Problems()
+    for place, value in laws.items():
+        problems.check(place, (), _check_law, scene, value, place)
+    problems.settle()
 
 
 def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
@@ -123,11 +129,12 @@ def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
         yield given.body, given.point or (0.0, 0.0, 0.0), given.along
 
 
-def _check_turn(scene: Scene, driver: Driver, start: float, key: str) -> None:
+def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
     """Check that an angle which says which turn it is in is driven in that one."""
-    if driver.coordinate is None:
+    if driver.coordinate is None or driver.value is None:
         return
     near = scene.coordinates[driver.coordinate].near
+    start = _check_law(scene, driver.value, key)
     if near is not None and abs(near - start) > pi:
         raise SceneError(
             f"is {start:g} at t = 0, and {driver.coordinate} is near {near:g}; wanted both within "

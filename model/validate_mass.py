@@ -9,6 +9,7 @@ import numpy as np
 from kousoku.model.decode import LARGEST
 from kousoku.model.errors import SceneError
 from kousoku.model.orientation import check_orientation
+from kousoku.model.problems import Problems
 from kousoku.model.spatial import SOLIDS
 
 if TYPE_CHECKING:
@@ -24,8 +25,24 @@ def check_mass(body: Body, key: str) -> None:
     Raises
     ------
     SceneError
-        With the dotted key of what is wrong.
+        All that is wrong, each with its dotted key.
     """
+    problems = Problems()
+    problems.check(key, (), _check_given, body, key)
+    mass = f"{key}.mass"
+    if body.mass is not None:
+        problems.check(mass, (), _check_positive, body.mass, "mass", "kg", mass)
+    for name in SOLIDS:
+        for index, solid in enumerate(getattr(body, name)):
+            _check_solid(solid, f"{key}.{name}[{index}]", problems)
+    if body.inertia is not None:
+        uses = [key] if body.inertia.about is None else [key, mass]
+        problems.check(f"{key}.inertia", uses, _check_inertia, body, f"{key}.inertia")
+    problems.settle()
+
+
+def _check_given(body: Body, key: str) -> None:
+    """Refuse what a point does not have, and what has no meaning without a mass."""
     direct = [of for of in ("mass", "center", "inertia") if getattr(body, of) is not None]
     if body.point:
         for name in ("center", "inertia", *SOLIDS):
@@ -33,30 +50,26 @@ def check_mass(body: Body, key: str) -> None:
                 raise SceneError("a point has a mass only; leave it out", key=f"{key}.{name}")
     if direct and body.mass is None:
         raise SceneError(f"is missing, but {direct[0]} is given", key=f"{key}.mass")
-    if body.mass is not None:
-        _check_positive(body.mass, "mass", "kg", f"{key}.mass")
-    for name in SOLIDS:
-        for index, solid in enumerate(getattr(body, name)):
-            _check_solid(solid, f"{key}.{name}[{index}]")
-    if body.inertia is not None:
-        _check_inertia(body, f"{key}.inertia")
 
 
-def _check_solid(solid: object, key: str) -> None:
-    _check_positive(getattr(solid, "mass", None), "mass", "kg", f"{key}.mass")
+def _check_solid(solid: object, key: str, problems: Problems) -> None:
+    """Check the parts of a solid, each whatever is wrong with the others."""
+    mass = getattr(solid, "mass", None)
+    problems.check(f"{key}.mass", (), _check_positive, mass, "mass", "kg", f"{key}.mass")
     for name in ("size", "radius", "ends", "orientation"):
-        value = getattr(solid, name, None)
+        value, place = getattr(solid, name, None), f"{key}.{name}"
         if value is None:
             continue
         if name == "radius":
-            _check_positive(value, name, "", f"{key}.{name}")
+            problems.check(place, (), _check_positive, value, name, "", place)
         elif name == "size":
             for index, edge in enumerate(value):
-                _check_positive(edge, "edge", "", f"{key}.{name}[{index}]")
+                part = f"{place}[{index}]"
+                problems.check(part, (), _check_positive, edge, "edge", "", part)
         elif name == "orientation":
-            check_orientation(value, f"{key}.{name}")
+            problems.check(place, (), check_orientation, value, place)
         elif value[0] == value[1]:
-            raise SceneError("are the same point; wanted two", key=f"{key}.{name}")
+            problems.add("are the same point; wanted two", place)
 
 
 def _check_positive(value: float | None, what: str, unit: str, key: str) -> None:

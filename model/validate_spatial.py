@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import LARGEST, join, require_known
 from kousoku.model.design_numbers import FORMULAS
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import Problem, SceneError
 from kousoku.model.formulas import state_names
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.orientation import check_orientation
@@ -19,6 +19,8 @@ from kousoku.model.validate_forces import check_force, check_gravity
 from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from kousoku.model.joints import JointKind
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
@@ -204,12 +206,9 @@ def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
         raise SceneError(
             f"a {joint.type} joint has one axis; leave it out", key=f"{key}.second_axis"
         )
-    for index, axis in enumerate(joint.axes or ()):
-        _check_axis(axis, f"{key}.axes[{index}]")
-    if joint.axis is not None:
-        _check_axis(joint.axis, f"{key}.axis")
-    if joint.second_axis is not None:
-        _check_axis(joint.second_axis, f"{key}.second_axis")
+    axes = {f"{key}.axes[{index}]": axis for index, axis in enumerate(joint.axes or ())}
+    axes |= {f"{key}.{name}": getattr(joint, name) for name in given if name != "axes"}
+    _check_lengths(axes)
     _check_zero(joint, kind, key)
 
 
@@ -221,8 +220,7 @@ def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
         raise SceneError(
             f"a {joint.type} joint has no angle, and keeps none; leave it out", key=f"{key}.zero"
         )
-    for index, zero in enumerate(joint.zero):
-        _check_axis(zero, f"{key}.zero[{index}]")
+    _check_lengths({f"{key}.zero[{index}]": zero for index, zero in enumerate(joint.zero)})
     # Beside an axis in frame O they are looked at when the frames of the bodies are known.
     for index, (zero, axis) in enumerate(zip(joint.zero, joint.axes or (), strict=False)):
         sizes = hypot(*zero) * hypot(*axis)
@@ -249,9 +247,12 @@ def _check_numbers(joint: Joint, kind: JointKind, key: str) -> None:
         )
 
 
-def _check_axis(axis: tuple[float, float, float], key: str) -> None:
-    if not hypot(*axis) >= 1 / LARGEST:
-        raise SceneError("has zero length; wanted an axis", key=key)
+def _check_lengths(axes: Mapping[str, tuple[float, float, float]]) -> None:
+    """Refuse axes of zero length, all of them."""
+    zero = [key for key, axis in axes.items() if not hypot(*axis) >= 1 / LARGEST]
+    if zero:
+        problem = "has zero length; wanted an axis"
+        raise SceneError.of([Problem(problem, key) for key in zero])
 
 
 def _check_length(joint: Joint, key: str) -> None:

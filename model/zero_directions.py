@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import Problem, SceneError
 from kousoku.model.frames import joint_axes
 
 if TYPE_CHECKING:
@@ -31,8 +31,9 @@ def check_zero_directions(scene: Scene, frames: Mapping[str, BodyFrame]) -> None
     Raises
     ------
     SceneError
-        A direction is parallel to the axis of its joint.
+        Directions are parallel to the axes of their joints: all of them.
     """
+    problems = []
     for name, joint in scene.joints.items():
         if joint.zero is None or joint.axis is None:
             continue
@@ -41,7 +42,7 @@ def check_zero_directions(scene: Scene, frames: Mapping[str, BodyFrame]) -> None
         for k, (end, given, axis) in enumerate(zip(ends, joint.zero, axes, strict=True)):
             zero = precise.unit(precise.triple(given))
             if not precise.length(precise.cross(end.principal(zero), axis)) > PARALLEL:
-                raise SceneError(
-                    "is parallel to the axis; wanted a direction across it",
-                    key=f"joints.{name}.zero[{k}]",
-                )
+                problem = "is parallel to the axis; wanted a direction across it"
+                problems.append(Problem(problem, f"joints.{name}.zero[{k}]"))
+    if problems:
+        raise SceneError.of(problems)

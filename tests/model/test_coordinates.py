@@ -206,7 +206,7 @@ def test_a_coordinate_that_cannot_be_is_refused(given: Tree, key: str, says: str
 
 
 def test_what_a_coordinate_needs_is_reported_once() -> None:
-    """A joint that is wrong breaks its coordinate, the driver of it and the gear with it."""
+    """A joint that is wrong breaks its coordinate and the gear; a formula is wrong by itself."""
     tree = arm(0, coordinates={"turn": {"joint": "axle", "of": "angle"}})
     tree["joints"]["axle"]["type"] = "cylindrica"
     tree["joints"]["mesh"] = {"type": "gear", "joints": ["axle", "axle"], "ratio": 0}
@@ -214,7 +214,8 @@ def test_what_a_coordinate_needs_is_reported_once() -> None:
     tree["forces"] = {"drag": {"type": "friction", "joint": "axle", "damping": 1}}
     with pytest.raises(SceneError) as caught:
         scene_from_dict(tree)
-    assert [one.key for one in caught.value.problems] == ["joints.axle.type"]
+    keys = [one.key for one in caught.value.problems]
+    assert keys == ["joints.axle.type", "drivers.motor.value"]
 
 
 @pytest.mark.parametrize("table", ["parameters", "coordinates", "drivers"])

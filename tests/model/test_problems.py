@@ -211,6 +211,34 @@ def test_several_mistakes_in_one_element_are_all_reported() -> None:
     assert problems_of(text) == [(28, key) for key in keys]
 
 
+def test_all_that_is_wrong_with_a_body_a_joint_and_a_driver_is_reported() -> None:
+    text = SPATIAL.replace(
+        "mass = 1, inertia = { xx = 1, yy = 1", "mass = -1, inertia = { xx = 1, yy = 9"
+    )
+    text = text.replace(
+        "at = [0, 0, 0], axis = [0, 0, 1]",
+        "points = [[0, 0, 0], [0, 0, 0]], axes = [[0, 0, 0], [0, 0, 0]]",
+    )
+    text += """
+[bodies.rod]
+position = [0, 0, 0]
+rods = [{ mass = 0, ends = [[0, 0, 0], [0, 0, 0]] }, { mass = -1, ends = [[0, 0, 0], [1, 0, 0]] }]
+[drivers.tip]
+body = "hnad"
+path = ["abs(t)", "t", "log(t)"]
+"""
+    bodies = [f"bodies.{name}.{key}" for name in ("arm", "hand") for key in ("mass", "inertia")]
+    joint = [f"joints.shoulder.axes[{k}]" for k in (0, 1)]
+    rods = [f"bodies.rod.rods[{place}" for place in ("0].mass", "0].ends", "1].mass")]
+    driver = [f"drivers.tip.{key}" for key in ("body", "path[0]", "path[2]")]
+    assert [key for _, key in problems_of(text)] == bodies + joint + rods + driver
+
+
+def test_a_parameter_that_is_wrong_hides_no_driver_of_what_is_not_there() -> None:
+    wrong = SPATIAL + '[parameters]\nk = true\n[drivers.d]\njoint = "shuolder"\nvalue = "k * t"\n'
+    assert [key for _, key in problems_of(wrong)] == ["parameters.k", "drivers.d.joint"]
+
+
 def test_a_table_that_is_misspelt_is_not_missing_too() -> None:
     assert problems_of(GOOD.replace("[nodes]", "[nods]")) == [(6, "nods")]
 

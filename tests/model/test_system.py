@@ -270,3 +270,22 @@ def test_an_input_is_a_driver() -> None:
 def test_a_linkage_is_no_system_of_bodies() -> None:
     with pytest.raises(SceneError, match="wanted a scene of bodies and joints"):
         system_of(read_scene(ROOT / "scenes" / "lever_crank.toml"))
+
+
+def test_all_rods_whose_points_coincide_are_named_at_once() -> None:
+    rod = {"type": "rod", "bodies": ["ground", "p"], "points": [[0, 0, 0]] * 2}
+    body = {"position": [0, 0, 0], "point": True, "mass": 1}
+    tree = {"name": "s", "unit": "m", "bodies": {"p": body}, "joints": {"a": rod, "b": rod}}
+    with pytest.raises(SceneError) as caught:
+        system_of(scene_from_dict(tree))
+    assert [one.key for one in caught.value.problems] == ["joints.a.length", "joints.b.length"]
+
+
+def test_all_zero_directions_along_their_axes_are_named_at_once() -> None:
+    joint = {"type": "hinge", "bodies": ["ground", "b"], "at": [0, 0, 0], "axis": [0, 0, 1]}
+    body = {"position": [0, 0, 0], "mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}
+    joints = {"a": joint | {"zero": [[0, 0, 1], [0, 0, -2]]}}
+    tree = {"name": "s", "unit": "m", "bodies": {"b": body}, "joints": joints}
+    with pytest.raises(SceneError) as caught:
+        system_of(scene_from_dict(tree))
+    assert [one.key for one in caught.value.problems] == ["joints.a.zero[0]", "joints.a.zero[1]"]
