@@ -78,10 +78,12 @@ def test_ledger_notes_where_the_rank_nearly_dropped_and_how_it_was_passed(load: 
 def test_steps_are_not_made_shorter_where_small_pivots_are_the_rule(load: Load) -> None:
     usual = load(chain(3)).simulate(1.0, samples=3).ledger
     run = load(chain(3)).begin([0.0, 0.5, 1.0])
-    run.state[COUNTERS.index("best growth")] = 1e30
+    best = COUNTERS.index("best growth")
+    run.state[best] = 1e30
     ledger = run.finish().ledger
-    assert 0 < ledger.avoided < 10
-    assert ledger.steps < usual.steps + 5
+    assert run.state[best] < 1e8
+    assert ledger.avoided == 0
+    assert ledger.steps == usual.steps
 
 
 @pytest.mark.parametrize("tolerance", [1e-13, 1e-14, 1e-15])
