@@ -157,6 +157,24 @@ def test_no_stage_of_a_step_need_lie_where_the_rank_drops(
         assert (motion.ledger.passed, motion.ledger.passed_time) == (1, end)
 
 
+@pytest.mark.parametrize(("method", "place"), [("dopri5", 0.3), ("dopri5", 1.0), ("dop853", 0.1)])
+def test_steps_of_a_fixed_length_pass_where_a_stage_lies_at_the_line(
+    solver: DynamicsSolver, method: str, place: float
+) -> None:
+    """The last of them is 0.1 of a step behind its begin, where the polynomial wants it."""
+    line = time_of_the_line()
+    step = line / (19 + place)
+    for times in ([0.0, line], [0.0, 2 * line], np.linspace(0.0, 2 * line, 301)):
+        motion = solver.simulate(times=times, method=method, step=step)
+        height = motion.position["coupler_0"][-1, 1]
+        for crank in ("crank_0", "crank_1", "crank_2"):
+            rate = motion.angular_velocity[crank][-1, 2]
+            assert rate == pytest.approx(rate_at(height), abs=1e-6)
+        assert motion.ledger.avoided < 5
+        assert motion.ledger.steps <= math.ceil(times[-1] / step) + 2
+    assert motion.ledger.avoided > 0
+
+
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9])
 def test_steps_do_not_creep_where_the_rank_drops_for_long(
     backend: str, bodies_folder: Callable[..., Path], tolerance: float
