@@ -182,7 +182,9 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
         if len(positions) == count or (are_free and not depends):
             break
     drivers.require_free()
-    found = _dependences(joints, positions)
+    few = min(len(joints), len(_columns(program, part)))
+    is_stuck = len(positions) == 1 and positions[0].factors.rank < few
+    found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
@@ -247,6 +249,19 @@ def _dependences(rows: Sequence[Row], positions: Sequence[Position]) -> Freedom:
         worst=worst,
         positions=len(positions),
     )
+
+
+def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
+    """Return what is known where C_q leaves something free and yet nothing moves.
+
+    Rows that depend on each other there hold what the others do not, as those of two bars that are
+    stretched between two points do: none can be left out.
+    """
+    sets = [
+        _set(rows, places, count, is_everywhere=False)
+        for places, count in _components([position.factors])
+    ]
+    return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 
 
 def _residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:

@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise, rows_to_leave
 from kousoku.model.mechanism import Instance, System
-from kousoku.model.read import read_scene
+from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
 
 if TYPE_CHECKING:
@@ -196,3 +196,30 @@ def test_a_row_is_left_out_that_depends_on_others_at_all_positions() -> None:
     left, worst = rows_to_leave([here, there])
     assert left == (2,)
     assert worst == pytest.approx(0.6)
+
+
+#: Two bars of 1 m in line between two points 2 m apart: they hold each other, though no row does
+#: in first order: else one was left out, and a joint came open.
+STRETCHED = """
+name = "stretched"
+unit = "m"
+gravity = [0, -9.81, 0]
+[bodies]
+one = { position = [0, 0, 0], mass = 1, inertia = { xx = 1, yy = 1, zz = 1 } }
+other = { position = [1, 0, 0], mass = 1, inertia = { xx = 1, yy = 1, zz = 1 } }
+[joints]
+a = { type = "hinge", bodies = ["ground", "one"], at = [0, 0, 0], axis = [0, 0, 1] }
+b = { type = "hinge", bodies = ["one", "other"], at = [1, 0, 0], axis = [0, 0, 1] }
+c = { type = "hinge", bodies = ["other", "ground"], at = [2, 0, 0], axis = [0, 0, 1] }
+"""
+
+
+def test_no_row_is_left_out_where_bars_in_line_hold_each_other() -> None:
+    system = assemble(system_of(scene_from_toml(STRETCHED)))
+    freedom = of(system, may_be_planar=True)
+
+    assert (freedom.positions, freedom.degrees) == (1, 0)
+    assert freedom.dropped == ()
+    (one,) = freedom.dependent
+    assert one.joints == ("a", "b", "c")
+    assert (one.dimension, one.is_everywhere) == (1, False)
