@@ -135,7 +135,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
         found = _freedom_of_part(system, program, part, rows)
         total = replace(
             total,
-            rank=total.rank - len(found.dropped),
+            rank=total.rank - (found.rows - found.rank),
             dependent=total.dependent + found.dependent,
             dropped=total.dropped + found.dropped,
             worst=min(total.worst, found.worst),
