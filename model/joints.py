@@ -167,7 +167,7 @@ JOINTS: dict[str, JointKind] = {
         "turns about the two arms of a cross",
         (_POINT, Part("n1")),
         2,
-        aliases=("hooke", "cardan"),
+        aliases=("hooke", "cardan", "Hooke", "Cardan"),  # names of people
         leaves=(ANGLE, SECOND_ANGLE),
     ),
     "planar": JointKind(
