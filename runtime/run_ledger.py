@@ -198,8 +198,8 @@ class RunLedger:
         if self.factorisations:
             yield (
                 f"smallest pivot ratio {self.growth:.1e} at t = {self.growth_time:.6g} s;"
-                f" {self.refinements} accelerations refined and {self.avoided} steps made shorter"
-                " near such places"
+                f" {self.refinements} accelerations refined and {self.avoided} lengths of"
+                " steps given up near such places"
             )
 
     def __str__(self) -> str:
