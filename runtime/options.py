@@ -100,7 +100,8 @@ def options_of(
         Runge-Kutta of order 5 or 8, by the tolerance unless given; position by position where
         drivers determine the motion.
     step : float [s], optional
-        Make all steps so long, without control of the error; the last one may be shorter.
+        Make all steps so long, without control of the error; the last one may be shorter, and
+        one that comes to dependent rows of the constraints is.
     largest_step : float [s]
         No step is longer.
     checks : bool

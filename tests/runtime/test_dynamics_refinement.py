@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,20 +16,22 @@ from kousoku.codegen.dynamics.generate import LEDGER, independent
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.interpret import HIGH
+from kousoku.model.errors import MotionError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.motion import Motion
 from kousoku.runtime.run_ledger import COUNTERS
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run import Run
 
+SCENES = Path(__file__).parents[2] / "scenes"
 OUTPUTS = ("accelerations", "reactions")
 #: Its cranks come to the line of the ground points, where the rank drops, within half a second.
 SCENE = n_four_bar(2, rate=-7.0)
@@ -173,6 +176,20 @@ def test_steps_of_a_fixed_length_pass_where_a_stage_lies_at_the_line(
         assert motion.ledger.avoided < 5
         assert motion.ledger.steps <= math.ceil(times[-1] / step) + 2
     assert motion.ledger.avoided > 0
+
+
+@pytest.mark.parametrize("times", [[0.0, 3.0], [0.0, 4.0], [0.0, 1.0, 3.0]])
+def test_steps_of_a_fixed_length_that_are_too_long_stop_where_no_rows_are_dependent(
+    backend: str, bodies_folder: Callable[..., Path], times: list[float]
+) -> None:
+    """Of a tenth less they would end on the constraints, and far from the motion."""
+    text = (SCENES / "piston_crank_bodies.toml").read_text(encoding="utf-8")
+    target: Any = backend
+    solver = load_dynamics(bodies_folder(scene_from_toml(text), OUTPUTS), target=target)
+    with pytest.raises(MotionError, match=r"at t = 0 s: the constraints cannot be met") as stop:
+        solver.simulate(times=times, method="dop853", step=3.0)
+    assert isinstance(stop.value.trajectory, Motion)
+    assert stop.value.trajectory.ledger.avoided == 0
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9])
