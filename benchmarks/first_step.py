@@ -1,7 +1,7 @@
 """From a chain's scene to its first step, in a process of its own: first_step.py BARS.
 
-It says when the first step is made, and then how long a step takes, per bar. The caller measures
-the process and gives it an empty compile cache.
+It says when the first step is made, and then, for each line that it is sent, how long a step takes
+per bar. The caller measures the process and gives it an empty compile cache.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from dataclasses import dataclass
 from pathlib import Path
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
@@ -22,28 +23,53 @@ from kousoku.runtime.dynamics import load_dynamics
 #: as they may be, for every number of bars.
 FIRST, SHORT, LONG = 1e-6, 0.2, 0.6
 TOLERANCE, STEP = 1e-6, 4e-3
-#: Least rounds; so many that all bars together are enough to be timed.
-ROUNDS, BARS = 5, 1000
+#: So many bars are moved at least when a step is timed, by a short chain again and again.
+BARS = 1000
 
 
-def measured(count: int) -> tuple[float, float]:
-    """Return the seconds of the process to the first step, and of a later step per bar."""
+@dataclass(frozen=True, slots=True)
+class Started:
+    """A process that has made its first step and times later ones when it is asked.
+
+    Parameters
+    ----------
+    seconds : float
+        From its begin to the first step.
+    process : subprocess.Popen
+        The process; it ends with its input.
+    """
+
+    seconds: float
+    process: subprocess.Popen[str]
+
+    def per_bar(self) -> float:
+        """Return the seconds of a step per bar, timed now."""
+        assert self.process.stdin is not None
+        assert self.process.stdout is not None
+        print(file=self.process.stdin, flush=True)
+        return float(self.process.stdout.readline())
+
+    def end(self) -> None:
+        """Let the process end."""
+        self.process.communicate()
+
+
+def started(count: int) -> Started:
+    """Return a process of a chain that has made its first step, with an empty compile cache."""
     with tempfile.TemporaryDirectory() as cache:
         environment = {**os.environ, "KOUSOKU_CACHE": cache}
         command = [sys.executable, __file__, str(count)]
         start = time.perf_counter()
-        with subprocess.Popen(
-            command, env=environment, stdout=subprocess.PIPE, text=True
-        ) as process:
-            assert process.stdout is not None
-            process.stdout.readline()
-            seconds = time.perf_counter() - start
-            per_bar = float(process.stdout.readline())
-    return seconds, per_bar
+        process = subprocess.Popen(
+            command, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+        assert process.stdout is not None
+        process.stdout.readline()
+        return Started(time.perf_counter() - start, process)
 
 
 def main() -> None:
-    """Generate, compile, load, make one step, tell, and time more."""
+    """Generate, compile, load, make one step, tell, and time more when asked."""
     count = int(sys.argv[1])
     with tempfile.TemporaryDirectory() as name:
         for file, text in generate_dynamics(chain(count)).items():
@@ -59,11 +85,12 @@ def main() -> None:
 
         timed(FIRST)
         print("moved", flush=True)
-        rounds = []
-        for _ in range(max(ROUNDS, BARS // count)):
-            (long, more), (short, few) = timed(LONG), timed(SHORT)
-            rounds.append((long - short) / (more - few) / count)
-        print(statistics.median(rounds), flush=True)
+        for _ in sys.stdin:
+            found = []
+            for _ in range(max(1, BARS // count)):
+                (long, more), (short, few) = timed(LONG), timed(SHORT)
+                found.append((long - short) / (more - few) / count)
+            print(statistics.median(found), flush=True)
 
 
 if __name__ == "__main__":
