@@ -10,7 +10,7 @@ import tomllib
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator
 
 Path = tuple[str | int, ...]
 """The keys, and the places in lists, that lead to a value."""
@@ -26,27 +26,20 @@ _TOKEN = re.compile(r""""(?:[^"\\]|\\.?)*(?:"|$)|'[^']*(?:'|$)|[A-Za-z0-9_-]+|[ 
 _OTHER = re.compile(r"[^,\]}#\n]*")
 
 
-def key_lines(text: str) -> Mapping[Path, int]:
-    """Return where each key and each element of a list stands for the first time.
+def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
+    """Go through the keys and the elements of lists, so that a reader can stop.
 
     Parameters
     ----------
     text : str
         Valid TOML.
 
-    Returns
-    -------
-    mapping of tuple to int
-        Lines, counted from 1, by the path to the value: ``("nodes", "O1", "at", 0)``.
+    Yields
+    ------
+    path, line : tuple, int
+        The path to the value, ``("nodes", "O1", "at", 0)``, and its line, counted from 1. A path
+        may come again: its first line counts.
     """
-    lines: dict[Path, int] = {}
-    for path, line in each_key_line(text):
-        lines.setdefault(path, line)
-    return lines
-
-
-def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
-    """Go through valid TOML, so that a reader can stop; a path may come again, its first counts."""
     scanner = _Scanner(text)
     for _ in scanner.statements():
         yield from scanner.lines.items()

@@ -153,15 +153,15 @@ def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:
     return sorted(found, key=lambda one: one.line)
 
 
-def _lines(text: str, wanted: Sequence[str] | None = None) -> dict[str, int]:
-    """Return the line of each dotted key, or of so many that those wanted are among them."""
+def _lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
+    """Return the line of each dotted key; if some are wanted, of so many that those are there."""
     lines: dict[str, int] = {}
-    missing = None if wanted is None else set(wanted)
+    missing = set(wanted)
     for path, line in each_key_line(text):
         key = _dotted(path)
         lines.setdefault(key, line)
-        if missing is not None:
-            missing.discard(key)
+        if key in missing:
+            missing.remove(key)
             if not missing:
                 break
     return lines

@@ -134,8 +134,10 @@ def _check_turn(scene: Scene, driver: Driver, key: str) -> None:
     if driver.coordinate is None or driver.value is None:
         return
     near = scene.coordinates[driver.coordinate].near
+    if near is None:
+        return
     start = _check_law(scene, driver.value, key)
-    if near is not None and abs(near - start) > pi:
+    if abs(near - start) > pi:
         raise SceneError(
             f"is {start:g} at t = 0, and {driver.coordinate} is near {near:g}; wanted both within "
             "half a turn, or leave 'near' out",

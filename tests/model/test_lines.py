@@ -11,10 +11,19 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from kousoku.model.lines import deep_key_line, key_lines
+from kousoku.model.lines import Path as Keys
+from kousoku.model.lines import deep_key_line, each_key_line
 
 ROOT = Path(__file__).parents[2]
 SCENES = [*sorted((ROOT / "scenes").glob("*.toml")), *(ROOT / "tests/scenes").rglob("*.toml")]
+
+
+def key_lines(text: str) -> dict[Keys, int]:
+    """Return where each key and each element of a list stands for the first time."""
+    lines: dict[Keys, int] = {}
+    for path, line in each_key_line(text):
+        lines.setdefault(path, line)
+    return lines
 
 
 def test_keys_of_every_kind_are_found() -> None:

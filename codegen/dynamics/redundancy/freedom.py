@@ -170,7 +170,8 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
     residuals, first = _residuals(system, part)
     joints, driven = _sorted(system, rows)
     chosen = [first[row.instance] + row.row for row in joints]
-    branch = Branch(residuals, chosen, _columns(program, part), Metric(system).size)
+    columns = _columns(program, part)
+    branch = Branch(residuals, chosen, columns, Metric(system).size)
     others = [(row, first[row.instance] + row.row) for row in driven]
     drivers = Drivers(system, branch, list(zip(joints, chosen, strict=True)), others)
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
@@ -182,7 +183,7 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
         if len(positions) == count or (are_free and not depends):
             break
     drivers.require_free()
-    few = min(len(joints), len(_columns(program, part)))
+    few = min(len(joints), len(columns))
     is_stuck = len(positions) == 1 and positions[0].factors.rank < few
     found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))

@@ -14,19 +14,12 @@ from kousoku.codegen.dynamics.composition.auxiliary import WORK
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.simplification.turned import turned
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, MovingBody, System
+from tests.codegen.dynamics.operations.test_coordinates import KINDS, X, Y, Z
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from types import SimpleNamespace
 
-X, Y, Z = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)
-POINTS = (("s_i_b", (0.3, -0.2, 0.4)), ("s_j_b", (-0.1, 0.5, 0.2)))
-KINDS: dict[str, tuple[tuple[str, tuple[float, ...]], ...]] = {
-    "angle": (("a_i_b", X), ("b_i_b", Y), ("a_j_b", Y)),
-    "n1": (("a_i_b", X), ("a_j_b", Z)),
-    "n2": (("a_i_b", Y), *POINTS),
-    "length": POINTS,
-}
 LINEAR = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free", (0.4,)))
 UNIT, TIME, GAIN = 0.5, 0.7, 3.0
 
