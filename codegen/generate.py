@@ -113,6 +113,7 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     stale = sorted(set(_listed_files(folder)) - set(tree))
     changed = [name for name, text in tree.items() if _read(folder / name) != text]
     for name in changed:
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / name, tree[name].encode())
     for name in stale:
         (folder / name).unlink(missing_ok=True)
@@ -132,11 +133,14 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
             differences.append(f"{folder / name} is missing")
         elif found != text:
             differences.append(f"{folder / name} differs {_where(found, text)}")
-    extra = [path.name for path in sorted(folder.glob("*")) if path.is_file()]
+    beside = {name.partition("/")[0] for name in tree if "/" in name}
+    extra = [*folder.glob("*"), *(path for part in beside for path in (folder / part).glob("*"))]
     differences += [
-        f"{folder / name} is not generated any more"
-        for name in extra
-        if name not in tree and not name.startswith(".")
+        f"{path} is not generated any more"
+        for path in sorted(extra)
+        if path.is_file()
+        and path.relative_to(folder).as_posix() not in tree
+        and not path.name.startswith(".")
     ]
     return differences
 
@@ -152,9 +156,14 @@ def _listed_files(folder: Path) -> list[str]:
     """Return the files that an older manifest lists, those outside the folder left out."""
     try:
         files = json.loads(_read(folder / MANIFEST_FILE) or "{}").get("files", [])
-        return [name for name, _ in files if (folder / name).parent == folder]
+        return [name for name, _ in files if ".." not in name and _is_inside(folder, folder / name)]
     except (ValueError, TypeError, AttributeError):
         return []
+
+
+def _is_inside(folder: Path, path: Path) -> bool:
+    """Return whether a path is in a folder, or in a folder of that."""
+    return folder in {path.parent, path.parent.parent}
 
 
 def _where(found: str, wanted: str) -> str:

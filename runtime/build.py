@@ -50,7 +50,8 @@ class Source:
     name : str
         The library's name.
     files : tuple of (str, bytes)
-        Names and contents of C sources and headers; what ends in ``.c`` is compiled.
+        Names and contents of C sources and headers. What ends in ``.c`` is compiled, what lies in a
+        folder, as ``integrate/state.h``, is there to be included.
     flags : tuple of str
         Compile flags beside the toolchain's.
     """
@@ -141,6 +142,7 @@ def _make(source: Source, toolchain: Toolchain, entry: Path) -> Path:
         finished = work / "finished"
         finished.mkdir()
         for name, content in source.files:
+            (work / name).parent.mkdir(exist_ok=True)
             (work / name).write_bytes(content)
         # A name of its own, because a process that has opened a library gets the same one again
         # under that name, also where the file behind it has been damaged and built again.
@@ -178,7 +180,7 @@ def _sweep(shelf: Path) -> None:
 
 
 def _compile(source: Source, toolchain: Toolchain, work: Path, library: Path) -> None:
-    sources = [name for name, _ in source.files if name.endswith(".c")]
+    sources = [name for name, _ in source.files if name.endswith(".c") and "/" not in name]
     target = str(library.relative_to(work))
     command = toolchain.compile_command(sources, target, source.flags)
     process = run(command, cwd=str(work))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.runtime.library import import_source
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
@@ -87,7 +87,7 @@ def load_numpy(
     reason : Exception, optional
         Why there is no compiled solver.
     """
-    module: Any = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
+    module: Any = import_source(folder, files, NUMPY_SOURCE)
     is_slow = int(module.NQ) > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import re
 import types
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kousoku.model.errors import LoadError
@@ -19,12 +19,15 @@ from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_libra
 if TYPE_CHECKING:
     import ctypes
     from collections.abc import Callable, Mapping
+    from pathlib import Path
 
     from kousoku.runtime.build import Built
     from kousoku.runtime.toolchain import Toolchain
 
 MANIFEST = "manifest.json"
 NUMPY_SOURCE, C_SOURCE = "kernels.py", "kernels.c"
+#: A file of a package: in its folder, or in one folder of that, such as ``integrate/state.h``.
+PLAIN = re.compile(r"(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +174,7 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
     files: dict[str, bytes] = {}
     problems = []
     for name, digest in manifest.files:
-        if not name or Path(name).name != name:
+        if PLAIN.fullmatch(name) is None:
             raise LoadError(f"{folder / MANIFEST} lists {name!r}, which is not a plain file name")
         try:
             files[name] = (folder / name).read_bytes()
@@ -190,40 +193,17 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
 def _load_numpy(
     folder: Path, manifest: Manifest, files: dict[str, bytes], reason: Exception | None
 ) -> Library:
+    from kousoku.runtime.importing import import_source
+
     if reason is not None:
         say_once(f"kousoku uses the NumPy kernels: {reason}")
-    module = import_source(folder / NUMPY_SOURCE, files[NUMPY_SOURCE])
+    module = import_source(folder, files, NUMPY_SOURCE)
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
         target = NumpyTarget(getattr(module, k.name), k)
         kernels[k.name] = Kernel(k, signature, target, target.call)
     return Library(folder, manifest, "numpy", types.MappingProxyType(kernels))
-
-
-def import_source(path: Path, source: bytes) -> types.ModuleType:
-    """Import a module from the bytes whose digest was compared.
-
-    Python's own way reads the file again, and its cache of compiled modules goes by date and size.
-    """
-    from importlib.abc import SourceLoader
-    from importlib.util import module_from_spec, spec_from_loader
-
-    class Loader(SourceLoader):
-        def get_filename(self, fullname: str) -> str:
-            return str(path)
-
-        def get_data(self, path: str) -> bytes:
-            return source
-
-    name = f"kousoku_kernels_{path.parent.name}"
-    loader = Loader()
-    spec = spec_from_loader(name, loader)
-    if spec is None:
-        raise LoadError(f"{path} cannot be imported")
-    module = module_from_spec(spec)
-    loader.exec_module(module)
-    return module
 
 
 def compiled(

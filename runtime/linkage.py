@@ -3,23 +3,22 @@
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import sys
-import threading
 from dataclasses import dataclass
-from types import MappingProxyType, ModuleType
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
 from kousoku.runtime.given import require_numbers, require_options, shown
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.library import Library, load, read_files
 from kousoku.runtime.linkage_trajectory import Trajectory
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
     from pathlib import Path
+    from types import ModuleType
 
     import numpy.typing as npt
 
@@ -34,8 +33,6 @@ COUNTS = ("divisions", "turns", "first_turn", "from_turn")
 OPTIONS = ("method", *COUNTS, "limit")
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53
-#: No thread sees a module that another one is still importing.
-_IMPORTING = threading.Lock()
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,10 +250,10 @@ def solver_of(library: Library) -> LinkageSolver:
         It has kernels only, or a file of it was edited.
     """
     folder = library.folder
-    source = read_files(folder, library.manifest).get(SOLVER)
-    if source is None:
+    files = read_files(folder, library.manifest)
+    if SOLVER not in files:
         raise LoadError(f"{folder} has kernels, but no solver: it is not made from a scene")
-    return LinkageSolver(library, _import(folder / SOLVER, source))
+    return LinkageSolver(library, import_source(folder, files, SOLVER))
 
 
 def solve(
@@ -264,23 +261,6 @@ def solve(
 ) -> Trajectory:
     """Load a scene's folder and solve it; options as of :meth:`LinkageSolver.solve`."""
     return load_scene(folder, target=target).solve(**options)
-
-
-def _import(path: Path, source: bytes) -> ModuleType:
-    """Import the solver from the bytes whose SHA-256 was compared, once for each content."""
-    name = f"kousoku_solver_{path.parent.name}_{hashlib.sha256(source).hexdigest()[:16]}"
-    with _IMPORTING:
-        if name not in sys.modules:
-            module = ModuleType(name)
-            module.__file__ = str(path)
-            # Dataclasses look their module up.
-            sys.modules[name] = module
-            try:
-                exec(compile(source, str(path), "exec"), module.__dict__)
-            except BaseException:
-                del sys.modules[name]
-                raise
-        return sys.modules[name]
 
 
 def _by_name(names: Iterable[str], rows: npt.NDArray[np.float64]) -> Mapping[str, Any]:
