@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -28,6 +29,7 @@ FILES = {
 }
 
 
+RUNTIME = Path(__file__).parents[1] / "runtime"
 _TEMPLATES = PackageLoader("kousoku.codegen")
 
 
@@ -93,6 +95,27 @@ def template(name: str) -> str:
     """Return the name and the text of a template, as digests count them."""
     text, _, _ = _TEMPLATES.get_source(environment(), name)
     return f"\n{name}\n{text}"
+
+
+def library(folder: str) -> dict[str, str]:
+    """Return the files of a library of the runtime that goes along with what is generated.
+
+    Parameters
+    ----------
+    folder : str
+        ``integrate``: a sub-package of ``runtime`` that needs NumPy only.
+
+    Returns
+    -------
+    dict of str to str
+        Path in the generated folder and text, in order.
+    """
+    paths = sorted((RUNTIME / folder).iterdir())
+    return {
+        f"{folder}/{path.name}": path.read_text(encoding="utf-8")
+        for path in paths
+        if path.suffix in {".py", ".h"}
+    }
 
 
 def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:

@@ -18,6 +18,7 @@ from kousoku.runtime.given import (
     require_options,
     shown,
 )
+from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics_targets import SolverTarget
+    from kousoku.runtime.integrate.state import Field
     from kousoku.runtime.motion import Motion
 
     Array = npt.NDArray[np.float64]
@@ -90,6 +92,8 @@ class DynamicsSolver:
         Whether the scene gives all masses; else no energy or work of it is known.
     places : mapping of str to (int, int)
         Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
+    state : mapping of str to Field
+        Where what is in the state of a run.
     design : Design, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
@@ -117,6 +121,7 @@ class DynamicsSolver:
     is_driven: bool
     is_weighed: bool
     places: Mapping[str, tuple[int, int]]
+    state: Mapping[str, Field]
     design: Design | None = None
 
     def method_for(self, tolerance: float) -> str:
@@ -335,5 +340,6 @@ def load_dynamics(
         is_driven=data["is_driven"],
         is_weighed=data["is_weighed"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},
+        state={field.name: field for field in fields_of(data["state"])},
         design=Design.from_data(data["design"]) if "design" in data else None,
     )

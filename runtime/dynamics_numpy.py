@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.notice import say_once
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics_targets import Memory
+    from kousoku.runtime.integrate.settings import Settings
+    from kousoku.runtime.integrate.solver import Solver
 
     Array = npt.NDArray[np.float64]
 
@@ -29,23 +31,25 @@ class NumpySolver:
 
     Parameters
     ----------
-    module : module
-        The imported ``solver.py``.
+    solver : Solver
+        That of the imported ``solver.py``, with the integrator of its folder.
     """
 
     name = "numpy"
 
-    def __init__(self, module: Any) -> None:
-        self.module = module
-        self.state_size = int(module.STATE_SIZE)
-        self.work_size = int(module.WORK_SIZE)
-        self.row_size = int(module.ROW_SIZE)
+    def __init__(self, solver: Solver) -> None:
+        self.solver = solver
+        self.state_size = solver.scene.state_size
+        self.work_size = solver.scene.work_size
+        self.row_size = solver.scene.row_size
 
     def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
         """Take a position and velocity, and project them onto the constraints."""
-        return int(self.module.start(time, q, v, parameters, memory.state, memory.work))
+        return int(self.solver.start(time, q, v, parameters, memory.state, memory.work))
 
-    def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
+    def run(
+        self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
+    ) -> int:
         """Move on, and write rows.
 
         An interrupt can come anywhere: what the call had done is undone then, so that the state
@@ -54,7 +58,7 @@ class NumpySolver:
         before = memory.state.copy()
         given = (settings, times, max_steps, memory.state, memory.work, rows)
         try:
-            status, _ = self.module.run(*given)
+            status, _ = self.solver.run(*given)
         except BaseException:
             memory.state[:] = before
             raise
@@ -62,15 +66,15 @@ class NumpySolver:
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
         """Compute all that the scene has at a state as it is; it is left in the work."""
-        return int(self.module.evaluate(time, q, v, parameters, work))
+        return int(self.solver.evaluate(time, q, v, parameters, work))
 
     def residuals(self, memory: Memory, found: Array) -> None:
         """Write what is left of the constraints where they were evaluated last."""
-        self.module.residuals(memory.work, found)
+        self.solver.residuals(memory.work, found)
 
     def pivots(self, memory: Memory, found: Array) -> int:
         """Write the pivots of the factors at the state."""
-        return int(self.module.pivots(memory.state, memory.work, found))
+        return int(self.solver.pivots(memory.state, memory.work, found))
 
 
 def load_numpy(
@@ -87,8 +91,8 @@ def load_numpy(
     reason : Exception, optional
         Why there is no compiled solver.
     """
-    module: Any = import_source(folder, files, NUMPY_SOURCE)
-    is_slow = int(module.NQ) > SLOW
+    solver: Solver = import_source(folder, files, NUMPY_SOURCE).SOLVER
+    is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""
         say_once(f"kousoku uses the NumPy solver{cost}: {reason}")
@@ -96,4 +100,4 @@ def load_numpy(
         say_once(
             f"{folder.name}: the NumPy solver takes 100 to 200 times as long as the compiled one"
         )
-    return NumpySolver(module)
+    return NumpySolver(solver)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
 from kousoku.runtime.choice import choose
+from kousoku.runtime.integrate.settings import Settings
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -58,7 +59,9 @@ class SolverTarget(Protocol):
     def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
         """Take a position and velocity, and project them onto the constraints."""
 
-    def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
+    def run(
+        self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
+    ) -> int:
         """Move on to the last of the times, and write a row for each, as many as there are."""
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
@@ -69,6 +72,19 @@ class SolverTarget(Protocol):
 
     def pivots(self, memory: Memory, found: Array) -> int:
         """Write the pivots of the factors at the state."""
+
+
+#: The types of C for those of Python.
+_TYPES: dict[type, type[ctypes.c_double | ctypes.c_int]] = {
+    float: ctypes.c_double,
+    int: ctypes.c_int,
+}
+
+
+class _Settings(ctypes.Structure):
+    """The record ``settings`` of ``solver.h``, field by field as in Python."""
+
+    _fields_ = tuple((name, _TYPES[kind]) for name, kind in get_type_hints(Settings).items())
 
 
 class CompiledSolver:
@@ -101,10 +117,12 @@ class CompiledSolver:
         arrays = map(_address, (q, v, parameters, memory.state, memory.work))
         return int(self._function("start")(ctypes.c_double(time), *arrays))
 
-    def run(self, settings: Any, times: Array, max_steps: int, memory: Memory, rows: Array) -> int:
+    def run(
+        self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
+    ) -> int:
         """Move on to the last of the times, and write a row for each, as many as there are."""
         status = self._function("run")(
-            ctypes.byref(settings),
+            ctypes.byref(_Settings(*settings)),
             _address(times),
             *map(ctypes.c_size_t, (len(times), max_steps, len(rows))),
             *map(_address, (memory.state, memory.work, rows)),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.runtime import body_tables
+from kousoku.runtime.integrate import body_tables
 from kousoku.runtime.tables import save_columns
 
 if TYPE_CHECKING:

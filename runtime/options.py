@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -12,6 +11,7 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.given import require_numbers, shown, unknown
+from kousoku.runtime.integrate.settings import Settings
 
 if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
@@ -26,18 +26,6 @@ METHODS = (*RUNGE_KUTTA, KINEMATICS)
 OPTIONS = ("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters")
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
-
-
-class Settings(ctypes.Structure):
-    """The record of ``solver.h``."""
-
-    _fields_ = (
-        ("tolerance", ctypes.c_double),
-        ("largest_step", ctypes.c_double),
-        ("fixed_step", ctypes.c_double),
-        ("checks", ctypes.c_int),
-        ("method", ctypes.c_int),
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +59,7 @@ class Options:
     parameters: tuple[tuple[str, float], ...]
 
     def settings(self) -> Settings:
-        """Return what the solver in C takes."""
+        """Return what a solver takes."""
         longest = min(self.largest_step, 1e300)
         method = METHODS.index(self.method)
         return Settings(self.tolerance, longest, self.step or 0.0, int(self.checks), method)

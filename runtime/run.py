@@ -14,9 +14,19 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
+from kousoku.runtime.integrate.settings import (
+    BAD_ARGUMENT,
+    BUFFER_FULL,
+    GOOD,
+    NOT_ASSEMBLED,
+    NOT_PROJECTED,
+    PAUSED,
+    STEP_TOO_SMALL,
+    WRONG_STATE,
+)
 from kousoku.runtime.motion import motion_of
 from kousoku.runtime.options import KINEMATICS
-from kousoku.runtime.run_ledger import COUNTERS, ledger_of
+from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
 
 if TYPE_CHECKING:
@@ -30,8 +40,6 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-GOOD, BUFFER_FULL, PAUSED = 0, 1, 2
-STEP_TOO_SMALL, NOT_PROJECTED, NOT_ASSEMBLED, BAD_ARGUMENT, WRONG_STATE = -1, -2, -3, -4, -5
 MESSAGES = {
     STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
     " fast, or the tolerance is too tight for doubles",
@@ -135,8 +143,7 @@ class Run:
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
-        state = self.state[len(COUNTERS) :][: len(self._there.q) + len(self._there.v)]
-        require_closed(self.solver, self._values, state)
+        require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
@@ -164,17 +171,21 @@ class Run:
     @property
     def time(self) -> float:
         """The time reached [s]: rows up to it are written, or will be in the next call."""
-        return float(self.state[COUNTERS.index("time")])
+        return self._number("time")
 
     @property
     def written(self) -> int:
         """How many rows are written."""
-        return int(self.state[COUNTERS.index("next row")])
+        return int(self._number("next_row"))
 
     @property
     def steps(self) -> int:
         """How many steps were made."""
-        return int(self.state[COUNTERS.index("steps")])
+        return int(self._number("steps"))
+
+    def _number(self, name: str) -> float:
+        """Return a number of the state."""
+        return float(self.solver.state[name].view(self.state))
 
     def advance(self, max_steps: int = STEPS, max_rows: int = BUFFER) -> int:
         """Go on for some steps and rows; return 0 at the end, else why it returned.
@@ -263,7 +274,7 @@ class Run:
         begin = time.perf_counter()
         solver = self.solver
         ledger = ledger_of(
-            self.state,
+            {name: field.view(self.state) for name, field in solver.state.items()},
             solver.rows,
             self.options,
             {},

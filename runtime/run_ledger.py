@@ -22,15 +22,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: The numbers at the start of a state, in the order of the solver's text.
-COUNTERS = (
-    *("key", "time", "next step", "error", "next row", "time before"),
-    *("steps", "rejected", "derivatives", "factorisations", "drift", "method", "avoided"),
-    *("growth", "growth time", "best growth", "energy", "energy error"),
-    *("corrections", "passed", "passed time", "fallbacks", "fallback time"),
-    *("refinements", "ratio", "least"),
-)
-#: Those that are counts, and fields of the ledger.
+#: Fields of the state that are counts, and fields of the ledger.
 COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
     *("fallbacks", "refinements"),
@@ -236,7 +228,7 @@ class RunLedger:
 
 
 def ledger_of(
-    state: Array,
+    state: Mapping[str, Array],
     rows: Sequence[tuple[str, str]],
     options: Options,
     seconds: Mapping[str, float],
@@ -253,8 +245,8 @@ def ledger_of(
 
     Parameters
     ----------
-    state : array
-        The state of a solver.
+    state : mapping of str to array
+        The fields of the state of a run.
     rows : sequence of (str, str)
         Joint and unit of each constraint.
     options : Options
@@ -276,12 +268,10 @@ def ledger_of(
     is_weighed : bool
         Whether energies and works mean something.
     """
-    numbers = dict(zip(COUNTERS, state.tolist(), strict=False))
+    numbers = {name: float(field) for name, field in state.items() if field.ndim == 0}
     counts = {name: int(numbers[name]) for name in COUNTS}
     checked = [*rows, *left_out, *reduced]
-    first = len(state) - 3 * len(checked)
-    worst = state[first:].reshape(3, len(checked))
-    changes = state[first - sum(len(one.linear) + len(one.angular) for one in kept) : first]
+    worst, changes = state["violations"], state["momentum_errors"]
     return RunLedger(
         method=options.method,
         tolerance=options.tolerance,
@@ -289,12 +279,12 @@ def ledger_of(
         parameters=MappingProxyType(dict(options.parameters)),
         drift=numbers["drift"],
         growth=numbers["growth"],
-        growth_time=numbers["growth time"],
-        passed_time=numbers["passed time"] if numbers["passed"] else None,
-        fallback_time=numbers["fallback time"] if numbers["fallbacks"] else None,
+        growth_time=numbers["growth_time"],
+        passed_time=numbers["passed_time"] if numbers["passed"] else None,
+        fallback_time=numbers["fallback_time"] if numbers["fallbacks"] else None,
         energy=numbers["energy"] if is_weighed else None,
-        energy_error=numbers["energy error"] if options.checks and is_weighed else None,
-        works=MappingProxyType(_works(state, works, options) if is_weighed else {}),
+        energy_error=numbers["energy_error"] if options.checks and is_weighed else None,
+        works=MappingProxyType(_works(state["y"], works, options) if is_weighed else {}),
         momenta=momenta_of(kept, changes.tolist()) if options.checks else (),
         violations=MappingProxyType(_violations(worst, checked, order) if options.checks else {}),
         released=_released(worst[0], len(rows), left_out, length) if options.checks else (),
@@ -303,11 +293,11 @@ def ledger_of(
     )
 
 
-def _works(state: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:
+def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:
     """Return the works; where drivers determine the motion steps fit them for the ledger only."""
     if options.method == KINEMATICS and not options.checks:
         return {}
-    return {name: float(state[len(COUNTERS) + place]) for name, place in works}
+    return {name: float(y[place]) for name, place in works}
 
 
 def _violations(

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kousoku.runtime import body_tables as module
-from kousoku.runtime.body_tables import body_tables
+from kousoku.runtime.integrate import body_tables as module
+from kousoku.runtime.integrate.body_tables import body_tables
 
 TURNED = (0.5, 0.5, 0.5, 0.5)  # x to y, y to z, z to x
 STILL = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))

@@ -57,6 +57,7 @@ from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
+    from contextlib import AbstractContextManager
 
     from kousoku.model.mechanism import System
 
@@ -174,6 +175,10 @@ class _Composer:
         """Return the blocks of a body, or of the ground."""
         return GROUND if index == GROUND_INDEX else self.bodies[index]
 
+    def _of_body(self, index: int) -> AbstractContextManager[None]:
+        """Say that tasks belong to a body."""
+        return self.recorder.of(self.system.bodies[index].name)
+
     def program(self) -> Program:
         """Record all segments."""
         self._geometry()
@@ -220,7 +225,8 @@ class _Composer:
         """Orientations, residuals, Jacobians, and the factors of the Schur complement."""
         self.recorder.begin("geometry")
         for k, blocks in enumerate(self.bodies):
-            (orientation,) = self.recorder.call(Orientation(), blocks.p)
+            with self._of_body(k):
+                (orientation,) = self.recorder.call(Orientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         self.reduced.geometry(self.bodies)
         for joint in self.joints:
@@ -251,8 +257,10 @@ class _Composer:
                     terms[index].append((scaled.T, block))
         totals = list(free or (zeros(blocks.weights.width, 1) for blocks in self.bodies))
         self.reduced.spread(self.schur, totals, terms, beyond)
-        for blocks, total, products in zip(self.bodies, totals, terms, strict=True):
-            self.schur.gather(total, products, region.part(blocks.v, len(blocks.columns)))
+        for k, (total, products) in enumerate(zip(totals, terms, strict=True)):
+            blocks = self.bodies[k]
+            with self._of_body(k):
+                self.schur.gather(total, products, region.part(blocks.v, len(blocks.columns)))
 
     def _move(self) -> None:
         self.recorder.begin("move")
@@ -264,7 +272,8 @@ class _Composer:
                 laws |= self.reduced.tasks[k].put(*change, target)
             else:
                 at = (blocks.r, blocks.p)
-                self.recorder.call(Move(blocks.coordinates), *at, *change, into=(target,))
+                with self._of_body(k):
+                    self.recorder.call(Move(blocks.coordinates), *at, *change, into=(target,))
         kept, targets = self.auxiliary.kept(self.q), self.auxiliary.kept(self.q_moved)
         for block, target in zip(kept, targets, strict=True):
             self.recorder.call(Copy(), block, into=(target,))
@@ -300,20 +309,22 @@ class _Composer:
         lam = self.recorder.region("lam", self.rows) if "reactions" in self.wanted else None
         self.recorder.begin("acceleration")
         gravity = self.forces.gravity(self.system)
-        for blocks in self.bodies:
-            self.recorder.call(
-                Motion(blocks.coordinates),
-                blocks.p,
-                blocks.v_r,
-                blocks.omega_b,
-                into=(self.q_dot.part(blocks.q, len(blocks.coordinates)),),
-            )
+        for k, blocks in enumerate(self.bodies):
+            with self._of_body(k):
+                self.recorder.call(
+                    Motion(blocks.coordinates),
+                    blocks.p,
+                    blocks.v_r,
+                    blocks.omega_b,
+                    into=(self.q_dot.part(blocks.q, len(blocks.coordinates)),),
+                )
         self.coordinates.turn(self.q_dot, self._by_body(self.v))
         free: list[Block] = []
-        for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
+        for k, (body, blocks) in enumerate(zip(self.system.bodies, self.bodies, strict=True)):
             ratios = self.recorder.constant(gyroscopic_ratios(body, blocks.columns))
             operation = FreeAcceleration(blocks.columns)
-            free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
+            with self._of_body(k):
+                free += self.recorder.call(operation, gravity, blocks.omega_b, ratios)
         for name, power in self.forces.act(self.system.forces, free).items():
             self._keep_rate(name, power)
         if lam:

@@ -89,7 +89,8 @@ class ForceTasks:
         shares = [[block] for block in free]
         powers: dict[str, list[Block]] = {}
         for force in forces:
-            added, power = self.effect(force)
+            with self.recorder.of(force.name):
+                added, power = self.effect(force)
             for index, block in added.items():
                 shares[index].append(block)
             if power is not None:

@@ -46,14 +46,15 @@ class JointTasks:
         ends, n = [self.body(k) for k in joint.bodies], len(joint.bodies)
         i, j, *others = ends
         reduced = tuple(k for k, one in enumerate(ends) if one.basis)
-        _, *found = self.recorder.call(
-            Joint(joint.parts, tuple(one.columns for one in ends), reduced),
-            *(i.r, i.p, i.orientation, i.weights, j.r, j.p, j.orientation, j.weights),
-            *(one.weights for one in others),
-            *(one.basis for one in ends if one.basis),
-            *self._of_parts(joint, "C"),
-            into=(residuals,),
-        )
+        with self.recorder.of(joint.name):
+            _, *found = self.recorder.call(
+                Joint(joint.parts, tuple(one.columns for one in ends), reduced),
+                *(i.r, i.p, i.orientation, i.weights, j.r, j.p, j.orientation, j.weights),
+                *(one.weights for one in others),
+                *(one.basis for one in ends if one.basis),
+                *self._of_parts(joint, "C"),
+                into=(residuals,),
+            )
         joint.jacobian = dict(zip(joint.bodies, found[:n], strict=True))
         joint.scaled = dict(zip(joint.bodies, found[n : 2 * n], strict=True))
         joint.own, whole = found[2 * n], found[2 * n + 1 :]
@@ -64,12 +65,13 @@ class JointTasks:
     def watch(self, joint: JointBlocks, residuals: Block) -> None:
         """Record C and C_q of rows that are not solved for."""
         i, j, *others = map(self.body, joint.bodies)
-        _, *found = self.recorder.call(
-            Rows(joint.parts, tuple(one.columns for one in (i, j, *others))),
-            *(i.r, i.p, i.orientation, j.r, j.p, j.orientation),
-            *self._of_parts(joint, "C"),
-            into=(residuals,),
-        )
+        with self.recorder.of(joint.name):
+            _, *found = self.recorder.call(
+                Rows(joint.parts, tuple(one.columns for one in (i, j, *others))),
+                *(i.r, i.p, i.orientation, j.r, j.p, j.orientation),
+                *self._of_parts(joint, "C"),
+                into=(residuals,),
+            )
         joint.whole = dict(zip(joint.bodies, found, strict=True))
 
     def rates(
@@ -89,15 +91,16 @@ class JointTasks:
         x_i, x_j, *others = (column(()) if k == GROUND_INDEX else by_body[k] for k in joint.bodies)
         pairs = [(x, slopes[k]) for x, k in zip(others, joint.others, strict=True)]
         pairs += [(x, joint.whole[k]) for k, x in (beyond or {}).items() if k in joint.bodies]
-        (difference,) = self.recorder.call(
-            Rates(joint.parts, output, len(pairs)),
-            *(i.p, i.orientation, i.v_r, i.omega_b, x_i, slopes[joint.i]),
-            *(j.p, j.orientation, j.v_r, j.omega_b, x_j, slopes[joint.j]),
-            *(i.r, j.r),
-            *(block for pair in pairs for block in pair),
-            *self._of_parts(joint, output),
-            into=(into,),
-        )
+        with self.recorder.of(joint.name):
+            (difference,) = self.recorder.call(
+                Rates(joint.parts, output, len(pairs)),
+                *(i.p, i.orientation, i.v_r, i.omega_b, x_i, slopes[joint.i]),
+                *(j.p, j.orientation, j.v_r, j.omega_b, x_j, slopes[joint.j]),
+                *(i.r, j.r),
+                *(block for pair in pairs for block in pair),
+                *self._of_parts(joint, output),
+                into=(into,),
+            )
         return difference
 
     def powers(

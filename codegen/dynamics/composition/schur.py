@@ -20,6 +20,7 @@ from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+    from contextlib import AbstractContextManager
 
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
@@ -54,11 +55,13 @@ class Schur:
         self.pivots = pivots
         self.at_once = at_once
         self.order: tuple[Pivot, ...] = ()
+        self._names: list[str] = []
         self._factors: dict[int, tuple[Block, Block]] = {}
         self._panels: dict[int, dict[int, Block]] = {}
 
     def factorise(self, joints: Sequence[JointBlocks]) -> None:
         """Record assembly and factorisation."""
+        self._names = [joint.name for joint in joints]
         self.eliminate(self._assemble(joints), [joint.count for joint in joints])
 
     def eliminate(self, blocks: Mapping[tuple[int, int], Block], counts: Sequence[int]) -> None:
@@ -86,7 +89,12 @@ class Schur:
             eliminate = self._fused if len(pivot.neighbours) <= FUSED else self._split
             own = pivot.joint
             target = self.pivots.part(first[own], counts[own]) if self.pivots else None
-            eliminate(pivot, late, target)
+            with self._of(own):
+                eliminate(pivot, late, target)
+
+    def _of(self, joint: int) -> AbstractContextManager[None]:
+        """Say which joint tasks belong to, where they belong to joints."""
+        return self.recorder.of(self._names[joint] if self._names else "")
 
     def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
         """Return the blocks of pairs of joints, the later joint first."""
@@ -99,7 +107,8 @@ class Schur:
                 for other in by_body.setdefault(body, []):
                     block = blocks.get((k, other), zeros(joint.count, joints[other].count))
                     scaled, jacobian = joint.scaled[body], joints[other].jacobian[body]
-                    (blocks[k, other],) = self.recorder.call(Couple(), block, scaled, jacobian)
+                    with self.recorder.of(joint.name):
+                        (blocks[k, other],) = self.recorder.call(Couple(), block, scaled, jacobian)
                 by_body[body].append(k)
         return blocks
 
@@ -138,25 +147,26 @@ class Schur:
         scaled: dict[int, Block] = {}
         for pivot in self.order:
             k = pivot.joint
-            total, rest = self._head(right[k], products[k])
-            z, scaled[k] = self.recorder.call(
-                Forward(), *self._factors[k], total, *(x for pair in rest for x in pair)
-            )
+            with self._of(k):
+                total, rest = self._head(right[k], products[k])
+                z, scaled[k] = self.recorder.call(
+                    Forward(), *self._factors[k], total, *(x for pair in rest for x in pair)
+                )
             for a, panel in self._panels[k].items():
                 products[a].append((panel, z))
         solution: dict[int, Block] = {}
         for pivot in reversed(self.order):
             k = pivot.joint
-            total, rest = self._head(
-                scaled[k], [(panel.T, solution[a]) for a, panel in self._panels[k].items()]
-            )
-            (solution[k],) = self.recorder.call(
-                Backward(),
-                self._factors[k][0],
-                total,
-                *(x for pair in rest for x in pair),
-                into=(into[k] if into else None,),
-            )
+            products[k] = [(panel.T, solution[a]) for a, panel in self._panels[k].items()]
+            with self._of(k):
+                total, rest = self._head(scaled[k], products[k])
+                (solution[k],) = self.recorder.call(
+                    Backward(),
+                    self._factors[k][0],
+                    total,
+                    *(x for pair in rest for x in pair),
+                    into=(into[k] if into else None,),
+                )
         return [solution[k] for k in range(len(right))]
 
     def gather(self, total: Block, products: Sequence[Product], into: Block | None = None) -> Block:

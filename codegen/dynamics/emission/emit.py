@@ -4,17 +4,17 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
-from kousoku.codegen.dynamics.emission.view import dynamics_view
-from kousoku.codegen.emit import environment, manifest, template
+from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
+from kousoku.codegen.emit import environment, library, manifest, template
 from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.kernel import Package
+from kousoku.runtime.integrate.methods import METHODS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -33,26 +33,12 @@ PARTS_OF_ROWS = {
 TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",
+    "solver.py": "dynamics/solver.py.jinja",
     "__init__.py": "dynamics/__init__.py.jinja",
-    "alone.py": "dynamics/alone.py.jinja",
+    "integrate/methods.h": "dynamics/methods.h.jinja",
 }
-#: A module of the runtime that needs NumPy only goes along, for folders that are copied out.
-ALONG = Path(__file__).parents[3] / "runtime" / "body_tables.py"
-PYTHON_FILE, PYTHON_TEMPLATE = "solver.py", "dynamics/solver.py.jinja"
-#: What the text is made of, for the digest.
-PARTS = (
-    *TEMPLATES.values(),
-    "dynamics/integrator.c.jinja",
-    "dynamics/fallback.c.jinja",
-    "dynamics/driven.c.jinja",
-    "dynamics/calls.c.jinja",
-    "c/_macros.jinja",
-    PYTHON_TEMPLATE,
-    "dynamics/integrator.py.jinja",
-    "dynamics/fallback.py.jinja",
-    "dynamics/driven.py.jinja",
-    "dynamics/calls.py.jinja",
-)
+#: What the text is made of beside the integrator, for the digest.
+PARTS = (*TEMPLATES.values(), "dynamics/kernels.c.jinja", "c/_macros.jinja")
 
 
 def emit_dynamics(
@@ -82,18 +68,23 @@ def emit_dynamics(
     length = characteristic_length(system)
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     view = dynamics_view(program, system, length, parts)
-    templates = environment()
+    along = library("integrate")
     total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
-    along = ALONG.read_text(encoding="utf-8")
-    for text in (along, *map(template, PARTS)):
+    for text in (*along.values(), *map(template, PARTS)):
         total.update(text.encode())
     signature = total.hexdigest()
-    given = {"view": view, "version": __version__, "digest": signature, "key": key_of(signature)}
+    given = {
+        "view": view,
+        "python": numpy_view(program, system, length, parts),
+        "methods": tuple(map(method_text, METHODS)),
+        "version": __version__,
+        "digest": signature,
+        "key": key_of(signature),
+    }
+    templates = environment()
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
-    python = numpy_view(program, length)
-    files[PYTHON_FILE] = templates.get_template(PYTHON_TEMPLATE).render(**given, python=python)
-    files[ALONG.name] = along
-    files[MOTION_FILE] = to_text(motion_data(program, system, parts))
+    files |= along
+    files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state))
     files |= more or {}
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()

@@ -13,12 +13,14 @@ from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordi
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
 from kousoku.model.varying import fixed_system, is_varying
+from kousoku.runtime.integrate.state import fields_as_data
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Row
     from kousoku.model.mechanism import Carried, Coordinate, Instance, MovingBody, System
+    from kousoku.runtime.integrate.state import Field
 
 #: Kinds whose residuals are lengths; those of the others are angles.
 LENGTHS = ("point", "distance", "length", "n2", "p2")
@@ -29,7 +31,9 @@ ZERO = Place(-1, 0.0)
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
 
 
-def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> dict[str, object]:
+def motion_data(
+    program: Program, system: System, parts: Sequence[str] = (), state: Sequence[Field] = ()
+) -> dict[str, object]:
     """Return what ``motion.json`` holds.
 
     Parameters
@@ -40,6 +44,8 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
         What it was composed of.
     parts : sequence of str
         Regions that a row has beyond time, q and v.
+    state : sequence of Field
+        The layout of the state.
     """
     q, v = program.region("q").base, program.region("v").base
     varying = {"design": _design(program)} if program.design else {}
@@ -62,6 +68,7 @@ def motion_data(program: Program, system: System, parts: Sequence[str] = ()) -> 
             for region in program.regions
             if region.name not in GIVEN
         },
+        "state": fields_as_data(state),
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
         "not_unique": list(program.not_unique) if "reactions" in parts else [],

@@ -9,14 +9,21 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.emission.runge_kutta import METHODS, Method
-from kousoku.codegen.dynamics.emission.view import in_lines
+from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
+from kousoku.codegen.dynamics.emission.view import (
+    has_continuation,
+    in_lines,
+    reference_energy,
+)
 from kousoku.codegen.dynamics.emission.view_numbers import (
-    floors,
-    positive_places,
-    shift_slots,
-    start_places,
-    turn_slots,
+    Table,
+    added,
+    counted_turns,
+    has_drivers,
+    has_row_switch,
+    is_driven,
+    tables,
+    works,
 )
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, SEGMENTS, levels
 from kousoku.codegen.graph import Op, literal
@@ -25,10 +32,11 @@ from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_
 from kousoku.codegen.view_names import Namer
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
     from kousoku.codegen.kernel import Kernel
+    from kousoku.model.mechanism import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.
 PYTHON = Printer(
@@ -53,15 +61,17 @@ class PythonKernel:
     Parameters
     ----------
     name : str
-        ``kernel_3``.
+        ``kernel_3``, or that of the segment that it is, or a part of.
+    title : str
+        What it computes.
     operations : int
         What one task costs.
     inputs : tuple of str
         The names of the values that it reads.
     statements : tuple of (str, str)
         Name and text of each intermediate value.
-    results : tuple of str
-        The texts of the values that it writes.
+    results : tuple of (str, str)
+        The texts of the values that it writes, each with where it goes.
     runs : int
         How many runs of slots a task lists.
     reads, writes : str
@@ -69,10 +79,11 @@ class PythonKernel:
     """
 
     name: str
+    title: str
     operations: int
     inputs: tuple[str, ...]
     statements: tuple[tuple[str, str], ...]
-    results: tuple[str, ...]
+    results: tuple[tuple[str, str], ...]
     runs: int
     reads: str
     writes: str
@@ -87,108 +98,157 @@ class PythonSegment:
     name, meaning : str
         As in ``SEGMENTS``.
     table : str
-        The numbers, in lines.
-    is_on_demand : bool
-        Whether evaluations leave it out.
+        The numbers, in lines that end with what a task belongs to.
     """
 
     name: str
     meaning: str
     table: str
-    is_on_demand: bool
-
-
-@dataclass(frozen=True, slots=True)
-class PythonMethod:
-    """A Runge-Kutta method as tables of numbers; ``a`` and ``dense`` row after row."""
-
-    name: str
-    order: int
-    stages: int
-    all: int
-    dense_rows: int
-    c: str
-    a: str
-    error: str
-    error_2: str
-    dense: str
 
 
 @dataclass(frozen=True, slots=True)
 class NumpyView:
-    """What the text of the solver in Python is made of beside the ``DynamicsView``.
+    """What the text of the solver in Python is made of.
 
     Parameters
     ----------
-    kernels, segments, methods : tuple
+    name : str
+        The scene.
+    numbers : tuple of (str, str)
+        Fields of the scene's record that are short: name and text.
+    regions : tuple of (str, int, int)
+        Name, first slot and size.
+    kernels, segments : tuple
         In order.
-    constants, is_length, floors, shifts, turns, starts, positive : str
-        Tables of numbers, in lines, as in the ``DynamicsView``.
+    constants : str
+        The numbers of the scene, in lines.
+    tables : mapping of str to str
+        Tables, in lines that end with what their rows belong to.
     """
 
+    name: str
+    numbers: tuple[tuple[str, str], ...]
+    regions: tuple[tuple[str, int, int], ...]
     kernels: tuple[PythonKernel, ...]
     segments: tuple[PythonSegment, ...]
-    methods: tuple[PythonMethod, ...]
     constants: str
-    is_length: str
-    floors: str
-    shifts: str
-    turns: str
-    starts: str
-    positive: str
+    tables: Mapping[str, str]
 
 
-def numpy_view(program: Program, length: float) -> NumpyView:
+def numpy_view(
+    program: Program, system: System, length: float, parts: Sequence[str] = ()
+) -> NumpyView:
     """Return what the template gets.
 
     Parameters
     ----------
     program : Program
         Task lists, or what inlining made of them.
+    system : System
+        What it was composed of.
     length : float [m]
         A length of the scene, to which corrections are compared.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
     """
-    q, v = program.region("q"), program.region("v")
-    shifts, turns = shift_slots(program), turn_slots(program)
-    lengths = {slot for pair in shifts for slot in pair}
+    counted = counted_turns(program)
+    numbers = {
+        "length": length,
+        "reference_energy": reference_energy(system, length),
+        "work_size": program.size,
+        "parts": tuple(parts),
+        "added": added(program),
+        "works": works(program),
+        "counted": (counted.start, counted.stop),
+        "fits": bool(program.reduced),
+        "has_drivers": has_drivers(system),
+        "is_driven": is_driven(program, system),
+        "has_continuation": has_continuation(program, system),
+        "has_row_switch": has_row_switch(program),
+    }
     return NumpyView(
-        kernels=tuple(python_kernel(k, kernel) for k, kernel in enumerate(program.kernels)),
+        name=program.name,
+        numbers=tuple((name, python_literal(value)) for name, value in numbers.items()),
+        regions=tuple((one.name, one.base, one.size) for one in program.regions),
+        kernels=tuple(_kernels(program)),
         segments=tuple(
             _segment(program, segment) for segment in (*program.segments, *program.on_demand)
         ),
-        methods=tuple(map(_method, METHODS.values())),
-        constants=_table(map(literal, program.constants)),
-        is_length=_table(int(v.base + k in lengths) for k in range(v.size)),
-        floors=_table(map(repr, floors(program, length))),
-        shifts=_table(x for a, b in shifts for x in (a - q.base, b - v.base)),
-        turns=_table(x for a, b, n in turns for x in (a - q.base, b - v.base, n)),
-        starts=_table(x for pair in start_places(program) for x in pair),
-        positive=_table(positive_places(program)),
+        constants=_numbers(map(literal, program.constants)),
+        tables={
+            name: _table(table) for name, table in tables(program, system, length, parts).items()
+        },
     )
 
 
-def python_kernel(number: int, kernel: Kernel) -> PythonKernel:
-    """Return a kernel as a function in Python: it unpacks only what it reads."""
+def python_literal(value: object) -> str:
+    """Return a value as Python's formatters write it."""
+    return repr(value).replace("'", '"')
+
+
+def _kernels(program: Program) -> Iterator[PythonKernel]:
+    """Yield the kernels by number; those of the whole workspace name slots by their regions."""
+    if not program.is_inlined:
+        for k, kernel in enumerate(program.kernels):
+            yield python_kernel(f"kernel_{k}", kernel)
+        return
+    slots = slots_of(program)
+    outputs = {
+        task.kernel: task.outputs
+        for segment in (*program.segments, *program.on_demand)
+        for task in segment.tasks
+    }
+    for k, kernel in enumerate(program.kernels):
+        yield python_kernel(kernel.name, kernel, slots, outputs[k])
+
+
+def python_kernel(
+    name: str, kernel: Kernel, slots: Slots | None = None, targets: Sequence[int] = ()
+) -> PythonKernel:
+    """Return a kernel as a function in Python: it unpacks only what it reads.
+
+    Parameters
+    ----------
+    name : str
+        Of the function.
+    kernel : Kernel
+        What it computes.
+    slots : Slots, optional
+        The regions of the workspace, of a kernel that takes all of it.
+    targets : sequence of int
+        Then the first slot of each output.
+    """
     outputs = tuple(range(len(kernel.outputs)))
     runs = {quantity.name: k for k, quantity in enumerate(kernel.inputs)}
     symbols = (kernel.nodes[node].symbol for node in live_nodes(kernel, outputs))
     read = sorted((runs[symbol[0]], symbol[1], symbol) for symbol in symbols if symbol)
-    leaves = {symbol: f"x{run}_{place}" for run, place, symbol in read}
+    leaves = {
+        symbol: "{}_{}".format(*slots.name(place)) if slots else f"x{run}_{place}"
+        for run, place, symbol in read
+    }
     namer = Namer()
-    for name in ("m", "x", *leaves.values()):
-        namer.keep(name)
-    plan = layout(kernel, outputs, leaves)
+    for taken in ("m", "x", *leaves.values()):
+        namer.keep(taken)
+    # line by line as in C
+    in_c = {x: slots.text(x[1]) if slots else f"{x[0]}[{x[1]}]" for x in leaves}
+    plan = layout(kernel, outputs, in_c)
     statements, texts = straight_line(plan, PYTHON, leaves, namer)
-    results = (output_text(kernel, k, "", texts).elements for k in outputs)
+    results: list[tuple[str, str]] = []
+    for k, quantity in enumerate(kernel.outputs):
+        elements = output_text(kernel, k, "", texts).elements
+        places = range(len(elements))
+        goes = [slots.text(targets[k] + n) if slots else f"{quantity.name}[{n}]" for n in places]
+        results += zip(elements, goes, strict=True)
     return PythonKernel(
-        name=f"kernel_{number}",
+        name=name,
+        title=kernel.title,
         operations=kernel.operations.total(),
         inputs=tuple(leaves.values()),
         statements=tuple((s.name, s.text) for s in statements),
-        results=tuple(text for elements in results for text in elements),
+        results=tuple(results),
         runs=len(kernel.inputs) + len(kernel.outputs),
-        reads=_table(x for run, place, _ in read for x in (run, place)),
-        writes=_table(
+        reads=_numbers(x for run, place, _ in read for x in (run, place)),
+        writes=_numbers(
             x
             for run, quantity in enumerate(kernel.outputs, len(kernel.inputs))
             for place in range(quantity.size)
@@ -198,35 +258,29 @@ def python_kernel(number: int, kernel: Kernel) -> PythonKernel:
 
 
 def _segment(program: Program, segment: Segment) -> PythonSegment:
-    numbers: list[int] = []
+    lines: list[str] = []
     for level in levels(program, segment):
         equal: dict[int, list[int]] = {}
         for place in level:
             equal.setdefault(segment.tasks[place].kernel, []).append(place)
-        for kernel, places in equal.items():
-            numbers += [kernel, len(places)]
-            for place in places:
-                numbers += [*segment.tasks[place].inputs, *segment.tasks[place].outputs]
-    name = segment.name
-    meaning = (SEGMENTS | ON_DEMAND)[name]
-    return PythonSegment(name, meaning, _table(numbers), name in ON_DEMAND)
+        for kernel, found in equal.items():
+            lines.append(f"{kernel} {len(found)}")
+            for place in found:
+                task = segment.tasks[place]
+                slots = _numbers((*task.inputs, *task.outputs))
+                lines.append(f"{slots} # {task.owner}" if task.owner else slots)
+    meaning = (SEGMENTS | ON_DEMAND)[segment.name]
+    return PythonSegment(segment.name, meaning, "\n".join(lines))
 
 
-def _method(method: Method) -> PythonMethod:
-    return PythonMethod(
-        name=method.name,
-        order=method.order,
-        stages=method.stages,
-        all=len(method.a),
-        dense_rows=len(method.dense),
-        c=_table(map(repr, method.c)),
-        a="\n".join(_table(map(repr, row)) for row in method.a if row),
-        error=_table(map(repr, method.errors[0])),
-        error_2=_table(repr(x) for row in method.errors[1:] for x in row),
-        dense="\n".join(_table(map(repr, row)) for row in method.dense),
+def _table(table: Table) -> str:
+    """Return a table in lines, each with what it belongs to."""
+    return "\n".join(
+        f"{' '.join(map(str, row)) if isinstance(row, tuple) else repr(row)} # {owner}"
+        for owner, row in table
     )
 
 
-def _table(items: Iterable[object]) -> str:
+def _numbers(items: Iterable[object]) -> str:
     """Return numbers in lines, with blanks between them."""
-    return in_lines(map(str, items), 100)
+    return in_lines(map(str, items), 96)

@@ -1,35 +1,33 @@
-"""From a program to what the templates of its solver fill in."""
+"""From a program to what the templates of its solver in C fill in."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_type_hints
 
-from kousoku.codegen.dynamics.emission.runge_kutta import METHODS, Method
+from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
 from kousoku.codegen.dynamics.emission.view_numbers import (
-    driver_places,
-    floors,
+    Table,
     has_drivers,
-    has_fallback,
+    has_row_switch,
     is_driven,
-    positive_places,
-    shift_slots,
     sizes,
-    slots,
-    start_places,
-    turn_slots,
-    weight_places,
-    weights,
+    tables,
 )
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, REGIONS, SEGMENTS
 from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
 from kousoku.codegen.view_body import layout, output_text, straight_line
 from kousoku.codegen.view_names import Namer
+from kousoku.model.errors import EmitError
+from kousoku.runtime.integrate.methods import METHODS, Method
+from kousoku.runtime.integrate.scene import DENSE
+from kousoku.runtime.integrate.settings import Settings
+from kousoku.runtime.integrate.state import Field, fields
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
     from kousoku.codegen.kernel import Kernel
@@ -38,20 +36,26 @@ if TYPE_CHECKING:
 
 #: Kernels that one function runs, and how many there are in a group where they are more.
 MOST_CASES, GROUP = 128, 64
+#: How wide lines of tables are.
+WIDTH = 92
 
 
 @dataclass(frozen=True, slots=True)
 class KernelText:
-    """A kernel as a C function of runs of slots.
+    """A kernel as a C function.
 
     Parameters
     ----------
     name : str
-        ``kernel_3``.
-    parameters : str
-        ``const double *restrict x0, …, double *restrict y0, …``.
+        ``kernel_3``; that of the segment where it is a whole segment, or a part of one.
+    title : str
+        What it computes.
     operations : int
         What one call costs.
+    parameters : str
+        ``const double *restrict x0, …, double *restrict y0, …``, or the workspace.
+    regions : tuple of (str, str)
+        The regions of the workspace that it names: type and name of each pointer, and its place.
     statements : tuple of (str, str)
         Name and text of each intermediate value.
     results : tuple of (str, str)
@@ -65,8 +69,10 @@ class KernelText:
     """
 
     name: str
-    parameters: str
+    title: str
     operations: int
+    parameters: str
+    regions: tuple[tuple[str, str], ...]
     statements: tuple[tuple[str, str], ...]
     results: tuple[tuple[str, str], ...]
     call: str
@@ -76,25 +82,30 @@ class KernelText:
 
 @dataclass(frozen=True, slots=True)
 class SegmentText:
-    """The tasks of a segment as a table: kernel, count, then the slots of each task.
+    """A segment as a C function.
 
     Parameters
     ----------
     name, meaning : str
         As in ``SEGMENTS``.
+    functions : tuple of KernelText
+        Functions of the whole workspace that it is made of; none where it has tasks.
     table : str
-        The numbers, in lines.
+        Its tasks: kernel and count, then the slots of each task with its owner, in lines.
     length : int
-        Count of numbers.
-    is_on_demand : bool
-        Whether evaluations leave it out.
+        Count of numbers in the table.
     """
 
     name: str
     meaning: str
+    functions: tuple[KernelText, ...]
     table: str
     length: int
-    is_on_demand: bool
+
+    @property
+    def is_one(self) -> bool:
+        """Whether it is one function."""
+        return len(self.functions) == 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,21 +129,20 @@ class DynamicsView:
     ----------
     name : str
         The scene; names begin with ``kousoku_<name>``.
-    sizes : tuple of (str, int)
-        Constants of the text: ``NQ``, ``W_Q`` ….
-    kernels, segments, methods : tuple
+    sizes, switches, places : str
+        Enumerators, in lines: counts, what the scene has, and where its regions are.
+    state : tuple of Field
+        The layout of the state.
+    kernels : tuple of KernelText
+        Those that tasks call.
+    segments : tuple of SegmentText
         In order.
+    absent : tuple of str
+        Segments that the scene lacks.
     constants : str
         The numbers of the scene, in lines.
-    is_length : str
-        For each velocity 1 where it moves, 0 where it turns.
-    floors : str
-        For each component of the state what its error is compared with when it is zero.
-    shifts, turns : str
-        Rows of indices: of a length in q and v; of Euler parameters in q, their turn in v, their
-        count.
-    shift_count, turn_count : int
-        How many rows.
+    tables : mapping of str to str
+        Tables, in lines that say what their rows belong to.
     length : str
         A length of the scene [m].
     energy : str
@@ -141,85 +151,41 @@ class DynamicsView:
         Regions that a row has beyond time, q and v.
     rows : int
         Count of constraints.
-    parameters : str
-        Values of the parameters unless a run is given others, in lines.
     parameter_names : tuple of str
-        Their names, in this order.
-    has_drivers, is_driven : bool
-        Whether there are drivers, and whether they determine the whole motion.
-    refines : bool
-        Whether there are loops, in which rows may become dependent.
-    has_fallback : bool
-        Whether rows that are left out take over where those that are kept lose rank.
-    weights : str
-        The diagonal of M⁻¹, in lines.
-    weighs : str
-        Where they are in the design, -1 where they are fixed; empty where all are.
-    drivers : str
-        Rows of indices: of each row of a driver, and of its work in q.
-    driver_count : int
-        How many rows.
-    varies : bool
-        Whether numbers of the scene depend on parameters.
-    starts : str
-        Rows of indices: in (q, v) of what depends on parameters at the start, and in the design.
-    positive : str
-        Indices in the design of numbers that must be positive.
-    start_count, positive_count : int
-        How many.
+        In the order of the values.
+    is_driven, varies : bool
+        Whether drivers determine the whole motion; whether numbers of the scene depend on
+        parameters.
     """
 
     name: str
-    sizes: tuple[tuple[str, int], ...]
+    sizes: str
+    switches: str
+    places: str
+    state: tuple[Field, ...]
     kernels: tuple[KernelText, ...]
     segments: tuple[SegmentText, ...]
-    methods: tuple[MethodText, ...]
+    absent: tuple[str, ...]
     constants: str
-    is_length: str
-    floors: str
-    shifts: str
-    turns: str
-    shift_count: int
-    turn_count: int
+    tables: Mapping[str, str]
     length: str
     energy: str
     parts: tuple[str, ...]
     rows: int
-    parameters: str
     parameter_names: tuple[str, ...]
-    has_drivers: bool
     is_driven: bool
-    refines: bool
-    has_fallback: bool
-    weights: str
-    weighs: str
-    drivers: str
-    driver_count: int
     varies: bool
-    starts: str
-    start_count: int
-    positive: str
-    positive_count: int
 
     @property
-    def accelerates(self) -> bool:
-        """Whether a row takes what geometry and accelerations leave."""
-        return any(part in self.parts for part in ("v_dot", "coordinates", "reactions"))
+    def settings(self) -> tuple[tuple[str, str], ...]:
+        """Type and name of each field of what a run is told."""
+        types = {float: "double", int: "int"}
+        return tuple((types[kind], name) for name, kind in get_type_hints(Settings).items())
 
     @property
-    def momenta(self) -> bool:
-        """Whether some momentum should not change."""
-        return dict(self.sizes)["MOMENTA"] > 0
-
-    @property
-    def fits(self) -> bool:
-        """Whether bodies are put onto joints with the ground."""
-        return dict(self.sizes)["FITS"] > 0
-
-    @property
-    def leads(self) -> bool:
-        """Whether parameters may change where bodies or drivers begin."""
-        return self.varies or (self.has_drivers and bool(self.parameter_names))
+    def methods(self) -> tuple[str, ...]:
+        """The methods, in order."""
+        return (*(method.name for method in METHODS), *["kinematics"] * self.is_driven)
 
     @property
     def numbered(self) -> tuple[tuple[int, KernelText], ...]:
@@ -244,42 +210,100 @@ class DynamicsView:
 
 
 def kernel_text(number: int, kernel: Kernel) -> KernelText:
-    """Return a kernel as C."""
+    """Return a kernel that tasks call as C."""
     names = [quantity.name for quantity in (*kernel.inputs, *kernel.outputs)]
     leaves = {(q.name, k): f"{q.name}[{k}]" for q in kernel.inputs for k in range(q.size)}
-    namer = Namer()
-    for name in names:
-        namer.keep(name)
-    plan = layout(kernel, tuple(range(len(kernel.outputs))), leaves)
-    statements, texts = straight_line(plan, C, leaves, namer)
-    results = []
-    for k, quantity in enumerate(kernel.outputs):
-        elements = output_text(kernel, k, quantity.name, texts).elements
-        results += [(f"{quantity.name}[{n}]", text) for n, text in enumerate(elements)]
+    elements = [[f"{q.name}[{k}]" for k in range(q.size)] for q in kernel.outputs]
+    statements, results = _body(kernel, leaves, names, elements)
     reads = [f"const double *restrict {quantity.name}" for quantity in kernel.inputs]
     writes = [f"double *restrict {quantity.name}" for quantity in kernel.outputs]
-    written = " ".join([*(s.text for s in statements), *(text for _, text in results)])
+    written = " ".join(text for _, text in (*statements, *results))
     return KernelText(
         name=f"kernel_{number}",
-        parameters=in_lines(f"{item}," for item in reads + writes).rstrip(","),
+        title=kernel.title,
         operations=kernel.operations.total(),
-        statements=tuple((s.name, s.text) for s in statements),
-        results=tuple(results),
+        parameters=in_lines(f"{item}," for item in reads + writes).rstrip(","),
+        regions=(),
+        statements=statements,
+        results=results,
         call=in_lines((f"w + s[{k}]," for k in range(len(names))), 76).rstrip(","),
         slots=len(names),
         unused=tuple(q.name for q in kernel.inputs if f"{q.name}[" not in written),
     )
 
 
-def task_table(tasks: Sequence[Task]) -> list[int]:
-    """Return tasks as numbers: for each run of one kernel its number, the count, the slots."""
-    numbers: list[int] = []
+def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: str) -> KernelText:
+    """Return a kernel of the whole workspace as C, with slots by the names of their regions.
+
+    Raises
+    ------
+    EmitError
+        It reads a slot that it writes: results are written one after the other.
+    """
+    read = {node.symbol[1] for node in kernel.nodes if node.symbol is not None}
+    runs = zip(task.outputs, kernel.outputs, strict=True)
+    targets = [[base + k for k in range(run.size)] for base, run in runs]
+    written = {slot for run in targets for slot in run}
+    if read & written:
+        raise EmitError(f"{name}: the slots {sorted(read & written)} are read and written")
+    leaves = {("x0", slot): slots.text(slot) for slot in read}
+    regions = {slots.name(slot)[0]: "const double" for slot in sorted(read | written)}
+    regions |= {slots.name(slot)[0]: "double" for slot in written}
+    elements = [[slots.text(slot) for slot in run] for run in targets]
+    statements, results = _body(kernel, leaves, ["w", *regions], elements)
+    return KernelText(
+        name=name,
+        title=title,
+        operations=kernel.operations.total(),
+        parameters="double *w",
+        regions=tuple(
+            (f"{kind} *{region}", f"W_{region.upper()}") for region, kind in regions.items()
+        ),
+        statements=statements,
+        results=results,
+        call="w",
+        slots=0,
+        unused=() if regions else ("w",),
+    )
+
+
+def _body(
+    kernel: Kernel,
+    leaves: Mapping[tuple[str, int], str],
+    names: Sequence[str],
+    elements: Sequence[Sequence[str]],
+) -> tuple[tuple[tuple[str, str], ...], tuple[tuple[str, str], ...]]:
+    """Return statements and results of a kernel.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        What is computed.
+    leaves : mapping of (str, int) to str
+        The text of each element of an input.
+    names : sequence of str
+        Those that are taken.
+    elements : sequence of sequence of str
+        For each output where its elements go.
+    """
+    namer = Namer()
+    for name in names:
+        namer.keep(name)
+    plan = layout(kernel, tuple(range(len(kernel.outputs))), leaves)
+    statements, texts = straight_line(plan, C, leaves, namer)
+    results: list[tuple[str, str]] = []
+    for k, places in enumerate(elements):
+        results += zip(places, output_text(kernel, k, "", texts).elements, strict=True)
+    return tuple((s.name, s.text) for s in statements), tuple(results)
+
+
+def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
+    """Yield tasks as numbers with their owners: a run of one kernel begins with it and a count."""
     for kernel, run in groupby(tasks, key=lambda task: task.kernel):
         same = list(run)
-        numbers += [kernel, len(same)]
+        yield "", f"{kernel}, {len(same)},"
         for task in same:
-            numbers += [*task.inputs, *task.outputs]
-    return numbers
+            yield task.owner, " ".join(f"{slot}," for slot in (*task.inputs, *task.outputs))
 
 
 def dynamics_view(
@@ -298,54 +322,92 @@ def dynamics_view(
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
-    shifts, turns = shift_slots(program), turn_slots(program)
-    lengths = {k for pair in shifts for k in pair}
-    drivers = driver_places(program, system)
-    weighs = weight_places(program, system) if has_fallback(program) else []
-    starts, positive = start_places(program), positive_places(program)
-    q, v = (slots(program, name) for name in ("q", "v"))
+    segments, slots = (*program.segments, *program.on_demand), slots_of(program)
+    found = tables(program, system, length, parts)
+    counted = ("shifts", "turns", "drivers", "starts", "positive", "parts")
+    counts = sizes(program) | {name.upper(): len(found[name]) for name in counted}
+    row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
+    bases = {region.name: region.base for region in program.regions}
+    places = {f"W_{name.upper()}": bases.get(name, 0) for name in REGIONS}
+    places |= {f"W_{SCRATCH.upper()}": slots.bases[-1], "W_SIZE": program.size}
+    kernels = () if program.is_inlined else program.kernels
+    state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
     return DynamicsView(
         name=program.name,
-        sizes=tuple(sizes(program, parts)),
-        kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(program.kernels)),
-        segments=tuple(map(_segment, (*program.segments, *program.on_demand))),
-        methods=tuple(map(_method, METHODS.values())),
-        constants=_numbers(literal(value) for value in program.constants),
-        is_length=_numbers(int(slot in lengths) for slot in v),
-        floors=_numbers(map(repr, floors(program, length))),
-        shifts=_rows([a - q[0], b - v[0]] for a, b in shifts),
-        turns=_rows([a - q[0], b - v[0], n] for a, b, n in turns),
-        shift_count=len(shifts),
-        turn_count=len(turns),
+        sizes=_enumerators(counts | {"ROW_SIZE": row}),
+        switches=_enumerators(_switches(program, system, found)),
+        places=_enumerators(places),
+        state=fields(state),
+        kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(kernels)),
+        segments=tuple(_segment(program, segment, slots) for segment in segments),
+        absent=tuple(
+            name
+            for name in (*SEGMENTS, *ON_DEMAND)
+            if name not in {segment.name for segment in segments}
+        ),
+        constants=in_lines((f"{literal(x)}," for x in program.constants), WIDTH),
+        tables={name: _table(table) for name, table in found.items()},
         length=repr(length),
-        energy=repr(sum(float(body.mass) for body in system.bodies) * length**2 / 2 or 1.0),
+        energy=repr(reference_energy(system, length)),
         parts=tuple(parts),
         rows=len(program.rows),
-        parameters=_numbers(repr(value) for _, value in system.parameters),
         parameter_names=tuple(name for name, _ in system.parameters),
-        has_drivers=has_drivers(system),
         is_driven=is_driven(program, system),
-        refines=any(segment.name == "refinement" for segment in program.on_demand),
-        has_fallback=has_fallback(program),
-        weights=_numbers(repr(float(x)) for x in weights(program, system)),
-        weighs=_numbers(weighs) if weighs else "",
-        drivers=_rows(drivers),
-        driver_count=len(drivers),
         varies=bool(program.design),
-        starts=_rows(starts),
-        start_count=len(starts),
-        positive=_numbers(positive),
-        positive_count=len(positive),
     )
 
 
-def _segment(segment: Segment) -> SegmentText:
-    name, table = segment.name, task_table(segment.tasks)
+def reference_energy(system: System, length: float) -> float:
+    """Return the energy of all bodies where they move by a length in a second [J]."""
+    return sum(float(body.mass) for body in system.bodies) * length**2 / 2 or 1.0
+
+
+def _switches(program: Program, system: System, found: Mapping[str, Table]) -> dict[str, int]:
+    """Return what the scene has: 1 or 0."""
+    parts = {name for name, _ in found["parts"]}
+    switches = {
+        "FITS": bool(program.reduced),
+        "IS_DRIVEN": is_driven(program, system),
+        "HAS_DRIVERS": has_drivers(system),
+        "HAS_DESIGN": bool(program.design),
+        "HAS_CONTINUATION": has_continuation(program, system),
+        "HAS_REFINEMENT": any(one.name == "refinement" for one in program.on_demand),
+        "HAS_ROW_SWITCH": has_row_switch(program),
+        "HAS_VARYING_MASSES": bool(found["mass_places"]),
+        "HAS_REACTIONS": "reactions" in parts,
+        "HAS_ENERGIES": "energies" in parts,
+        "ACCELERATES": bool(parts & {"v_dot", "coordinates", "reactions"}),
+    }
+    return {name: int(value) for name, value in switches.items()}
+
+
+def has_continuation(program: Program, system: System) -> bool:
+    """Return whether parameters may change where bodies or drivers begin."""
+    return bool(program.design) or (has_drivers(system) and bool(system.parameters))
+
+
+def _segment(program: Program, segment: Segment, slots: Slots) -> SegmentText:
+    name, tasks = segment.name, segment.tasks
     meaning = (SEGMENTS | ON_DEMAND)[name]
-    return SegmentText(name, meaning, _numbers(table), len(table), name in ON_DEMAND)
+    if not program.is_inlined:
+        rows = list(task_rows(tasks))
+        length = sum(text.count(",") for _, text in rows)
+        return SegmentText(name, meaning, (), _rows(rows), length)
+    functions = [
+        function_text(
+            program.kernels[task.kernel],
+            task,
+            slots,
+            name if len(tasks) == 1 else f"{name}_{k}",
+            meaning if len(tasks) == 1 else f"part {k + 1} of {len(tasks)}",
+        )
+        for k, task in enumerate(tasks)
+    ]
+    return SegmentText(name, meaning, tuple(functions), "", 0)
 
 
-def _method(method: Method) -> MethodText:
+def method_text(method: Method) -> MethodText:
+    """Return a method as C arrays."""
     flat = {
         "c": method.c,
         "a": [x for row in method.a for x in row],
@@ -358,20 +420,33 @@ def _method(method: Method) -> MethodText:
         name=method.name,
         order=method.order,
         stages=method.stages,
-        all=len(method.a),
+        all=method.all,
         dense_rows=len(method.dense),
-        arrays=tuple((name, _numbers(map(repr, row))) for name, row in flat.items()),
+        arrays=tuple((name, in_lines(f"{x!r}," for x in row)) for name, row in flat.items()),
         has_second_error=len(method.errors) > 1,
     )
 
 
-def _numbers(items: Iterable[object]) -> str:
-    return in_lines(f"{item}," for item in items) or "0,"
+def _enumerators(values: Mapping[str, int]) -> str:
+    return in_lines((f"{name} = {value}," for name, value in values.items()), WIDTH)
 
 
-def _rows(rows: Iterable[Sequence[int]]) -> str:
-    texts = [f"{{{', '.join(map(str, row))}}}," for row in rows]
-    return in_lines(texts) or "{0},"
+def _table(table: Table) -> str:
+    """Return a table in lines: neighbours with one owner share a line, which names it."""
+    texts = (
+        (owner, f"{{{', '.join(map(str, x))}}}," if isinstance(x, tuple) else f"{x!r},")
+        for owner, x in table
+    )
+    return _rows(texts)
+
+
+def _rows(rows: Iterable[tuple[str, str]]) -> str:
+    """Return rows in lines: neighbours with one owner share a line, which names it."""
+    lines = []
+    for owner, run in groupby(rows, key=lambda row: row[0]):
+        text = in_lines((text for _, text in run), WIDTH - 12)
+        lines.append(f"{text} /* {owner} */" if owner else text)
+    return "\n".join(lines)
 
 
 def in_lines(items: Iterable[str], width: int = 96) -> str:

@@ -1,11 +1,12 @@
-"""The numbers that the solver of a program has in any language: sizes, places, weights."""
+"""The numbers that the solver of a program has in any language: sizes, places, tables."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
-from kousoku.codegen.dynamics.composition.bodies import inverse_masses, thickened
+from kousoku.codegen.dynamics.composition.bodies import inverse_masses as of_body
+from kousoku.codegen.dynamics.composition.bodies import thickened
 from kousoku.codegen.dynamics.redundancy.left_out import take_over
 from kousoku.model import precise
 from kousoku.model.varying import is_varying
@@ -20,45 +21,99 @@ if TYPE_CHECKING:
 IGNORED = 1e300
 
 
-def sizes(program: Program, parts: Sequence[str]) -> list[tuple[str, int]]:
-    """Return what a solver is laid out by: where its regions are, and how large what it has is.
+def sizes(program: Program) -> dict[str, int]:
+    """Return the counts that a solver is laid out by, as C calls them."""
+    present = {region.name: region.size for region in program.regions}
+    counted = counted_turns(program)
+    return {
+        "NQ": present["q"],
+        "NV": present["v"],
+        "NC": present["C"],
+        "NCHECK": present["C"] + present.get("C_left_out", 0),
+        "ADDED": added(program),
+        "WORKS": works(program),
+        "COUNTED": counted.start,
+        "COUNTED_END": counted.stop,
+        "MOMENTA": present.get("momenta", 0),
+        "CONSTANTS": present["constants"],
+        "N_PARAMETERS": present.get("parameters", 0),
+        "N_DESIGN": present.get("design", 0),
+        "N_POWER": present.get("more_power", 0),
+        "N_WRENCHES": present.get("wrenches", 0),
+    }
+
+
+def works(program: Program) -> int:
+    """Return how many entries at the end of q are works."""
+    return sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
+
+
+def counted_turns(program: Program) -> range:
+    """Return the entries of q that count turns."""
+    counted = [one.place.slot for one in program.auxiliary if one.kind == TURNS]
+    first = min(counted) - program.region("q").base if counted else 0
+    return range(first, first + len(counted))
+
+
+#: Numbers and rows of numbers, each with the body, joint or driver that it belongs to.
+Table = list[tuple[str, Any]]
+
+
+def tables(
+    program: Program, system: System, length: float, parts: Sequence[str]
+) -> dict[str, Table]:
+    """Return the tables of a solver, the same for all languages.
 
     Parameters
     ----------
     program : Program
         Task lists, or what inlining made of them.
+    system : System
+        What it was composed of.
+    length : float [m]
+        A length of the scene, to which corrections are compared.
     parts : sequence of str
         Regions that a row has beyond time, q and v.
     """
-    found = [(f"W_{region.name.upper()}", region.base) for region in program.regions]
-    counts = {"NQ": "q", "NV": "v", "NC": "C", "CONSTANTS": "constants"}
-    found += [(name, program.region(region).size) for name, region in counts.items()]
-    beside = len(program.left_out) + len(program.reduced)
-    found.append(("NCHECK", len(program.rows) + beside))
-    found += [("FITS", int(bool(program.reduced))), ("ADDED", _added(program))]
-    found += [(f"N_{part.upper()}", program.region(part).size) for part in parts]
-    found += [("N_FREE", one.size) for one in program.regions if one.name == "free"]
-    works = sum(one.kind == WORK for one in program.auxiliary) if program.is_weighed else 0
-    found.append(("WORKS", works))
-    sized = {"more_power": "N_POWER", "wrenches": "N_WRENCHES"}
-    found += [(sized[one.name], one.size) for one in program.regions if one.name in sized]
-    counted = [one.place.slot for one in program.auxiliary if one.kind == TURNS]
-    first = min(counted, default=0) - program.region("q").base if counted else 0
-    found += [("COUNTED", first), ("COUNTED_END", first + len(counted))]
-    found.append(("MOMENTA", sum(one.count for one in program.kept)))
-    found += _parameter_sizes(program)
-    if program.design:
-        found.append(("N_DESIGN", program.region("design").size))
-    found.append(("W_SIZE", program.size))
+    owner = owners(program)
+    q, v = slots(program, "q"), slots(program, "v")
+    shifts, starts = shift_slots(program), start_places(program)
+    lengths = {slot for pair in shifts for slot in pair}
+    switched = has_row_switch(program)
+    return {
+        "parameters": list(system.parameters),
+        "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
+        "floors": list(
+            zip((owner[slot] for slot in (*q, *v)), floors(program, length), strict=True)
+        ),
+        "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
+        "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
+        "inverse_masses": [
+            (owner[slot], float(x))
+            for slot, x in zip(v, inverse_masses(program, system), strict=True)
+        ]
+        if switched
+        else [],
+        "mass_places": [
+            (owner[slot], k) for slot, k in zip(v, mass_places(program, system), strict=False)
+        ]
+        if switched
+        else [],
+        "drivers": driver_rows(program, system) if switched else [],
+        "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
+        "positive": positive_places(program),
+        "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
+    }
+
+
+def owners(program: Program) -> dict[int, str]:
+    """Return the body, or the name of the auxiliary entry, of each slot of q and v."""
+    found = {one.place.slot: one.name for one in program.auxiliary}
+    for body in program.bodies:
+        for place in (*body.r, *body.p, *body.v, *body.omega_b):
+            if place.slot >= 0:
+                found[place.slot] = body.body
     return found
-
-
-def _parameter_sizes(program: Program) -> list[tuple[str, int]]:
-    """Return how many parameters there are, and where they are if there is no region of them."""
-    for region in program.regions:
-        if region.name == "parameters":
-            return [("N_PARAMETERS", region.size)]
-    return [("W_PARAMETERS", 0), ("N_PARAMETERS", 0)]
 
 
 def has_drivers(system: System) -> bool:
@@ -66,20 +121,20 @@ def has_drivers(system: System) -> bool:
     return any(instance.is_driver for instance in system.constraints)
 
 
-def has_fallback(program: Program) -> bool:
+def has_row_switch(program: Program) -> bool:
     """Return whether rows that are left out take over where those that are kept lose rank."""
     return take_over(len(program.rows), len(program.left_out))
 
 
-def driver_places(program: Program, system: System) -> list[tuple[int, int]]:
+def driver_rows(program: Program, system: System) -> Table:
     """Return for each row of a driver which row it is, and where its work is in q."""
     base = program.region("q").base
     works = {one.name: one.place.slot - base for one in program.auxiliary if one.kind == WORK}
-    owners = (system.constraints[row.instance] for row in program.rows)
-    return [(k, works[one.joint]) for k, one in enumerate(owners) if one.is_driver]
+    rows = [(k, system.constraints[row.instance]) for k, row in enumerate(program.rows)]
+    return [(one.joint, (k, works[one.joint])) for k, one in rows if one.is_driver]
 
 
-def weights(program: Program, system: System) -> list[float]:
+def inverse_masses(program: Program, system: System) -> list[float]:
     """Return the diagonal of M⁻¹ in the order of v, zero where there is no mass.
 
     A scene that moves in a plane and is computed in space has the thickness that makes it move.
@@ -89,16 +144,16 @@ def weights(program: Program, system: System) -> list[float]:
     found = [0.0] * program.region("v").size
     base = program.region("v").base
     for body, places in zip(system.bodies, program.bodies, strict=True):
-        inverse = inverse_masses(body, range(6))
-        for place, weight in zip((*places.v, *places.omega_b), inverse, strict=True):
+        inverse = of_body(body, range(6))
+        for place, value in zip((*places.v, *places.omega_b), inverse, strict=True):
             if place.slot >= 0:
-                found[place.slot - base] = precise.double(weight)
+                found[place.slot - base] = precise.double(value)
     return found
 
 
-def weight_places(program: Program, system: System) -> list[int]:
-    """Return where the weights are in the design, −1 where they are fixed; nothing if all are."""
-    given = weights(program, system)
+def mass_places(program: Program, system: System) -> list[int]:
+    """Return where inverse masses are in the design, −1 of fixed ones; nothing if all are fixed."""
+    given = inverse_masses(program, system)
     if not any(map(is_varying, given)):
         return []
     return [program.design.place(x) if is_varying(x) else -1 for x in given]
@@ -113,10 +168,12 @@ def start_places(program: Program) -> list[tuple[int, int]]:
     ]
 
 
-def positive_places(program: Program) -> list[int]:
-    """Return where in the design numbers are that must be positive."""
+def positive_places(program: Program) -> Table:
+    """Return where in the design numbers are that must be positive, and their keys."""
     places = dict(program.design.places)
-    return list(dict.fromkeys(places[key] for _, key in program.design.positive))
+    found = {places[key]: name for name, key in reversed(program.design.positive)}
+    order = dict.fromkeys(places[key] for _, key in program.design.positive)
+    return [(found[place], place) for place in order]
 
 
 def is_driven(program: Program, system: System) -> bool:
@@ -147,7 +204,7 @@ def shift_slots(program: Program) -> list[tuple[int, int]]:
     return [(r, v) for r, v in pairs if v >= 0]
 
 
-def _added(program: Program) -> int:
+def added(program: Program) -> int:
     """Return to how many lengths corrections are added; the others follow from all else."""
     placed = (program.bodies[k] for k in program.placed)
     return len(shift_slots(program)) - sum(x.slot >= 0 for body in placed for x in body.v)

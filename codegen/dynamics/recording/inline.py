@@ -106,6 +106,7 @@ class _Inliner:
             on_demand=tuple(one for one in segments if one.name in ON_DEMAND),
             regions=tuple(regions),
             constants=(),
+            is_inlined=True,
             size=self.size,
             bodies=tuple(self._moved_body(body) for body in self.old.bodies),
             design=self.old.design.moved(self.moved),

@@ -48,11 +48,14 @@ class Task:
     inputs, outputs : tuple of int
         First slot of each run, one for each input and output of the kernel. All inputs are read
         before any output is written.
+    owner : str
+        The body, joint, force or driver that it belongs to; empty where that is no single one.
     """
 
     kernel: int
     inputs: tuple[int, ...]
     outputs: tuple[int, ...]
+    owner: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,6 +220,8 @@ class Program:
         What a run calls where it must: those of :data:`ON_DEMAND`.
     design : Design
         The numbers of the region ``design``, which depend on parameters.
+    is_inlined : bool
+        Whether each kernel is one function of the whole workspace, called once.
     """
 
     name: str
@@ -238,6 +243,7 @@ class Program:
     parameters: tuple[float, ...] = ()
     on_demand: tuple[Segment, ...] = ()
     design: Design = field(default_factory=Design)
+    is_inlined: bool = False
 
     def region(self, name: str) -> Region:
         """Return a region by its name."""

@@ -10,6 +10,7 @@ and −(s + 2) is its negative.
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Protocol
@@ -22,7 +23,7 @@ from kousoku.model.traced import exact as exactly
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
     from fractions import Fraction
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
@@ -126,6 +127,7 @@ class Recorder:
         self.regions: list[Region] = []
         self.constants: list[Fraction] = []
         self.design: dict[str, tuple[int, Traced]] = {}
+        self._owner = ""
         self._size = 0
         self._pool: dict[tuple[Fraction, ...], int] = {}
         self._columns: dict[tuple[High, ...], Block] = {}
@@ -146,6 +148,13 @@ class Recorder:
     def begin(self, name: str) -> None:
         """Begin a segment; tasks are recorded into it from now on."""
         self.segments.append((name, []))
+
+    @contextmanager
+    def of(self, owner: str) -> Iterator[None]:
+        """Say which body, joint, force or driver the tasks that are recorded now belong to."""
+        before, self._owner = self._owner, owner
+        yield
+        self._owner = before
 
     def constant(self, values: Sequence[High]) -> Block:
         """Return numbers as a column; equal columns of numbers are stored once.
@@ -212,7 +221,7 @@ class Recorder:
         ]
         if outputs:
             inputs = tuple(bases[run] for run in known.used)
-            self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs)))
+            self.segments[-1][1].append(Task(known.kernel, inputs, tuple(outputs), self._owner))
         results = [
             Block(tuple(self._entry(kind, x, leaves, base) for kind, x in entries), height, width)
             for entries, height, width in known.results

@@ -1,5 +1,7 @@
 """Explicit Runge-Kutta methods with error control and dense output, as tables.
 
+The tables of solvers in C are written from these.
+
 The coefficients are those of Dormand and Prince, and of Hairer, Nørsett and Wanner, *Solving
 Ordinary Differential Equations I* (1993), sections II.5 and II.6.
 """
@@ -43,6 +45,11 @@ class Method:
     a: tuple[tuple[float, ...], ...]
     errors: tuple[tuple[float, ...], ...]
     dense: tuple[tuple[float, ...], ...]
+
+    @property
+    def all(self) -> int:
+        """Count of stages, those too that serve dense output alone."""
+        return len(self.a)
 
 
 def _row(text: str) -> tuple[float, ...]:
@@ -356,4 +363,4 @@ DOP853 = Method(
     ),
 )
 
-METHODS = {method.name: method for method in (DOPRI5, DOP853)}
+METHODS = (DOPRI5, DOP853)
