@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.symbolic import KINDS
@@ -95,8 +96,7 @@ def test_the_driven_loop_closes_and_its_motor_lifts_the_bodies(
     ((code, _),) = blocks("toml")
     assert len(code.splitlines()) <= 20
     (tmp_path / "loop").mkdir()
-    for name, text in generate_dynamics(scene_from_toml(code)).items():
-        (tmp_path / "loop" / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(tmp_path / "loop", generate_dynamics(scene_from_toml(code)))
     motion = load_dynamics(tmp_path / "loop").simulate(2, samples=21, parameters={"speed": 2.0})
     alpha, phi = 2.0 * motion.time, motion.coordinate["rocking"]
     crank = np.array([0 * alpha, np.cos(alpha), np.sin(alpha)])

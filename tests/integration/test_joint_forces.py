@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
@@ -213,8 +214,7 @@ def test_both_targets_take_the_same_bits_for_formulas_and_turns(
     tmp_path: Path, compiler: Toolchain
 ) -> None:
     scene = read_scene(SCENES / "mounted_motor.toml")
-    for name, text in generate_dynamics(scene, ("coordinates", "energies")).items():
-        (tmp_path / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(tmp_path, generate_dynamics(scene, ("coordinates", "energies")))
     solvers = (load_dynamics(tmp_path, target="c"), load_dynamics(tmp_path, target="numpy"))
     found = [one.simulate(0.1, samples=5, tolerance=1e-8) for one in solvers]
     first, second = (motion.columns() for motion in found)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 
@@ -43,8 +44,7 @@ def solvers(
 ) -> tuple[DynamicsSolver, DynamicsSolver]:
     """Return the solver in C and in NumPy."""
     folder: Path = tmp_path_factory.mktemp("thrown")
-    for name, text in generate_dynamics(scene_from_dict(thrown()), ("energies",)).items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, generate_dynamics(scene_from_dict(thrown()), ("energies",)))
     return load_dynamics(folder, target="c"), load_dynamics(folder, target="numpy")
 
 

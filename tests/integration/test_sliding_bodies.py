@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
@@ -32,8 +33,7 @@ TILTED = {"quaternion": [3, 1, -2, 1], "order": "wxyz"}
 def motion(folder: Path, bodies: Tree, joints: Tree) -> Motion:
     """Return the motion of a scene up to 2 s, in rows of 1 s."""
     tree = {"name": "s", "unit": "m", "gravity": GRAVITY.tolist(), "bodies": bodies}
-    for file, text in generate_dynamics(scene_from_dict(tree | {"joints": joints})).items():
-        (folder / file).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, generate_dynamics(scene_from_dict(tree | {"joints": joints})))
     return load_dynamics(folder).simulate(2.0, samples=3, tolerance=1e-12)
 
 
@@ -132,8 +132,7 @@ def in_plane(folder: Path, **tables: Tree) -> Motion:
         "joints": {"joint": joint},
         "coordinates": {name: {"joint": "joint", "of": sort} for name, sort in of.items()},
     }
-    for file, text in generate_dynamics(scene_from_dict(tree)).items():
-        (folder / file).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, generate_dynamics(scene_from_dict(tree)))
     return load_dynamics(folder).simulate(2.0, samples=5, tolerance=1e-12)
 
 

@@ -194,6 +194,7 @@ def warm_package(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def bodies_folder(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     """Return the folder of the solver of a scene of bodies, generated once for its outputs."""
     from kousoku.codegen.dynamics.generate import generate_dynamics
+    from kousoku.codegen.generate import write_tree
 
     known: dict[str, Path] = {}
 
@@ -202,8 +203,7 @@ def bodies_folder(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Pat
         if key not in known:
             known[key] = tmp_path_factory.mktemp("bodies") / scene.name
             known[key].mkdir()
-            for name, text in generate_dynamics(scene, outputs).items():
-                (known[key] / name).write_text(text, encoding="utf-8", newline="\n")
+            write_tree(known[key], generate_dynamics(scene, outputs))
         return known[key]
 
     return folder

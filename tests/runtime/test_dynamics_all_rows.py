@@ -9,6 +9,8 @@ kept here are independent at the start, and lose rank where the cranks have turn
 from __future__ import annotations
 
 import math
+import sys
+from importlib import import_module
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -19,13 +21,15 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
-from kousoku.codegen.dynamics.emission.view_numbers import weights
+from kousoku.codegen.dynamics.emission.view_numbers import inverse_masses
 from kousoku.codegen.dynamics.generate import LEDGER, independent
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate import row_switch
+from kousoku.runtime.integrate.scene import Work, state_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -133,7 +137,7 @@ def dense(program: Program, system: System, row: Array, phase: float = 0.0) -> t
         rows[:, k] = np.array(work["C_dot"]) - rest
     work["v"] = parts[2].tolist()
     work.run("check")
-    gamma, inverse = -np.array(work["C_ddot"]), np.array(weights(program, system))
+    gamma, inverse = -np.array(work["C_ddot"]), np.array(inverse_masses(program, system))
     free = v_dot + inverse * (rows[:n].T @ lam)
     root = np.sqrt(inverse)
     change = np.linalg.lstsq(rows * root, gamma - rows @ free, rcond=1e-10)[0]
@@ -186,15 +190,15 @@ def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Pat
     """Rounding leaves more of rows that depend on others than a heavy body has for a pivot."""
     solver = load_dynamics(folders["bad"], target="numpy")
     target: Any = solver.target
-    module = target.module
-    work = np.zeros(module.WORK_SIZE)
-    module.evaluate(0.0, solver.q, solver.v, None, work)
-    module.write_rows(work)
-    ((motor, _),) = module.DRIVERS
-    rows = work[module.D_ROWS : module.D_MATRIX].reshape(-1, module.NV)
-    rows[motor] *= 1e-9
-    assert 0.0 < module.factorise(work, np.zeros(module.STATE_SIZE)) < 1e-17
-    assert motor in work[module.D_ORDER :][: module.NC]
+    scene, slots = target.solver.scene, np.zeros(target.work_size)
+    target.evaluate(0.0, solver.q, solver.v, scene.parameters, slots)
+    work, state = Work(scene, slots), state_of(scene, np.zeros(target.state_size))
+    assert work.all is not None
+    row_switch.write_jacobian(work.all, work)
+    ((motor, _),) = scene.drivers
+    work.all.rows[motor] *= 1e-9
+    assert 0.0 < row_switch.factorise_rows(work.all, work, state) < 1e-17
+    assert motor in work.all.order[: scene.nc]
 
 
 def test_all_rows_are_not_tried_again_where_they_did_not_help(
@@ -203,31 +207,34 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     """Where the cranks lie along the ground all rows are as weak as those that are kept."""
     solver = load_dynamics(bodies_folder(scene_of(), ()), target="numpy")
     target: Any = solver.target
-    module = target.module
+    integrate = sys.modules[type(target.solver).__module__.removesuffix(".solver")]
+    module = import_module(".row_switch", integrate.__name__)
+    users = [import_module(f".{name}", integrate.__name__) for name in ("stepper", "rows")]
     tried: list[float] = []  # ratios of rows kept where all rows did not help, 0 where forgotten
-    are_better, factorise = module.are_better, module.factorise
+    are_better, factorise = module.are_all_rows_better, module.factorise_rows
     made: list[float] = []
 
-    def made_of(w: Array, state: Array) -> float:
-        made.append(factorise(w, state))
+    def made_of(*given: Any) -> float:
+        made.append(factorise(*given))
         return made[-1]
 
-    def noted(ratio: float, w: Array, state: Array) -> bool:
+    def noted(ratio: float, *given: Any) -> bool:
         before = len(made)
-        helps = bool(are_better(ratio, w, state))
+        helps = bool(are_better(ratio, *given))
         if len(made) > before:
             tried.append(0.0 if helps else ratio)
         return helps
 
-    monkeypatch.setattr(module, "factorise", made_of)
-    monkeypatch.setattr(module, "are_better", noted)
-    forget = module.forget
+    monkeypatch.setattr(module, "factorise_rows", made_of)
+    monkeypatch.setattr(module, "are_all_rows_better", noted)
+    forget = module.forget_trials
 
-    def forgot(w: Array) -> None:
+    def forgot(work: Any) -> None:
         tried.append(0.0)
-        forget(w)
+        forget(work)
 
-    monkeypatch.setattr(module, "forget", forgot)
+    for user in users:
+        monkeypatch.setattr(user, "forget_trials", forgot)
     motion = solver.simulate(2.0, samples=3, tolerance=1e-6, parameters={"rate": -1.0})
     assert motion.ledger.growth < 1e-3
     pairs = [(a, b) for a, b in pairwise(tried) if a > 0.0 and b > 0.0]

@@ -47,6 +47,7 @@ def copied(folder: Path, place: Path, main: str) -> None:
     """Copy the solver, and the example as the main program."""
     for name in ("solver.c", "solver.h"):
         shutil.copy(folder / name, place)
+    shutil.copytree(folder / "integrate", place / "integrate")
     shutil.copy(EXAMPLE, place / main)
 
 

@@ -21,7 +21,7 @@ from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.run import BAD_ARGUMENT
+from kousoku.runtime.integrate.settings import BAD_ARGUMENT
 from tests.runtime.test_dynamics_fallback import BAD, END, write_without
 from tests.runtime.test_dynamics_fallback import SCENE as BRICARD
 

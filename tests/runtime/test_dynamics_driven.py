@@ -14,8 +14,8 @@ from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.settings import BUFFER_FULL, PAUSED
 from kousoku.runtime.motion import Motion
-from kousoku.runtime.run import BUFFER_FULL, PAUSED
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -18,6 +18,7 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.generate import write_tree
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
@@ -61,8 +62,7 @@ def write_without(left_out: int, system: System, folder: Path) -> Path:
     )
     folder /= system.name
     folder.mkdir()
-    for name, text in emit_dynamics(inline(program), system, OUTPUTS).items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, emit_dynamics(inline(program), system, OUTPUTS))
     return folder
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MotionError, NoCompilerError, SolveError, TargetError
 from kousoku.model.families import chain, n_four_bar
@@ -20,8 +21,8 @@ from kousoku.model.read import read_scene
 from kousoku.runtime import notice
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import open_solver
+from kousoku.runtime.integrate.settings import BUFFER_FULL, GOOD, PAUSED
 from kousoku.runtime.library import read_files, read_manifest
-from kousoku.runtime.run import BUFFER_FULL, GOOD, PAUSED
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,8 +66,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Folder:
             scene = MAKERS[name]()
             known[name] = tmp_path_factory.mktemp(name) / scene.name
             known[name].mkdir()
-            for file, text in generate_dynamics(scene, ALL).items():
-                (known[name] / file).write_text(text, encoding="utf-8", newline="\n")
+            write_tree(known[name], generate_dynamics(scene, ALL))
         return known[name]
 
     return make
@@ -140,18 +140,18 @@ def test_run_goes_on_with_the_same_bits_after_an_interrupt_inside_of_a_step(
     whole = solver.begin(times).finish()
     run = solver.begin(times)
     run.advance(max_steps=2)
-    module: Any = solver.target
-    module = module.module
-    acceleration, calls = module.acceleration, []
+    target: Any = solver.target
+    workspace = sys.modules[type(target.solver.scene).__module__].Workspace
+    compute, calls = workspace.run, []
 
-    def interrupted(w: Any) -> None:
-        calls.append(1)
-        if len(calls) == 20:
+    def interrupted(self: Any, segment: str) -> None:
+        calls.append(segment)
+        if calls.count("acceleration") == 20:
             raise KeyboardInterrupt
-        acceleration(w)
+        compute(self, segment)
 
     with monkeypatch.context() as patch:
-        patch.setattr(module, "acceleration", interrupted)
+        patch.setattr(workspace, "run", interrupted)
         with pytest.raises(KeyboardInterrupt):
             run.advance(max_steps=50)
     assert run.steps == 2

@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.generate import LEDGER, independent
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
@@ -85,8 +86,7 @@ def with_all_rows(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene],
         program, _ = independent(system, (*LEDGER, *OUTPUTS))
         folder = tmp_path_factory.mktemp("rows") / scene.name
         folder.mkdir()
-        for name, text in emit_dynamics(inline(program), system, OUTPUTS).items():
-            (folder / name).write_text(text, encoding="utf-8", newline="\n")
+        write_tree(folder, emit_dynamics(inline(program), system, OUTPUTS))
         return load_dynamics(folder)
 
     return load

@@ -14,7 +14,8 @@ import pytest
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.run import BUFFER_FULL, GOOD, PAUSED, WRONG_STATE, Interrupted
+from kousoku.runtime.integrate.settings import BUFFER_FULL, GOOD, PAUSED, WRONG_STATE
+from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
     from collections.abc import Callable

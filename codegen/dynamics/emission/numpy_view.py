@@ -70,7 +70,7 @@ class PythonKernel:
         The names of the values that it reads.
     statements : tuple of (str, str)
         Name and text of each intermediate value.
-    results : tuple of (str, str)
+    results : tuple of str
         The texts of the values that it writes, each with where it goes.
     runs : int
         How many runs of slots a task lists.
@@ -83,7 +83,7 @@ class PythonKernel:
     operations: int
     inputs: tuple[str, ...]
     statements: tuple[tuple[str, str], ...]
-    results: tuple[tuple[str, str], ...]
+    results: tuple[str, ...]
     runs: int
     reads: str
     writes: str
@@ -233,12 +233,12 @@ def python_kernel(
     in_c = {x: slots.text(x[1]) if slots else f"{x[0]}[{x[1]}]" for x in leaves}
     plan = layout(kernel, outputs, in_c)
     statements, texts = straight_line(plan, PYTHON, leaves, namer)
-    results: list[tuple[str, str]] = []
+    results: list[str] = []
     for k, quantity in enumerate(kernel.outputs):
         elements = output_text(kernel, k, "", texts).elements
         places = range(len(elements))
         goes = [slots.text(targets[k] + n) if slots else f"{quantity.name}[{n}]" for n in places]
-        results += zip(elements, goes, strict=True)
+        results += map(_told, elements, goes)
     return PythonKernel(
         name=name,
         title=kernel.title,
@@ -257,6 +257,12 @@ def python_kernel(
     )
 
 
+def _told(text: str, place: str) -> str:
+    """Return an item of a list with where it goes, if that fits into a line."""
+    line = f"{text},  # {place}"
+    return line if len(line) <= 92 else f"{text},"
+
+
 def _segment(program: Program, segment: Segment) -> PythonSegment:
     lines: list[str] = []
     for level in levels(program, segment):
@@ -268,7 +274,8 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
             for place in found:
                 task = segment.tasks[place]
                 slots = _numbers((*task.inputs, *task.outputs))
-                lines.append(f"{slots} # {task.owner}" if task.owner else slots)
+                fits = len(slots) + len(task.owner) + 3 <= 100
+                lines += [f"{slots} # {task.owner}"] if task.owner and fits else [slots]
     meaning = (SEGMENTS | ON_DEMAND)[segment.name]
     return PythonSegment(segment.name, meaning, "\n".join(lines))
 

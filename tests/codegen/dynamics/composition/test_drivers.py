@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
@@ -37,8 +38,7 @@ def load(tmp_path_factory: pytest.TempPathFactory) -> Load:
         if key not in folders:
             folder = folders[key] = tmp_path_factory.mktemp("scene") / scene["name"]
             folder.mkdir()
-            for name, text in generate_dynamics(scene_from_dict(scene)).items():
-                (folder / name).write_text(text)
+            write_tree(folder, generate_dynamics(scene_from_dict(scene)))
         return load_dynamics(folders[key], target=target)
 
     return loaded
