@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
@@ -29,6 +30,7 @@ FILES = {
 
 
 _TEMPLATES = PackageLoader("kousoku.codegen")
+_RUNTIME = Path(__file__).parents[1] / "runtime"
 
 
 def environment() -> Environment:
@@ -93,6 +95,27 @@ def template(name: str) -> str:
     """Return the name and the text of a template, as digests count them."""
     text, _, _ = _TEMPLATES.get_source(environment(), name)
     return f"\n{name}\n{text}"
+
+
+def library(folder: str) -> dict[str, str]:
+    """Return the plain source of a folder of the runtime, which generated folders take along.
+
+    Parameters
+    ----------
+    folder : str
+        Its name, such as ``kinematics``.
+
+    Returns
+    -------
+    dict of str to str
+        ``<folder>/<file>`` and text of the C headers and Python modules, by name.
+    """
+    paths = sorted((_RUNTIME / folder).iterdir())
+    return {
+        f"{folder}/{path.name}": path.read_text(encoding="utf-8")
+        for path in paths
+        if path.suffix in {".h", ".py"}
+    }
 
 
 def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:
