@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.linkage import Program, generate_scene, specialise
@@ -41,9 +42,7 @@ def kernels(name: str) -> dict[str, Kernel]:
 
 
 def write(folder: Path, files: dict[str, str]) -> Path:
-    folder.mkdir(exist_ok=True)
-    for name, text in files.items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, files)
     return folder
 
 
@@ -150,12 +149,12 @@ def test_same_scene_gives_the_same_bytes() -> None:
 @pytest.mark.parametrize(
     ("file", "right", "wrong"),
     [
-        ("solver.py", "first * rate, second * rate", "-first * rate, second * rate"),
-        ("kernels.c", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
-        ("kernels.c", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
-        ("kernels.c", "x[first + i] -= epsilon[i];", "x[first + i] += epsilon[i];"),
-        ("kernels.c", "run->start - run->start", "run->start + run->start"),
-        ("kernels.c", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
+        ("continuation.py", "first * rate, second * rate", "-first * rate, second * rate"),
+        ("rows.h", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
+        ("rows.h", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
+        ("newton.h", "x[first + i] -= correction[i];", "x[first + i] += correction[i];"),
+        ("solve.h", "run->start - run->start", "run->start + run->start"),
+        ("continuation.h", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
     ],
 )
 def test_verify_finds_a_flipped_sign_in_the_solver(
@@ -163,6 +162,7 @@ def test_verify_finds_a_flipped_sign_in_the_solver(
 ) -> None:
     """The kernels are right, and every digest fits: only the motion tells."""
     files = generate_scene(read_scene(SCENES / "lever_crank.toml"))
+    file = f"kinematics/{file}"
     assert right in files[file]
     files[file] = files[file].replace(right, wrong)
     old = Manifest.from_json(files["manifest.json"])
