@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from kousoku.codegen import linkage_emit
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
@@ -139,6 +140,24 @@ def test_digest_covers_what_only_the_solver_knows() -> None:
         for view in (made.solver, moved)
     }
     assert len(digests) == 2
+
+
+def test_folders_take_the_analysis_along_as_it_is() -> None:
+    folder = Path(linkage_emit.__file__).parents[1] / "runtime" / "kinematics"
+    made = program("piston_crank")
+    files = emit_scene(made.package, made.solver, {})
+    names = {path.name for path in folder.iterdir() if path.suffix in {".h", ".py"}}
+    assert {name for name in files if "/" in name} == {f"kinematics/{name}" for name in names}
+    for name in names:
+        assert files[f"kinematics/{name}"] == (folder / name).read_text(encoding="utf-8")
+
+
+def test_digest_covers_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = program("piston_crank")
+    before = emit_scene(made.package, made.solver, {})["manifest.json"]
+    monkeypatch.setattr(linkage_emit, "library", lambda folder: {f"{folder}/new.h": "\n"})
+    after = emit_scene(made.package, made.solver, {})["manifest.json"]
+    assert Manifest.from_json(before).digest != Manifest.from_json(after).digest
 
 
 def test_same_scene_gives_the_same_bytes() -> None:

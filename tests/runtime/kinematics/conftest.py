@@ -129,6 +129,12 @@ class FourBar:
 PLAIN = FourBar(crank=30.0, coupler=60.0, rocker=80.0, frame=100.0, phi=1.3, psi=2.3)
 
 
+@pytest.fixture
+def four_bar() -> FourBar:
+    """Return a crank and rocker."""
+    return PLAIN
+
+
 @pytest.fixture(scope="session")
 def compiled(
     compiler: Toolchain, tmp_path_factory: pytest.TempPathFactory

@@ -90,6 +90,14 @@ def test_newton_needs_fewer_corrections_than_the_iteration_of_the_paper(
     assert newton[1:].max() <= 5 < paper[1:].min()
 
 
+def test_iteration_of_the_paper_knows_how_blocks_depend_on_those_before(
+    analysed: Analysed,
+) -> None:
+    """Without the term of the blocks before, it would converge as well, later."""
+    rows = analysed(CRANK_ROCKER, method=1, divisions=60, rows=61)
+    assert (rows.iterations[1:].min(), rows.iterations.max()) == (6, 8)
+
+
 @methods
 @pytest.mark.parametrize("divisions", [1, 2, 5])
 def test_coarse_divisions_are_stepped_within(
