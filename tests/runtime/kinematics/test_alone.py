@@ -27,7 +27,8 @@ RUN = Run(
 
 
 def test_results_are_by_node_and_by_link(four_bar: Any) -> None:
-    motion, rows = (f(four_bar.mechanism, four_bar, RUN) for f in (solve_alone, solve))
+    motion = solve_alone(four_bar.mechanism, four_bar, RUN)
+    rows = solve(four_bar.mechanism, four_bar, RUN)
     assert (motion.unit, motion.method, motion.alpha.shape) == ("cm", "paper", (9,))
     assert list(motion.positions) == list(motion.velocities) == ["A", "B"]
     np.testing.assert_array_equal(motion.positions["B"], rows.position[:, 1])

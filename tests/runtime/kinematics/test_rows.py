@@ -52,7 +52,7 @@ def test_impossible_options_are_refused(options: dict[str, Any], message: str) -
 
 
 @pytest.mark.parametrize("options", [{"turns": 2}, {"first_turn": 1}])
-def test_inputs_that_do_not_turn_are_not_turned_on(options: dict[str, int]) -> None:
+def test_inputs_that_do_not_turn_are_not_turned_on(options: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="leave turns out"):
         request(SCENE, **options)
 

@@ -147,10 +147,14 @@ def test_dead_centre_on_the_way_keeps_the_good_rows(analysed: Analysed, method: 
 
 
 @methods
-def test_change_point_is_not_stepped_over(analysed: Analysed, method: int) -> None:
-    rows = analysed(PARALLELOGRAM, origin=(1.0,), method=method)
+@pytest.mark.parametrize("divisions", [1, 7, 12, 61])
+def test_change_point_is_not_stepped_over(analysed: Analysed, method: int, divisions: int) -> None:
+    """A whole turn in one step would come back to the same position."""
+    rows = analysed(
+        PARALLELOGRAM, origin=(1.0,), method=method, divisions=divisions, rows=divisions + 1
+    )
     assert rows.status == Status.DEAD_CENTRE
-    assert rows.done == 1 + math.floor((math.pi - 1) / (math.pi / 6))
+    assert rows.done == 1 + math.floor((math.pi - 1) / (2 * math.pi / divisions))
     np.testing.assert_allclose(rows.angle[: rows.done, 1], 0, atol=1e-9)
 
 
@@ -195,6 +199,12 @@ def test_linkage_that_does_not_reach_is_not_assembled(analysed: Analysed) -> Non
 
 def test_first_position_on_a_dead_centre_is_refused(analysed: Analysed) -> None:
     rows = analysed(PARALLELOGRAM | {"psi": 0.0})
+    assert (rows.status, rows.block) == (Status.ON_DEAD_CENTRE, 1)
+
+
+def test_rough_position_with_a_singular_jacobian_is_refused(analysed: Analysed) -> None:
+    """Coupler and rocker are parallel, far from where they come together."""
+    rows = analysed(CRANK_ROCKER | {"phi": 1.0, "psi": 1.0})
     assert (rows.status, rows.block) == (Status.ON_DEAD_CENTRE, 1)
 
 
