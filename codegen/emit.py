@@ -29,8 +29,8 @@ FILES = {
 }
 
 
-RUNTIME = Path(__file__).parents[1] / "runtime"
 _TEMPLATES = PackageLoader("kousoku.codegen")
+_RUNTIME = Path(__file__).parents[1] / "runtime"
 
 
 def environment() -> Environment:
@@ -98,23 +98,23 @@ def template(name: str) -> str:
 
 
 def library(folder: str) -> dict[str, str]:
-    """Return the files of a library of the runtime that goes along with what is generated.
+    """Return the plain source of a folder of the runtime, which generated folders take along.
 
     Parameters
     ----------
     folder : str
-        ``integrate``: a sub-package of ``runtime`` that needs NumPy only.
+        Its name, such as ``kinematics``.
 
     Returns
     -------
     dict of str to str
-        Path in the generated folder and text, in order.
+        ``<folder>/<file>`` and text of the C headers and Python modules, by name.
     """
-    paths = sorted((RUNTIME / folder).iterdir())
+    paths = sorted((_RUNTIME / folder).iterdir())
     return {
         f"{folder}/{path.name}": path.read_text(encoding="utf-8")
         for path in paths
-        if path.suffix in {".py", ".h"}
+        if path.suffix in {".h", ".py"}
     }
 
 

@@ -1,11 +1,11 @@
-"""Emit a scene: the kernels as of any package, and after them the solver that calls them."""
+"""Emit a linkage: its kernels as of any package, its tables, and the analysis that they need."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.emit import FILES, digest, environment, manifest
+from kousoku.codegen.emit import FILES, digest, environment, library, manifest
 from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
@@ -21,6 +21,8 @@ SOLVER_FILES = {
     "kernels.h": "linkage/kernels.h.jinja",
     "solver.py": "linkage/solver.py.jinja",
 }
+#: The analysis that all scenes share: a folder of the runtime that goes along.
+LIBRARY = "kinematics"
 
 
 def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) -> dict[str, str]:
@@ -41,11 +43,12 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
         File name and text, the manifest last.
     """
     templates = environment()
-    signature = digest(package, solver)
+    along = library(LIBRARY)
+    signature = digest(package, (solver, along))
     view = package_view(package, __version__, signature)
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()
     }
-    files |= dict(sorted(data.items()))
+    files |= along | dict(sorted(data.items()))
     return files | {"manifest.json": manifest(package, signature, files).to_json()}

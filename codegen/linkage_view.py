@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import accumulate
 from textwrap import fill
 from typing import TYPE_CHECKING
 
@@ -18,19 +17,7 @@ if TYPE_CHECKING:
     from kousoku.model.planar import Input
 
 
-_TAB, _STAR = "    ", " *     "
-
-#: What a solution ends with, in the order of the statuses.
-MESSAGES = (
-    "good",
-    "the linkage cannot be assembled from the positions of the scene",
-    "the positions of the scene lie on a dead centre, where the side is not clear",
-    "the linkage assembles only on the other side of a dead centre than the scene shows",
-    "a dead centre, or a change point, on the way",
-    "the residual limit is smaller than rounding allows",
-    "a number is not finite",
-    "an option is not finite, not positive, or start is beyond first",
-)
+_STAR = " *     "
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +69,14 @@ class LinkView:
 
 
 @dataclass(frozen=True, slots=True)
+class KnownView:
+    """A coordinate that a block depends on: its name, its place among inputs and unknowns."""
+
+    name: str
+    place: int
+
+
+@dataclass(frozen=True, slots=True)
 class BlockView:
     """A block.
 
@@ -89,19 +84,27 @@ class BlockView:
     ----------
     number : int
         Counted from 1.
-    first : int
-        Where its unknowns start.
+    first, first_known, jacobian : int
+        Where its unknowns, its known coordinates and its Jacobian start.
     unknowns, links : tuple of str
         Names of its unknowns, and of the links that hold them.
-    known : tuple of int
-        Where its known coordinates stand among the inputs and, after them, all unknowns.
+    known : tuple of KnownView
+        Its known coordinates, whose places are those among the inputs and, after them, all
+        unknowns.
     """
 
     number: int
     first: int
+    first_known: int
+    jacobian: int
     unknowns: tuple[str, ...]
     links: tuple[str, ...]
-    known: tuple[int, ...]
+    known: tuple[KnownView, ...]
+
+    @property
+    def size(self) -> int:
+        """Count of its unknowns."""
+        return len(self.unknowns)
 
     @property
     def quoted_links(self) -> tuple[str, ...]:
@@ -121,11 +124,10 @@ class SolverView:
         In the order of the scene.
     links, inputs, unknowns, blocks : tuple
         In the order of the scene, and in the order of solving.
-    first_of, known_of, matrix_of : tuple of int
-        Where the unknowns, the known coordinates and the matrix of each block start, and where
-        the last ones end.
     largest_known, largest_block : int
         Most known coordinates, and most unknowns, of any block.
+    matrix_size : int
+        Count of the elements of the Jacobians of all blocks.
     largest_length, limit : str
         Largest length of the scene, and limit of the residual.
     divisions, max_iterations : int
@@ -142,11 +144,9 @@ class SolverView:
     inputs: tuple[InputView, ...]
     unknowns: tuple[UnknownView, ...]
     blocks: tuple[BlockView, ...]
-    first_of: tuple[int, ...]
-    known_of: tuple[int, ...]
     largest_known: int
-    matrix_of: tuple[int, ...]
     largest_block: int
+    matrix_size: int
     largest_length: str
     limit: str
     divisions: int
@@ -154,9 +154,9 @@ class SolverView:
     method: int
     outputs: tuple[str, ...]
 
-    def wrapped(self, items: Iterable[object]) -> str:
-        """Return the elements of an array of C, in lines that fit."""
-        return fill(", ".join(map(str, items)), 92, initial_indent=_TAB, subsequent_indent=_TAB)
+    def commented(self, text: str) -> list[str]:
+        """Return a comment of C, in lines that fit."""
+        return fill(f"/* {text} */", 92, subsequent_indent=" * ").splitlines()
 
     def listed(self, names: Iterable[str]) -> str:
         """Return names inside a comment of C, in lines that fit."""
@@ -173,45 +173,38 @@ class SolverView:
         return _quoted(self.nodes)
 
     @property
-    def quoted_messages(self) -> tuple[str, ...]:
-        """The messages as strings of Python and of C."""
-        return _quoted(MESSAGES)
-
-    @property
     def link_rows(self) -> tuple[str, ...]:
-        """Name, nodes and length of each link as a tuple of Python."""
+        """The links as records of Python."""
         return tuple(
-            f'("{link.name}", "{link.first}", "{link.second}", {link.length})'
+            f'Link("{link.name}", "{link.first}", "{link.second}", length={link.length})'
             for link in self.links
         )
 
     @property
     def input_rows(self) -> tuple[str, ...]:
-        """Name, unit and scale of each input as a tuple of Python."""
-        return tuple(f'("{given.name}", "{given.unit}", {given.scale})' for given in self.inputs)
+        """The inputs as records of Python."""
+        return tuple(
+            f'Input("{given.name}", "{given.unit}", scale={given.scale})' for given in self.inputs
+        )
 
     @property
     def unknown_rows(self) -> tuple[str, ...]:
-        """Name, start and scale of each unknown, and whether an angle, as a tuple of Python."""
+        """The unknowns as records of Python."""
         return tuple(
-            f'("{unknown.name}", {unknown.start}, {unknown.scale}, {bool(unknown.is_angle)})'
+            f'Unknown("{unknown.name}", start={unknown.start}, scale={unknown.scale}, '
+            f"is_angle={bool(unknown.is_angle)})"
             for unknown in self.unknowns
         )
 
     @property
-    def known_from(self) -> tuple[int, ...]:
-        """The known coordinates of all blocks; one number at least, for C has no empty arrays."""
-        return tuple(k for block in self.blocks for k in block.known) or (0,)
+    def has_known(self) -> bool:
+        """Whether any block depends on something."""
+        return any(block.known for block in self.blocks)
 
     @property
     def has_angles(self) -> bool:
         """Whether the angles of links are wanted."""
         return "angles" in self.outputs
-
-    @property
-    def matrix_size(self) -> int:
-        """Count of the elements of the matrices of all blocks."""
-        return self.matrix_of[-1]
 
 
 def solver_view(layout: Layout) -> SolverView:
@@ -234,14 +227,10 @@ def solver_view(layout: Layout) -> SolverView:
             UnknownView(c.name, literal(c.start), literal(c.scale), int(c.unit == "rad"))
             for c in (coordinates[number] for number in layout.unknowns)
         ),
-        blocks=tuple(
-            _block(layout, number, first) for number, first in enumerate(_starts(sizes)[:-1])
-        ),
-        first_of=_starts(sizes),
-        known_of=_starts([len(known) for known in layout.known]),
+        blocks=tuple(_block(layout, number) for number in range(len(sizes))),
         largest_known=max(1, *map(len, layout.known)),
-        matrix_of=_starts([size * size for size in sizes]),
         largest_block=max(sizes),
+        matrix_size=sum(size * size for size in sizes),
         largest_length=literal(Fraction(scene.largest_length)),
         limit=literal(Fraction(scene.residual_limit)),
         divisions=scene.divisions,
@@ -253,10 +242,6 @@ def solver_view(layout: Layout) -> SolverView:
 
 def _quoted(names: Sequence[str]) -> tuple[str, ...]:
     return tuple(f'"{name}"' for name in names)
-
-
-def _starts(sizes: list[int]) -> tuple[int, ...]:
-    return tuple(accumulate(sizes, initial=0))
 
 
 def _input(layout: Layout, name: str, number: int) -> InputView:
@@ -287,14 +272,21 @@ def _span(given: Input, turns: Fraction) -> Fraction:
     return 2 * HALF_TURN * turns
 
 
-def _block(layout: Layout, number: int, first: int) -> BlockView:
+def _block(layout: Layout, number: int) -> BlockView:
     block, system = layout.blocks[number], layout.system
+    sizes = [len(before.unknowns) for before in layout.blocks[:number]]
     start = {"alpha": 0, "x": len(system.inputs)}
-    places = (layout.everywhere[coordinate] for coordinate in layout.known[number])
+    known = []
+    for coordinate in layout.known[number]:
+        argument, index = layout.everywhere[coordinate]
+        name = system.coordinates[coordinate].name
+        known.append(KnownView(name, start[argument] + index))
     return BlockView(
         number=number + 1,
-        first=first,
+        first=sum(sizes),
+        first_known=sum(map(len, layout.known[:number])),
+        jacobian=sum(size * size for size in sizes),
         unknowns=tuple(system.coordinates[unknown].name for unknown in block.unknowns),
         links=tuple(dict.fromkeys(system.elements[element].name for element, _ in block.rows)),
-        known=tuple(start[name] + index for name, index in places),
+        known=tuple(known),
     )

@@ -12,6 +12,8 @@ import numpy as np
 from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
 from kousoku.runtime.given import require_numbers, require_options, shown
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.kinematics.rows import METHODS, empty_rows
+from kousoku.runtime.kinematics.status import Status
 from kousoku.runtime.library import Library, load, read_files
 from kousoku.runtime.linkage_trajectory import Trajectory
 
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from kousoku.runtime.kinematics.mechanism import Mechanism
+    from kousoku.runtime.kinematics.rows import Rows, Run
+
 __all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
 
 SOLVER = "solver.py"
@@ -31,6 +36,12 @@ ANGLES = ("angle", "angle_dot", "angle_ddot")
 #: Options of a call that are counts, and all of them.
 COUNTS = ("divisions", "turns", "first_turn", "from_turn")
 OPTIONS = ("method", *COUNTS, "limit")
+#: What to do where a linkage cannot be moved on.
+ADVICE = {
+    Status.DEAD_CENTRE: "shorten the way of the input, or drive another link",
+    Status.LIMIT_TOO_SMALL: "give a larger residual limit",
+    Status.NOT_FINITE: "check lengths, positions and inputs",
+}
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53
 
@@ -44,11 +55,17 @@ class LinkageSolver:
     library : Library
         The kernels, and in C the solver.
     module : module
-        The folder's ``solver.py``: names, defaults, and the solver in NumPy.
+        The folder's ``solver.py``: the mechanism, and its analysis in NumPy.
     """
 
     library: Library
     module: ModuleType
+
+    @property
+    def mechanism(self) -> Mechanism:
+        """Nodes, links, inputs, unknowns and blocks."""
+        mechanism: Mechanism = self.module.MECHANISM
+        return mechanism
 
     @property
     def target(self) -> str:
@@ -84,18 +101,32 @@ class LinkageSolver:
         """
         run, rows = self._rows(options)
         good = self._trajectory(run, rows)
-        if rows.status != self.module.GOOD:
+        if rows.status != Status.GOOD:
             raise self._error(run, rows, good)
         return good
 
-    def rows(self, run: Any) -> Any:
-        """Return what :meth:`solve` starts from, for a ``Run`` of the folder's ``solver.py``."""
-        return self._run_c(run) if self.target == "c" else self.module.solve(self.library, run)
+    def request(self, **options: Any) -> Run:
+        """Return the run that options ask for, those of :meth:`solve`.
 
-    def _rows(self, options: dict[str, Any]) -> tuple[Any, Any]:
+        Raises
+        ------
+        ValueError, TypeError
+            They are not such options.
+        """
+        run: Run = self.module.request(**options)
+        return run
+
+    def rows(self, run: Run) -> Rows:
+        """Return what :meth:`solve` starts from, for a run."""
+        if self.target == "c":
+            return self._run_c(run)
+        rows: Rows = self.module.solve(self.library, run)
+        return rows
+
+    def _rows(self, options: dict[str, Any]) -> tuple[Run, Rows]:
         self._check(options)
         try:
-            run = self.module.request(**options)
+            run = self.request(**options)
         except (ValueError, TypeError) as error:
             raise SolveError(f"{self.library.manifest.package}: {error}") from None
         try:
@@ -117,11 +148,11 @@ class LinkageSolver:
         if options.get("limit") is not None:
             require_numbers(name, limit=options["limit"])
 
-    def _run_c(self, run: Any) -> Any:
+    def _run_c(self, run: Run) -> Rows:
         """Run the whole turn in one call of the compiled library."""
         prefix = f"kousoku_{self.library.manifest.package}"
-        rows = self.module.empty_rows(run.rows)
-        record = _run_type(len(self.module.INPUTS))()
+        rows = empty_rows(self.mechanism, run.rows)
+        record = _run_type(len(self.mechanism.inputs))()
         for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
             setattr(record, name, getattr(run, name))
         for name in ("origin", "span", "turns", "rate", "rate_dot"):
@@ -145,61 +176,57 @@ class LinkageSolver:
         function.restype = ctypes.c_size_t
         return int(function())
 
-    def _trajectory(self, run: Any, rows: Any) -> Trajectory:
+    def _trajectory(self, run: Run, rows: Rows) -> Trajectory:
         """Return the good rows."""
-        module, n, wanted = self.module, rows.done, self.module.OUTPUTS
-        links = [link[0] for link in module.LINKS] if "angles" in wanted else []
-        inputs = [given[0] for given in module.INPUTS]
-        moving = module.NODES if "velocities" in wanted else ()
-        hurrying = module.NODES if "accelerations" in wanted else ()
+        mechanism, n = self.mechanism, rows.done
+        wanted, nodes = mechanism.outputs, mechanism.nodes
+        links = [link.name for link in mechanism.links] if mechanism.wants_angles else []
         return Trajectory(
             name=self.library.manifest.package,
-            unit=module.UNIT,
-            method=module.METHODS[run.method],
+            unit=mechanism.unit,
+            method=METHODS[run.method],
             divisions=run.divisions,
-            inputs=_by_name(inputs, rows.alpha[:n]),
-            positions=_by_name(module.NODES, rows.position[:n]),
-            velocities=_by_name(moving, rows.velocity[:n]),
-            accelerations=_by_name(hurrying, rows.acceleration[:n]),
+            inputs=_by_name([given.name for given in mechanism.inputs], rows.alpha[:n]),
+            positions=_by_name(nodes, rows.position[:n]),
+            velocities=_by_name(nodes if "velocities" in wanted else (), rows.velocity[:n]),
+            accelerations=_by_name(
+                nodes if "accelerations" in wanted else (), rows.acceleration[:n]
+            ),
             angles=_by_name(links, rows.angle[:n]),
             angular_velocities=_by_name(links, rows.angle_dot[:n]),
             angular_accelerations=_by_name(links, rows.angle_ddot[:n]),
             iterations=rows.iterations[:n],
             residual=rows.residual[:n],
-            links=module.LINKS,
+            links=mechanism.links,
             target=self.target,
         )
 
-    def _error(self, run: Any, rows: Any, good: Trajectory) -> SolveError:
+    def _error(self, run: Run, rows: Rows, good: Trajectory) -> SolveError:
         """Say what went wrong, where, and what to do."""
-        module, name = self.module, self.library.manifest.package
-        part, links, _ = module.BLOCKS[rows.block]
-        names = (unknown[0].partition(".")[0] for unknown in module.UNKNOWNS[part])
-        nodes = ", ".join(dict.fromkeys(names))
-        held = f"{nodes}, held by {', '.join(links)}"
-        known = {link[0] for link in module.LINKS}
-        named = [f"links.{link}" for link in links if link in known]
+        mechanism, name = self.mechanism, self.library.manifest.package
+        block, status = mechanism.blocks[rows.block], Status(rows.status)
+        unknowns = mechanism.unknowns[block.unknowns]
+        nodes = ", ".join(dict.fromkeys(unknown.name.partition(".")[0] for unknown in unknowns))
+        held = f"{nodes}, held by {', '.join(block.links)}"
+        known = {link.name for link in mechanism.links}
+        named = [f"links.{link}" for link in block.links if link in known]
         keys = ", ".join(named)
-        driven = ", ".join(f"inputs.{key}" for key, _, _ in module.INPUTS)
+        driven = ", ".join(f"inputs.{given.name}" for given in mechanism.inputs)
         where = ", ".join(
-            f"{key} = {value:.9g} {unit}"
-            for (key, unit, _), value in zip(module.INPUTS, rows.reached, strict=True)
+            f"{given.name} = {value:.9g} {given.unit}"
+            for given, value in zip(mechanism.inputs, rows.reached, strict=True)
         )
-        why = module.MESSAGES[rows.status]
-        if rows.status == module.NOT_ASSEMBLED:
-            misfit = self._misfit(rows.position[0], links)
+        why = status.message
+        if status == Status.NOT_ASSEMBLED:
+            misfit = self._misfit(rows.position[0], block.links)
             return AssemblyError(f"{name}: {keys}: {why}: {held}, at {where}: {misfit}", named)
-        if rows.status in (module.ON_DEAD_CENTRE, module.OTHER_SIDE):
+        if status in {Status.ON_DEAD_CENTRE, Status.OTHER_SIDE}:
             return AssemblyError(
                 f"{name}: {keys}: {why}: {held}, at {where}; move the positions of these nodes to"
                 " the side that is wanted",
                 named,
             )
-        advice = {
-            module.DEAD_CENTRE: "shorten the way of the input, or drive another link",
-            module.LIMIT_TOO_SMALL: "give a larger residual limit",
-            module.NOT_FINITE: "check lengths, positions and inputs",
-        }.get(rows.status, "check the options")
+        advice = ADVICE.get(status, "check the options")
         return MotionError(
             f"{name}: {driven}: {why}: {held}, at {where}, after {rows.done} good positions of"
             f" {run.rows}; {advice}",
@@ -208,13 +235,13 @@ class LinkageSolver:
 
     def _misfit(self, position: npt.NDArray[np.float64], links: Iterable[str]) -> str:
         """Say by how much links are violated where the assembly stopped."""
-        place = dict(zip(self.module.NODES, position, strict=True))
-        parts = []
-        for name, first, second, length in self.module.LINKS:
+        mechanism, parts = self.mechanism, []
+        place = dict(zip(mechanism.nodes, position, strict=True))
+        for name, first, second, length in mechanism.links:
             gap = float(np.hypot(*(place[second] - place[first]))) - length
-            if name in links and abs(gap) > 1e-9 * self.module.LENGTH:
+            if name in links and abs(gap) > 1e-9 * mechanism.length:
                 parts.append(
-                    f"{name} would have to be {abs(gap):.6g} {self.module.UNIT}"
+                    f"{name} would have to be {abs(gap):.6g} {mechanism.unit}"
                     f" {'longer' if gap > 0 else 'shorter'} to reach from {first} to {second}"
                 )
         fits = "no link is violated much, but they cannot all be met"

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kousoku.model.errors import VerifyError
+from kousoku.runtime.kinematics.rows import METHODS
+from kousoku.runtime.kinematics.status import Status
 from kousoku.runtime.library import read_files
 from kousoku.runtime.linkage import SOLVER, solver_of
 
@@ -16,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.runtime.arguments import Floats
+    from kousoku.runtime.kinematics.rows import Run
     from kousoku.runtime.library import Library
     from kousoku.runtime.linkage import LinkageSolver
 
@@ -50,19 +53,19 @@ def solver_problems(library: Library) -> list[str]:
         raise VerifyError(f"{library.folder / SOLUTION_FILE} cannot be read: {error!r}") from None
     solver = solver_of(library)
     problems: list[str] = []
-    for method in solver.module.METHODS if rows else ():
-        run = solver.module.request(method=method, divisions=divisions)
+    for method in METHODS if rows else ():
+        run = solver.request(method=method, divisions=divisions)
         other, wanted = _at_other_rates(run, exact)
-        if all(run.turns) and rows[-1] == divisions:
-            # the walk begins at the turn before
-            other.start, other.first = divisions + 3, 2 * divisions
+        if run.is_periodic and rows[-1] == divisions:
+            # the continuation begins at the turn before
+            other = replace(other, start=divisions + 3, first=2 * divisions)
         where = f"solver by {library.target}, {method}"
         problems += _problems(where, solver, run, rows, exact)
         problems += _problems(f"{where}, at other rates", solver, other, rows, wanted)
     return problems
 
 
-def _at_other_rates(run: Any, exact: dict[str, Floats]) -> tuple[Any, dict[str, Floats]]:
+def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, Floats]]:
     """Return a run whose time goes by otherwise, and what it must give.
 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
@@ -83,23 +86,24 @@ def _at_other_rates(run: Any, exact: dict[str, Floats]) -> tuple[Any, dict[str, 
 
 
 def _problems(
-    where: str, solver: LinkageSolver, run: Any, rows: Sequence[int], exact: dict[str, Floats]
+    where: str, solver: LinkageSolver, run: Run, rows: Sequence[int], exact: dict[str, Floats]
 ) -> Iterator[str]:
     """Yield how a run differs from the rows that are known."""
-    module, got = solver.module, solver.rows(run)
+    mechanism, got = solver.mechanism, solver.rows(run)
     good = [k for k, row in enumerate(rows) if row < got.done]
     if len(good) < len(rows):
-        yield f"{where}: stops after {got.done} rows: {module.MESSAGES[got.status]}"
+        yield f"{where}: stops after {got.done} rows: {Status(got.status).message}"
     if not good:
         return
     for name, wanted in exact.items():
         values = getattr(got, name)[[rows[k] for k in good]].reshape(len(good), -1)
         errors = np.nan_to_num(np.abs(values - wanted[good]), nan=np.inf)
-        scale = max(float(np.max(np.abs(wanted))), module.LENGTH)
+        scale = max(float(np.max(np.abs(wanted))), mechanism.length)
         k, element = divmod(int(np.argmax(errors)), errors.shape[1])
         if not errors[k, element] <= LIMIT * scale:
+            node = mechanism.nodes[element // 2]
             yield (
-                f"{where}: {name} {'xy'[element % 2]} of {module.NODES[element // 2]} at division "
-                f"{rows[k]} of {run.divisions}: got {float(values[k, element])!r}, wanted "
+                f"{where}: {name} {'xy'[element % 2]} of {node} at division {rows[k]} of "
+                f"{run.divisions}: got {float(values[k, element])!r}, wanted "
                 f"{float(wanted[k, element])!r} within {LIMIT * scale:.0e}"
             )

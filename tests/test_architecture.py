@@ -25,6 +25,8 @@ MAY_IMPORT = {
 }
 #: The files of ``model`` that ``runtime`` uses.
 SHARED = {"quantity", "manifest", "errors", "cache"}
+#: Folders of ``runtime`` that generated folders take along.
+LIBRARIES = ("kinematics",)
 HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "benchmarks")
 
 
@@ -79,6 +81,22 @@ def test_runtime_uses_only_the_light_files_of_model() -> None:
     for path in sources("runtime"):
         used = {n.split(".")[2] for n in imports(path) if n.startswith("kousoku.model.")}
         assert used <= SHARED, path
+
+
+@pytest.mark.parametrize("folder", LIBRARIES)
+def test_libraries_that_are_copied_along_stand_alone(folder: str) -> None:
+    """They import NumPy, the standard library, and each other by relative names."""
+    allowed = sys.stdlib_module_names | {"numpy"}
+    for path in sources(f"runtime/{folder}"):
+        inside = f"kousoku.runtime.{folder}"
+        others = {name for name in imports(path) if not f"{name}.".startswith(f"{inside}.")}
+        assert {name.split(".")[0] for name in others} <= allowed, path
+        assert not re.search(r"(from|import) kousoku", path.read_text(encoding="utf-8")), path
+    for path in (ROOT / "runtime" / folder).glob("*.h"):
+        text = path.read_text(encoding="utf-8")
+        included = set(re.findall(r'#include "(.+)"', text))
+        assert included <= {other.name for other in path.parent.glob("*.h")}, path
+        assert max(map(len, text.splitlines())) <= 100 and "\t" not in text, path
 
 
 def modules_after(code: str) -> set[str]:
@@ -151,8 +169,8 @@ def test_templates_stay_small() -> None:
     for path in (ROOT / "codegen" / "templates").rglob("*"):
         if path.is_file():
             assert path.suffix == ".jinja", path
-            # A scene's solver is one walk, the same for every scene but for its tables.
-            limit = 640 if path.parent.name in {"linkage", "dynamics"} else 60
+            # A scene of bodies has its integrator in templates.
+            limit = {"dynamics": 640, "linkage": 100}.get(path.parent.name, 60)
             assert path.read_text(encoding="utf-8").count("\n") <= limit, path
 
 

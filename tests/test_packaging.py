@@ -21,7 +21,7 @@ SHIPPED_SUFFIXES = {
     "generated": (".py", ".c", ".h", ".json"),
     "ledger": (".py", ".json"),
     "model": (".py", ".json"),
-    "runtime": (".py", ".c"),
+    "runtime": (".py", ".c", ".h"),
     "symbolic": (".py",),
     "kousoku": (".py", ".typed"),
 }

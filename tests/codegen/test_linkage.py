@@ -13,6 +13,8 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from kousoku.codegen import linkage_emit
+from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.linkage import Program, generate_scene, specialise
@@ -41,9 +43,7 @@ def kernels(name: str) -> dict[str, Kernel]:
 
 
 def write(folder: Path, files: dict[str, str]) -> Path:
-    folder.mkdir(exist_ok=True)
-    for name, text in files.items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, files)
     return folder
 
 
@@ -142,6 +142,24 @@ def test_digest_covers_what_only_the_solver_knows() -> None:
     assert len(digests) == 2
 
 
+def test_folders_take_the_analysis_along_as_it_is() -> None:
+    folder = Path(linkage_emit.__file__).parents[1] / "runtime" / "kinematics"
+    made = program("piston_crank")
+    files = emit_scene(made.package, made.solver, {})
+    names = {path.name for path in folder.iterdir() if path.suffix in {".h", ".py"}}
+    assert {name for name in files if "/" in name} == {f"kinematics/{name}" for name in names}
+    for name in names:
+        assert files[f"kinematics/{name}"] == (folder / name).read_text(encoding="utf-8")
+
+
+def test_digest_covers_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = program("piston_crank")
+    before = emit_scene(made.package, made.solver, {})["manifest.json"]
+    monkeypatch.setattr(linkage_emit, "library", lambda folder: {f"{folder}/new.h": "\n"})
+    after = emit_scene(made.package, made.solver, {})["manifest.json"]
+    assert Manifest.from_json(before).digest != Manifest.from_json(after).digest
+
+
 def test_same_scene_gives_the_same_bytes() -> None:
     scene = read_scene(SCENES / "five_bar.toml")
     assert generate_scene(scene) == generate_scene(scene)
@@ -150,12 +168,12 @@ def test_same_scene_gives_the_same_bytes() -> None:
 @pytest.mark.parametrize(
     ("file", "right", "wrong"),
     [
-        ("solver.py", "first * rate, second * rate", "-first * rate, second * rate"),
-        ("kernels.c", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
-        ("kernels.c", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
-        ("kernels.c", "x[first + i] -= epsilon[i];", "x[first + i] += epsilon[i];"),
-        ("kernels.c", "run->start - run->start", "run->start + run->start"),
-        ("kernels.c", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
+        ("continuation.py", "first * rate, second * rate", "-first * rate, second * rate"),
+        ("rows.h", "x_dot[i] = w->x1[i] * rate;", "x_dot[i] = -w->x1[i] * rate;"),
+        ("rows.h", "+ w->x1[i] * rate_dot;", "- w->x1[i] * rate_dot;"),
+        ("newton.h", "x[first + i] -= correction[i];", "x[first + i] += correction[i];"),
+        ("solve.h", "run->start - run->start", "run->start + run->start"),
+        ("continuation.h", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
     ],
 )
 def test_verify_finds_a_flipped_sign_in_the_solver(
@@ -163,6 +181,7 @@ def test_verify_finds_a_flipped_sign_in_the_solver(
 ) -> None:
     """The kernels are right, and every digest fits: only the motion tells."""
     files = generate_scene(read_scene(SCENES / "lever_crank.toml"))
+    file = f"kinematics/{file}"
     assert right in files[file]
     files[file] = files[file].replace(right, wrong)
     old = Manifest.from_json(files["manifest.json"])

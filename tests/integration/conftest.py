@@ -37,7 +37,6 @@ def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene], Pat
         key = hash(repr(scene))
         if key not in known:
             known[key] = tmp_path_factory.mktemp("scene") / scene.name
-            known[key].mkdir()
             write_tree(known[key], generate_scene(scene))
         return known[key]
 

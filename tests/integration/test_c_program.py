@@ -30,6 +30,13 @@ def folder(folder_of: Callable[[Scene], Path]) -> Path:
     return folder_of(read_scene(ROOT / "scenes" / "lever_crank.toml"))
 
 
+def copy_sources(folder: Path, place: Path) -> None:
+    """Copy what a program of C needs of a folder."""
+    for name in ("kernels.c", "kernels.h"):
+        shutil.copy(folder / name, place)
+    shutil.copytree(folder / "kinematics", place / "kinematics")
+
+
 def compiled(compiler: Toolchain, folder: Path, *flags: str) -> None:
     """Run the compiler in a folder."""
     run = subprocess.run(
@@ -57,8 +64,7 @@ def test_example_is_at_most_thirty_lines() -> None:
 def test_example_compiles_with_the_plain_command_and_solves(
     compiler: Toolchain, folder: Path, tmp_path: Path
 ) -> None:
-    for name in ("kernels.c", "kernels.h"):
-        shutil.copy(folder / name, tmp_path)
+    copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.c")
     compiled(compiler, tmp_path, "main.c", "kernels.c", "-lm", "-o", "program")
     assert_is_the_lever_crank(printed(tmp_path / "program"))
@@ -68,8 +74,7 @@ def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path
     cpp = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
     if cpp is None:
         pytest.skip("no C++ compiler")
-    for name in ("kernels.c", "kernels.h"):
-        shutil.copy(folder / name, tmp_path)
+    copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.cpp")
     compiled(compiler, tmp_path, "-c", "kernels.c", "-o", "kernels.o")
     flags = ("-std=c++11", "-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -82,8 +87,7 @@ def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path
 def test_example_is_clean_under_sanitizers(
     compiler: Toolchain, folder: Path, tmp_path: Path
 ) -> None:
-    for name in ("kernels.c", "kernels.h"):
-        shutil.copy(folder / name, tmp_path)
+    copy_sources(folder, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.c")
     sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
     run = subprocess.run(

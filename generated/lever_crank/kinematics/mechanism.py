@@ -1,0 +1,107 @@
+"""Records of the tables that describe a mechanism: its coordinates, links and blocks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from typing import TypeAlias
+
+    import numpy as np
+    import numpy.typing as npt
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+
+class Link(NamedTuple):
+    """A link: its name, its nodes, and its length in the unit of the mechanism."""
+
+    name: str
+    first: str
+    second: str
+    length: float
+
+
+class Input(NamedTuple):
+    """A prescribed coordinate: its name, its unit, and the length that a change by 1 moves."""
+
+    name: str
+    unit: str
+    scale: float
+
+
+class Unknown(NamedTuple):
+    """An unknown coordinate.
+
+    Parameters
+    ----------
+    name : str
+        Node and direction, such as ``O2.x``.
+    start : float
+        Its value near the first position.
+    scale : float
+        The length that a change by 1 moves.
+    is_angle : bool
+        Whether it counts in radians, and only next to zero.
+    """
+
+    name: str
+    start: float
+    scale: float
+    is_angle: bool
+
+
+class Block(NamedTuple):
+    """A block of the block-triangular equations: unknowns that are solved together.
+
+    Parameters
+    ----------
+    unknowns : slice
+        Its coordinates among all unknowns.
+    links : tuple of str
+        The links and sliders whose equations determine them.
+    known : tuple of int
+        What it depends on: places among the inputs and, after them, all unknowns.
+    """
+
+    unknowns: slice
+    links: tuple[str, ...]
+    known: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Mechanism:
+    """A planar mechanism whose position equations are block-triangular.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of length.
+    length : float
+        The largest length, in that unit: what corrections and residuals are small beside.
+    outputs : tuple of str
+        What is wanted beside positions: ``velocities``, ``accelerations``, ``angles``.
+    nodes : tuple of str
+        The nodes, in the order of the results.
+    links : tuple of Link
+        The links, in the order of the results.
+    inputs, unknowns : tuple
+        The prescribed and the unknown coordinates.
+    blocks : tuple of Block
+        The blocks, in the order of solving.
+    """
+
+    unit: str
+    length: float
+    outputs: tuple[str, ...]
+    nodes: tuple[str, ...]
+    links: tuple[Link, ...]
+    inputs: tuple[Input, ...]
+    unknowns: tuple[Unknown, ...]
+    blocks: tuple[Block, ...]
+
+    @property
+    def wants_angles(self) -> bool:
+        """Whether the angles of links are wanted."""
+        return "angles" in self.outputs

@@ -1,0 +1,151 @@
+"""Newton's method: full, block after block, and with the Jacobian of a reference position."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .equations import BlockEquations, Coordinates
+from .status import ROUNDING, SETTLED, SINGULAR, Status, StopError
+
+if TYPE_CHECKING:
+    from .equations import Kernels
+    from .mechanism import Array, Mechanism
+    from .rows import Run
+
+
+class Convergence(NamedTuple):
+    """How positions converged: the most of all blocks.
+
+    Parameters
+    ----------
+    iterations : int
+        Corrections.
+    residual : float
+        Largest residual, in the unit of the mechanism.
+    """
+
+    iterations: int
+    residual: float
+
+
+def largest(values: Array) -> float:
+    """Return the largest magnitude."""
+    return float(np.max(np.abs(values)))
+
+
+def is_dead_centre(pivot: float, orientation: float) -> bool:
+    """Whether the Jacobian is singular, or its determinant that of another assembly mode."""
+    return not abs(pivot) > SINGULAR or pivot * orientation < 0
+
+
+class Newton:
+    """Newton's method on the equations of a mechanism.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The tables.
+    kernels : Kernels
+        The kernels of its blocks.
+    run : Run
+        Limit of the residual and of the iterations.
+
+    Attributes
+    ----------
+    orientation : list of float
+        The assembly mode of each block: its smallest pivot at the first position, with the sign of
+        the determinant; 0 while either side is good.
+    at : int
+        The block that was worked on last.
+    """
+
+    def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run) -> None:
+        numbers = range(len(mechanism.blocks))
+        self.blocks = tuple(BlockEquations(mechanism, kernels, number) for number in numbers)
+        self.scale = np.array([unknown.scale for unknown in mechanism.unknowns])
+        self.length = mechanism.length
+        self.run = run
+        self.orientation = [0.0 for _ in numbers]
+        self.at = 0
+
+    def solve_block(self, number: int, alpha: Array, x: Array) -> Convergence:
+        """Improve the unknowns of one block in x by full Newton.
+
+        Raises
+        ------
+        StopError
+            It does not converge to the residual limit on this side of a dead centre.
+        """
+        block, last = self.blocks[number], math.inf
+        for k in range(self.run.max_iterations + 1):
+            epsilon, pivot = block.evaluate(Coordinates(alpha, x))
+            residual = largest(epsilon)
+            if not math.isfinite(residual):
+                raise StopError(Status.NOT_FINITE)
+            if is_dead_centre(pivot, self.orientation[number]):
+                raise StopError(Status.DEAD_CENTRE)
+            correction = block.solve(epsilon)
+            step = largest(correction * block.scale)
+            is_settled, is_stalled = last <= SETTLED * self.length, step >= 0.5 * last
+            if residual <= self.run.limit and (is_settled or is_stalled):
+                return Convergence(k, residual)
+            if is_settled and is_stalled:
+                raise StopError(Status.LIMIT_TOO_SMALL)
+            if k > 2 and step >= 2 * last:
+                raise StopError(Status.DEAD_CENTRE)
+            x[block.part] -= correction
+            last = step
+        raise StopError(Status.DEAD_CENTRE)
+
+    def full(self, alpha: Array, trial: Array) -> Convergence:
+        """Improve all unknowns in ``trial`` by full Newton."""
+        iterations, residual = 0, 0.0
+        for number in range(len(self.blocks)):
+            self.at = number
+            found = self.solve_block(number, alpha, trial)
+            iterations = max(iterations, found.iterations)
+            residual = max(residual, found.residual)
+        return Convergence(iterations, residual)
+
+    def modified(self, alpha: Array, trial: Array, reference: Coordinates) -> Convergence:
+        """Improve all unknowns in ``trial`` by the iteration of the paper, (27) and (28).
+
+        A modified Newton method: the Jacobian stays that of the reference position.
+        """
+        for block in self.blocks:
+            block.evaluate(reference)
+        last, k = math.inf, 0
+        while True:
+            correction = np.empty_like(trial)
+            for block in self.blocks:
+                correction[block.part] = block.residuals(Coordinates(alpha, trial))
+            residual = largest(correction)
+            if residual <= self.run.limit:
+                break
+            if not math.isfinite(residual):
+                raise StopError(Status.NOT_FINITE)
+            self._correct_from(reference, correction)
+            step = largest(correction * self.scale)
+            if step >= last and last <= ROUNDING * self.length:
+                raise StopError(Status.LIMIT_TOO_SMALL)
+            if k >= self.run.max_iterations or (k > 2 and step >= 2 * last):
+                raise StopError(Status.DEAD_CENTRE)
+            trial -= correction
+            last, k = step, k + 1
+        for number, block in enumerate(self.blocks):
+            self.at = number
+            _, pivot = block.evaluate(Coordinates(alpha, trial))
+            if is_dead_centre(pivot, self.orientation[number]):
+                raise StopError(Status.DEAD_CENTRE)
+        return Convergence(k, residual)
+
+    def _correct_from(self, reference: Coordinates, correction: Array) -> None:
+        """Make corrections of residuals, in place, with the Jacobian of the reference."""
+        corrected = Coordinates(np.zeros_like(reference.alpha), correction)
+        for block in self.blocks:
+            # What the corrections of the blocks before add to this one.
+            coupling = block.velocity_side(reference, corrected)
+            correction[block.part] = block.solve(correction[block.part] + coupling)

@@ -1,0 +1,216 @@
+"""What is asked of an analysis, and the rows of its results."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .status import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    from .mechanism import Array, Mechanism
+
+#: Full Newton, and the iteration of the paper; a run holds the index.
+METHODS = ("newton", "paper")
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """What is asked. The fields and the inputs of a division are those of ``kernels.h``.
+
+    Parameters
+    ----------
+    method : int
+        0 full Newton, 1 the iteration of the paper.
+    max_iterations : int
+        In one step.
+    limit : float
+        Largest residual, in the unit of the mechanism.
+    divisions, start, first, rows : int
+        Row r is division ``first + r``; the continuation begins at division ``start``.
+    origin, span, rate, rate_dot : sequence of float
+        Of each input, in its unit: value at division 0, what is added over all divisions, time
+        derivatives.
+    turns : sequence of int
+        Of each input: whole turns over all divisions, 0 where ``span`` counts.
+    """
+
+    method: int
+    max_iterations: int
+    limit: float
+    divisions: int
+    rows: int
+    origin: Sequence[float]
+    span: Sequence[float]
+    turns: Sequence[int]
+    rate: Sequence[float]
+    rate_dot: Sequence[float]
+    start: int = 0
+    first: int = 0
+
+    @property
+    def is_periodic(self) -> bool:
+        """Whether all inputs make whole turns."""
+        return all(self.turns)
+
+    @property
+    def is_possible(self) -> bool:
+        """Whether counts, limit and inputs are such that an analysis can be made."""
+        inputs = (*self.origin, *self.span, *self.rate, *self.rate_dot)
+        return (
+            self.divisions >= 1
+            and self.rows >= 1
+            and 0 <= self.start <= self.first
+            and self.max_iterations >= 1
+            and self.limit > 0
+            and all(map(math.isfinite, inputs))
+        )
+
+    def inputs_of(self, division: int) -> tuple[Array, Array]:
+        """Return the inputs of a division, each turn from the same numbers, and one division.
+
+        Returns
+        -------
+        alpha : (inputs,) array
+            The inputs, in their units.
+        delta : (inputs,) array
+            How far one division goes.
+        """
+        n = self.divisions
+        alpha, delta = np.zeros(len(self.turns)), np.zeros(len(self.turns))
+        for i, turns in enumerate(self.turns):
+            if turns:
+                part = int(math.fmod(turns * division, n))
+                alpha[i] = self.origin[i] + math.tau * (part / n)
+                delta[i] = math.tau * (turns / n)
+            else:
+                alpha[i] = self.origin[i] + self.span[i] * (division / n)
+                delta[i] = self.span[i] / n
+        return alpha, delta
+
+    def counted_inputs(self, division: int) -> list[float]:
+        """Return the inputs of a division, counting on over the turns."""
+        part, counted = division / self.divisions, []
+        for i, turns in enumerate(self.turns):
+            whole = math.tau * (turns * division / self.divisions)
+            counted.append(self.origin[i] + (whole if turns else self.span[i] * part))
+        return counted
+
+
+def request(
+    scene: Run,
+    *,
+    method: str | None = None,
+    divisions: int | None = None,
+    turns: int = 1,
+    first_turn: int = 0,
+    from_turn: int | None = None,
+    limit: float | None = None,
+) -> Run:
+    """Return a run over whole turns of the inputs, or once over the way that they go.
+
+    Parameters
+    ----------
+    scene : Run
+        What the scene asks for, where nothing else is said.
+    method : {"newton", "paper"}, optional
+        Full Newton, or the iteration of the paper.
+    divisions : int, optional
+        Divisions of a turn.
+    turns, first_turn : int
+        How many turns to write, and the first of them.
+    from_turn : int, optional
+        The turn in which the continuation begins, the first that is written when left out.
+    limit : float, optional
+        Largest residual, in the unit of the mechanism.
+
+    Raises
+    ------
+    ValueError
+        An argument is not one of these; or inputs that do not turn are to be turned on.
+    """
+    begin = first_turn if from_turn is None else from_turn
+    if method not in {None, *METHODS}:
+        raise ValueError(f"method: got {method!r}, wanted {' or '.join(METHODS)}")
+    if (divisions is not None and divisions < 1) or turns < 1 or not 0 <= begin <= first_turn:
+        raise ValueError(
+            f"got divisions={divisions}, turns={turns}, first_turn={first_turn}, "
+            f"from_turn={from_turn}; wanted 1 or more divisions and turns, "
+            "and 0 <= from_turn <= first_turn"
+        )
+    if not scene.is_periodic and (turns, first_turn) != (1, 0):
+        raise ValueError("inputs that do not make whole turns go their way once: leave turns out")
+    n = scene.divisions if divisions is None else divisions
+    return replace(
+        scene,
+        method=scene.method if method is None else METHODS.index(method),
+        divisions=n,
+        limit=scene.limit if limit is None else limit,
+        start=begin * n,
+        first=first_turn * n,
+        rows=turns * n + 1,
+    )
+
+
+@dataclass(slots=True)
+class Rows:
+    """What came out, one row for each division; after a failure row ``done`` is where it stopped.
+
+    Parameters
+    ----------
+    alpha : (rows, inputs) array
+        The inputs in their units, counting on over the turns.
+    position, velocity, acceleration : (rows, nodes, 2) array
+        Of the nodes, in frame O, in the unit of the mechanism and seconds.
+    angle, angle_dot, angle_ddot : (rows, links) array
+        Of the links, from +x, in radians and seconds, where they are wanted.
+    iterations : (rows,) array of int
+        Corrections in the step that led to the row.
+    residual : (rows,) array
+        Largest residual, in the unit of the mechanism.
+    reached : (inputs,) array
+        The inputs at the last good position.
+    done, block : int
+        Good rows, and the block that failed.
+    status : int
+        Why it ended, a :class:`Status`.
+    """
+
+    alpha: Array
+    position: Array
+    velocity: Array
+    acceleration: Array
+    angle: Array
+    angle_dot: Array
+    angle_ddot: Array
+    iterations: npt.NDArray[np.intc]
+    residual: Array
+    reached: Array
+    done: int = 0
+    block: int = 0
+    status: int = Status.GOOD
+
+
+def empty_rows(mechanism: Mechanism, count: int) -> Rows:
+    """Return room for as many rows."""
+    nodes = (count, len(mechanism.nodes), 2)
+    links = (count, len(mechanism.links) if mechanism.wants_angles else 0)
+    return Rows(
+        alpha=np.zeros((count, len(mechanism.inputs))),
+        position=np.zeros(nodes),
+        velocity=np.zeros(nodes),
+        acceleration=np.zeros(nodes),
+        angle=np.zeros(links),
+        angle_dot=np.zeros(links),
+        angle_ddot=np.zeros(links),
+        iterations=np.zeros(count, dtype=np.intc),
+        residual=np.zeros(count),
+        reached=np.zeros(len(mechanism.inputs)),
+    )

@@ -1,0 +1,97 @@
+"""Position, velocity and acceleration analysis of a mechanism, division by division.
+
+M. Yamada and S. Tatsumi (1981), with full Newton beside their iteration; numbers in parentheses
+are their equations.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .assembly import assemble
+from .continuation import Continuation
+from .rows import Rows, empty_rows
+from .status import Status, StopError
+
+if TYPE_CHECKING:
+    from .equations import Kernels
+    from .mechanism import Array, Mechanism
+    from .rows import Run
+
+
+def solve(mechanism: Mechanism, kernels: Kernels, run: Run) -> Rows:
+    """Return what is asked, as far as the mechanism moves.
+
+    Parameters
+    ----------
+    mechanism : Mechanism
+        The tables.
+    kernels : Kernels
+        Whatever has the functions of the folder's ``kernels.py``.
+    run : Run
+        What is asked.
+    """
+    rows = empty_rows(mechanism, max(run.rows, 0))
+    if not run.is_possible:
+        rows.status = Status.BAD_ARGUMENT
+        return rows
+    with np.errstate(all="ignore"):
+        _Analysis(mechanism, kernels, run, rows).make()
+    return rows
+
+
+class _Analysis:
+    """A continuation whose positions are written into rows."""
+
+    def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run, rows: Rows) -> None:
+        self.kernels = kernels
+        self.wants_angles = mechanism.wants_angles
+        self.run = run
+        self.rows = rows
+        self.way = Continuation(mechanism, kernels, run)
+
+    def make(self) -> None:
+        """Write all rows, or all until the mechanism stops and where it did."""
+        rows, way = self.rows, self.way
+        try:
+            self._follow(assemble(way.newton, way.position))
+        except StopError as stop:
+            rows.status = stop.status
+            if rows.done < self.run.rows:
+                none = np.zeros_like(way.position.x)
+                self._write(0, none, none)
+                rows.alpha[rows.done] = way.position.alpha
+                rows.residual[rows.done] = math.inf
+        rows.block = way.newton.at
+        rows.reached = way.position.alpha
+
+    def _follow(self, residual: float) -> None:
+        """Go from division to division and write the rows that are asked for."""
+        run, rows = self.run, self.rows
+        # Whole turns lead back to the assembled position.
+        begin = run.start - run.start % run.divisions if run.is_periodic else 0
+        iterations = 0
+        for division in range(begin, run.first + run.rows):
+            target, delta = run.inputs_of(division)
+            if division > begin:
+                iterations, residual = self.way.advance(target, delta)
+            x_dot, x_ddot = self.way.motion_at(delta)
+            if division >= run.first:
+                self._write(division, x_dot, x_ddot)
+                rows.iterations[rows.done] = iterations
+                rows.residual[rows.done] = residual
+                rows.done += 1
+
+    def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
+        """Write what is wanted of the position into the next row."""
+        run, rows, row = self.run, self.rows, self.rows.done
+        rate, rate_dot = np.asarray(run.rate), np.asarray(run.rate_dot)
+        motion = (*self.way.position, rate, x_dot, rate_dot, x_ddot)
+        rows.position[row], rows.velocity[row], rows.acceleration[row] = self.kernels.nodes(*motion)
+        if self.wants_angles:
+            angles = self.kernels.angles(*motion)
+            rows.angle[row], rows.angle_dot[row], rows.angle_ddot[row] = angles
+        rows.alpha[row] = run.counted_inputs(division)

@@ -1,0 +1,40 @@
+/* What an analysis ends with, and the tolerances that decide it; status.py states the same. */
+#ifndef KOUSOKU_KINEMATICS_STATUS_H
+#define KOUSOKU_KINEMATICS_STATUS_H
+
+enum {
+    GOOD,
+    NOT_ASSEMBLED,
+    ON_DEAD_CENTRE,
+    OTHER_SIDE,
+    DEAD_CENTRE,
+    LIMIT_TOO_SMALL,
+    NOT_FINITE,
+    BAD_ARGUMENT
+};
+
+/* a correction this small, relative to LENGTH, leaves nothing to correct: Newton squares it */
+#define SETTLED 0x1p-28
+/* corrections this small, relative to LENGTH, are rounding */
+#define ROUNDING 0x1p-48
+/* below this pivot, of columns scaled to lengths, a block has a dead centre */
+#define SINGULAR 1e-7
+/* smallest part of a division that is stepped before the continuation gives up */
+#define SMALLEST_STEP 0x1p-24
+
+static const char *message_of(int status)
+{
+    static const char *const messages[] = {
+        "good",
+        "the linkage cannot be assembled from the positions of the scene",
+        "the positions of the scene lie on a dead centre, where the side is not clear",
+        "the linkage assembles only on the other side of a dead centre than the scene shows",
+        "a dead centre, or a change point, on the way",
+        "the residual limit is smaller than rounding allows",
+        "a number is not finite",
+        "an option is not finite, not positive, or start is beyond first",
+    };
+    return status >= GOOD && status <= BAD_ARGUMENT ? messages[status] : "unknown status";
+}
+
+#endif

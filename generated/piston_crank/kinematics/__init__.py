@@ -1,0 +1,17 @@
+"""Position, velocity and acceleration analysis of planar mechanisms, block after block.
+
+The same algorithm as ordinary C (``*.h``) and as ordinary Python, file by file; a generated folder
+holds a copy of it beside the kernels and the tables of its scene. It needs the C library, and in
+Python NumPy, and imports nothing of kousoku but itself.
+
+``mechanism``     records of the tables that describe a mechanism
+``status``        what an analysis ends with, and its tolerances
+``rows``          what is asked for, and the rows of results
+``lu``            LU factorisation
+``equations``     residuals, Jacobians and derivatives of the blocks
+``newton``        full and modified Newton method
+``assembly``      the first position
+``continuation``  predictor and corrector along the inputs
+``solve``         the whole analysis
+``alone``         results by name, where kousoku is not installed
+"""

@@ -1,0 +1,57 @@
+"""What an analysis ends with, and the tolerances that decide it; ``status.h`` states the same.
+
+They stand in both languages because each solver works alone: the C program without Python, the
+NumPy solver without a compiler.
+"""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+#: A correction this small, relative to the largest length, leaves nothing to correct: Newton
+#: squares it.
+SETTLED = 2.0**-28
+#: Corrections this small, relative to the largest length, are rounding.
+ROUNDING = 2.0**-48
+#: Below this pivot, of columns scaled to lengths, a block has a dead centre.
+SINGULAR = 1e-7
+#: Smallest part of a division that is stepped before the continuation gives up.
+SMALLEST_STEP = 2.0**-24
+
+
+class Status(IntEnum):
+    """What an analysis ends with."""
+
+    GOOD = 0
+    NOT_ASSEMBLED = 1
+    ON_DEAD_CENTRE = 2
+    OTHER_SIDE = 3
+    DEAD_CENTRE = 4
+    LIMIT_TOO_SMALL = 5
+    NOT_FINITE = 6
+    BAD_ARGUMENT = 7
+
+    @property
+    def message(self) -> str:
+        """A sentence for people."""
+        return MESSAGES[self]
+
+
+MESSAGES = (
+    "good",
+    "the linkage cannot be assembled from the positions of the scene",
+    "the positions of the scene lie on a dead centre, where the side is not clear",
+    "the linkage assembles only on the other side of a dead centre than the scene shows",
+    "a dead centre, or a change point, on the way",
+    "the residual limit is smaller than rounding allows",
+    "a number is not finite",
+    "an option is not finite, not positive, or start is beyond first",
+)
+
+
+class StopError(Exception):
+    """An analysis that cannot go on."""
+
+    def __init__(self, status: Status) -> None:
+        super().__init__(status.message)
+        self.status = status

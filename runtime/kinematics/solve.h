@@ -1,0 +1,103 @@
+/* Position, velocity and acceleration analysis of a mechanism whose equations are
+ * block-triangular: M. Yamada and S. Tatsumi (1981), with full Newton beside their iteration.
+ *
+ * There is no heap and no global state. The file that includes this defines before
+ *     PUBLIC(name)                      the exported name of a function
+ *     Run, Workspace                    as in its own kernels.h
+ *     INPUTS, UNKNOWNS, BLOCKS, NODES, LINKS, LARGEST_BLOCK, LARGEST_KNOWN
+ *     WANTS_ANGLES                      whether the angles of links are wanted, 0 or 1
+ *     LENGTH                            the largest length
+ *     unknowns, blocks, known_places, input_scales
+ *     defaults                          the run that the scene asks for
+ *     position_kernel, velocity_kernel, acceleration_kernel
+ *                                       the kernel of a block, by its number
+ *     PUBLIC(nodes), PUBLIC(angles)     the kernels of the results
+ */
+#ifndef KOUSOKU_KINEMATICS_SOLVE_H
+#define KOUSOKU_KINEMATICS_SOLVE_H
+
+#include "assembly.h"
+#include "rows.h"
+
+/* from division to division, beginning at that of w->x; rows are written from run->first on */
+static int follow(Run *run, Workspace *w, long long begin, Convergence convergence)
+{
+    double alpha[INPUTS], delta[INPUTS], x_dot[UNKNOWNS], x_ddot[UNKNOWNS];
+    const long long last = run->first + (long long)run->rows - 1;
+    for (long long division = begin;; ++division) {
+        inputs_of(run, division, alpha, delta);
+        if (division > begin) {
+            const int status = advance(run, w, alpha, delta, &convergence);
+            if (status != GOOD) {
+                return stop(run, w, division, status);
+            }
+        }
+        motion_at(run, w, delta, x_dot, x_ddot);
+        if (division >= run->first) {
+            write_row(run, w, division, run->done, x_dot, x_ddot, convergence);
+            ++run->done;
+        }
+        if (division >= last) {
+            return stop(run, w, division, GOOD);
+        }
+    }
+}
+
+/* whether a run can be made at all */
+static int is_possible(const Run *run)
+{
+    for (size_t i = 0; i < INPUTS; ++i) {
+        if (!(fabs(run->origin[i]) < HUGE_VAL && fabs(run->span[i]) < HUGE_VAL
+                && fabs(run->rate[i]) < HUGE_VAL && fabs(run->rate_dot[i]) < HUGE_VAL)) {
+            return 0;
+        }
+    }
+    return run->divisions >= 1 && run->rows >= 1 && run->start >= 0 && run->first >= run->start
+        && run->max_iterations >= 1 && run->limit > 0.0;
+}
+
+size_t PUBLIC(run_size)(void)
+{
+    return sizeof(Run);
+}
+
+size_t PUBLIC(workspace_size)(void)
+{
+    return sizeof(Workspace);
+}
+
+void PUBLIC(defaults)(Run *run)
+{
+    *run = defaults;
+}
+
+int PUBLIC(solve)(Run *run, Workspace *workspace)
+{
+    Convergence convergence = {0, 0.0};
+    double delta[INPUTS];
+    int is_periodic = 1;
+    run->done = 0;
+    run->block = 0;
+    if (!is_possible(run)) {
+        return BAD_ARGUMENT;
+    }
+    inputs_of(run, 0, workspace->alpha, delta);
+    const int status = assemble(run, workspace, &convergence);
+    if (status != GOOD) {
+        return stop(run, workspace, 0, status);
+    }
+    for (size_t i = 0; i < INPUTS; ++i) {
+        is_periodic = is_periodic && run->turns[i];
+    }
+    /* whole turns lead back to the assembled position */
+    const long long begin = is_periodic ? run->start - run->start % run->divisions : 0;
+    convergence.iterations = 0; /* counted are those that lead from row to row */
+    return follow(run, workspace, begin, convergence);
+}
+
+const char *PUBLIC(message)(int status)
+{
+    return message_of(status);
+}
+
+#endif
