@@ -203,6 +203,10 @@ class Draft:
         """Return a number, or in some scenes a formula of a parameter."""
         if not self.is_parametric or self.draw.randrange(3) < 2:
             return value
+        return self.formula(value)
+
+    def formula(self, value: float) -> str:
+        """Return a formula of a parameter with this value."""
         text = self.pick("formula", [*FORMULAS])
         return text.format(self.parameter(FORMULAS[text](value)))
 
@@ -279,7 +283,10 @@ class Draft:
         if kind.axes or has_zero:
             second = across(axis) if kind.axes == 2 and "constant" not in NAMES[name] else axis
             axes = [list(ends[0].vector(axis)), list(ends[1].vector(second))]
-            both = {"axis": list(axis)} | ({"second_axis": list(second)} if kind.axes == 2 else {})
+            is_free = self.kind == "tree" and kind.axes == 1 and not has_zero
+            both = {"axis": self.designs(axis) if is_free else list(axis)} | (
+                {"second_axis": list(second)} if kind.axes == 2 else {}
+            )
             entry |= {"axes": axes} if in_bodies else both
             zero = (second, axis) if kind.axes == 2 else (across(axis), across(axis))
             if has_zero:
@@ -391,9 +398,10 @@ ORIENTATIONS: dict[str, Callable[[Draft], tuple[Tree, Matrix]]] = {
 
 def _inertia(draft: Draft, **more: float) -> Tree:
     size = draft.number(0.5, 2) * draft.metre**2
-    return {"xx": size, "yy": 1.25 * size, "zz": 0.75 * size} | {
-        key: share * size for key, share in more.items()
-    }
+    if more:
+        moments: Tree = {"xx": size, "yy": 1.25 * size, "zz": 0.75 * size}
+        return moments | {key: share * size for key, share in more.items()}
+    return {"xx": draft.design(size), "yy": 1.25 * size, "zz": draft.design(0.75 * size)}
 
 
 def _solid(draft: Draft, **numbers: Any) -> Tree:

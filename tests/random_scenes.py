@@ -227,7 +227,8 @@ def _rotational(draft: Draft, **more: Any) -> Tree:
 
 def _friction(draft: Draft, *, is_of: bool) -> Tree:
     joint, of = draft.free(("angle", "displacement"))
-    damping = draft.design(0.25 * draft.metre**2 if "angle" in of else 0.25)
+    is_of = is_of or len(leaves_of(draft.type_of(joint))) > 1  # of an angle it is another number
+    damping = draft.formula(0.25 * draft.metre**2 if "angle" in of else 0.25)
     return {"type": "friction", "joint": joint, "damping": damping} | ({"of": of} if is_of else {})
 
 
@@ -265,10 +266,10 @@ FORCES: dict[str, Callable[[Draft], Tree]] = {
     "free length": lambda draft: _spring(
         draft, stiffness=15, free_length=draft.design(draft.length(0.5, 1))
     ),
-    "damper": lambda draft: _spring(draft, damping=draft.design(2.0)),
+    "damper": lambda draft: _spring(draft, damping=draft.formula(2.0)),
     "tension": lambda draft: _spring(draft, tension="50*x + 10*abs(x)*x + 5*v*exp(-t)"),
     "free angle": lambda draft: _rotational(
-        draft, stiffness=draft.metre**2, damping=0.1 * draft.metre**2, free_angle=draft.design(0.5)
+        draft, stiffness=draft.metre**2, damping=0.1 * draft.metre**2, free_angle=draft.formula(0.5)
     ),
     "moment": lambda draft: _rotational(draft, moment=f"{draft.metre**2:g}*(2*sin(x) + 0.1*v)"),
     "rotational of": lambda draft: {
@@ -379,6 +380,9 @@ def _build(draft: Draft, wanted: Sequence[str]) -> None:
     if has_forces:
         for _ in range(1 + draft.draw.randrange(2)):
             draft.add("forces", FORCES[draft.pick("force", [*FORCES])](draft))
+    may_hold = not (is_driven or draft.is_parametric or draft.is_written_off)
+    if may_hold and draft.pick("held", (False, True), every=2):
+        draft.table("coordinates")[draft.coordinate()]["hold"] = True
     if draft.kind == "tree" and draft.pick("has driver", (False, True)):
         draft.add("drivers", DRIVERS[draft.pick("driver", [*DRIVERS], every=2)](draft))
 
