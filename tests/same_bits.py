@@ -223,7 +223,7 @@ def difference(was: Items, now: Items) -> str:
         if key not in now:
             return f"{key}: is not there any more, was {shown(value)}"
         other = now[key]
-        if isinstance(value, dict) and isinstance(other, dict):
+        if is_array(value) and is_array(other):
             if value["sha256"] != other["sha256"] and (text := _first(key, value, other)):
                 return text
         elif json.dumps(value) != json.dumps(other):
@@ -233,7 +233,12 @@ def difference(was: Items, now: Items) -> str:
 
 def shown(value: Any) -> str:
     """Return a value for a line."""
-    return f"an array {value['shape']}" if isinstance(value, dict) else repr(value)[:400]
+    return f"an array {value['shape']}" if is_array(value) else repr(value)[:400]
+
+
+def is_array(value: Any) -> bool:
+    """Return whether an item of the file is an array; an empty table of a ledger is none."""
+    return isinstance(value, dict) and "sha256" in value
 
 
 def _first(key: str, was: Items, now: Items) -> str:
@@ -293,17 +298,19 @@ def record(only: str) -> dict[str, Items]:
 def main() -> int:
     """Write a record, or compare with one; return 1 where something differs."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
-    action = parser.add_mutually_exclusive_group(required=True)
-    action.add_argument("--write", type=Path, metavar="FILE")
-    action.add_argument("--compare", type=Path, metavar="FILE")
+    parser.add_argument("--write", type=Path, metavar="FILE", help="write what is computed")
+    parser.add_argument("--compare", type=Path, metavar="FILE", help="compare with what is written")
     parser.add_argument("--only", default="", help="a part of the names of scenes")
     given = parser.parse_args()
+    if not (given.write or given.compare):
+        parser.error("nothing to do: --write FILE, --compare FILE, or both")
     begin = time.perf_counter()
     print(f"kousoku of {Path(kousoku.__file__).parent}", file=sys.stderr)
     now = record(given.only)
     print(f"{time.perf_counter() - begin:.0f} s", file=sys.stderr)
     if given.write:
         given.write.write_text(json.dumps(now, separators=(",", ":")), encoding="utf-8")
+    if not given.compare:
         return 0
     was = json.loads(given.compare.read_text(encoding="utf-8"))
     differ = 0
