@@ -255,7 +255,7 @@ def _first(key: str, was: Items, now: Items) -> str:
     places = np.argwhere(a.view(np.int64) != b.view(np.int64))
     place = tuple(int(k) for k in places[0]) if len(places) else ()
     count = f"{len(places)} of {a.size} differ"
-    return f"{key}{list(place)}: {b[place]!r}, was {a[place]!r}; {count}"
+    return f"{key}{list(place)}: {float(b[place])!r}, was {float(a[place])!r}; {count}"
 
 
 def _ends(size: int) -> tuple[tuple[slice, slice], ...]:
