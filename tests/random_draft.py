@@ -8,17 +8,18 @@ its first choice from each table by that number, so that fifty scenes together h
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from kousoku.model.joints import JOINTS, NAMES, leaves_of
+from tests.random_bodies import MASSES, ORIENTATIONS, STARTS
+from tests.random_geometry import DIRECTIONS, Pose, across
 
 if TYPE_CHECKING:
     import random
     from collections.abc import Callable, Sequence
 
-Vector = tuple[float, float, float]
-Matrix = tuple[Vector, Vector, Vector]
+    from tests.random_geometry import Vector
+
 Tree = dict[str, Any]
 T = TypeVar("T")
 
@@ -29,12 +30,6 @@ UNITS = {"m": 1.0, "mm": 1e3, "cm": 100.0, "dm": 10.0, "in": 40.0, "ft": 3.0, "u
 """Units of length, and about how many of them a metre has."""
 
 PLACES = (0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75, 1.0, -1.0)
-DIRECTIONS: tuple[Vector, ...] = (
-    *((0, 0, 1), (1, 0, 0), (0, 1, 0), (0, 3, 4), (1, 1, 0), (2, -1, 2), (1, 2, -3), (-1, 0, 5)),
-)
-TURNS = ((1, 0, 0, 0), (1, 0, 0, 1), (2, 1, 0, 0), (3, 1, 0, -1), (2, 1, -2, 1), (5, -3, 1, 2))
-"""Euler parameters of any norm: the simplest first."""
-
 FORMULAS: dict[str, Callable[[float], float]] = {
     "{}": lambda value: value,
     "2*{}": lambda value: value / 2,
@@ -52,79 +47,6 @@ LOADS = (
 
 LAWS = ("0.3*sin(2*t)", "0.2*t", "{p}*t", "0.1*(1 - cos(3*t))", "0.4*atan({p}*t)", "0.1*t^2 + 0.05")
 """Formulas of what is driven, beside its value at the start."""
-
-
-def cross(a: Vector, b: Vector) -> Vector:
-    """Return a × b."""
-    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
-
-
-def across(a: Vector) -> Vector:
-    """Return a direction across another one."""
-    least = min(range(3), key=lambda k: abs(a[k]))
-    return cross(a, (float(least == 0), float(least == 1), float(least == 2)))
-
-
-def times(A: Matrix, x: Vector) -> Vector:
-    """Return A x."""
-    return (_dot(A[0], x), _dot(A[1], x), _dot(A[2], x))
-
-
-def transposed(A: Matrix) -> Matrix:
-    """Return Aᵀ."""
-    (a, b, c), (d, e, f), (g, h, i) = A
-    return ((a, d, g), (b, e, h), (c, f, i))
-
-
-def _dot(a: Vector, b: Vector) -> float:
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-
-
-def rotation(e0: float, e: Vector) -> Matrix:
-    """Return A of Euler parameters of any norm but zero."""
-    size = e0 * e0 + _dot(e, e)
-    rows = []
-    for k in range(3):
-        unit = (float(k == 0), float(k == 1), float(k == 2))
-        turned = cross(e, unit)
-        twice = cross(e, turned)
-        rows.append([unit[m] + 2 * (e0 * turned[m] + twice[m]) / size for m in range(3)])
-    first, second, third = ((row[0], row[1], row[2]) for row in rows)
-    return transposed((first, second, third))
-
-
-def turn(axis: Vector, angle: float) -> Matrix:
-    """Return A of a turn about an axis."""
-    size = math.sqrt(_dot(axis, axis))
-    x, y, z = (math.sin(angle / 2) * x / size for x in axis)
-    return rotation(math.cos(angle / 2), (x, y, z))
-
-
-def product(A: Matrix, B: Matrix) -> Matrix:
-    """Return A B."""
-    first, second, third = (times(A, column) for column in transposed(B))
-    return transposed((first, second, third))
-
-
-@dataclass(frozen=True)
-class Pose:
-    """Where a body is: its origin in the unit of the scene, and A."""
-
-    r: Vector = (0.0, 0.0, 0.0)
-    A: Matrix = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-    def place(self, s_b: Vector) -> Vector:
-        """Return a point of the body in frame O."""
-        x, y, z = times(self.A, s_b)
-        return (self.r[0] + x, self.r[1] + y, self.r[2] + z)
-
-    def point(self, s: Vector) -> Vector:
-        """Return a point of frame O in the body."""
-        return self.vector((s[0] - self.r[0], s[1] - self.r[1], s[2] - self.r[2]))
-
-    def vector(self, a: Vector) -> Vector:
-        """Return a vector of frame O in the body."""
-        return times(transposed(self.A), a)
 
 
 class Draft:
@@ -145,15 +67,15 @@ class Draft:
             rounds, place = divmod(number, len(KINDS))
             same = [k for k, kind in enumerate(KINDS) if kind == KINDS[place]]
             self.turn = rounds * len(same) + same.index(place)
-        self.kind = draw.choice(KINDS) if number is None else KINDS[number % len(KINDS)]
+        self.kind: str = draw.choice(KINDS) if number is None else KINDS[number % len(KINDS)]
         self.calls: dict[str, int] = {}
         unit = self.pick("unit", [*UNITS])
-        self.metre = UNITS[unit]
+        self.metre: float = UNITS[unit]
         self.tree: Tree = {"name": f"random_{number or 0}", "unit": unit}
         self.poses = {"ground": Pose()}
         self.points: list[str] = []
-        self.is_parametric = self.pick("parametric", (False, True))
-        self.is_written_off = self.pick("written off", (False, False, False, True))
+        self.is_parametric: bool = self.pick("parametric", (False, True))
+        self.is_written_off: bool = self.pick("written off", (False, False, False, True))
         self.may_be_massless = False
 
     def pick(self, table: str, options: Sequence[T], each: int = 1, every: int = 1) -> T:
@@ -263,37 +185,47 @@ class Draft:
         """
         kind, ends = JOINTS[NAMES[name]], (self.poses[i], self.poses[j])
         entry: Tree = {"type": name, "bodies": [i, j]}
-        is_rod = NAMES[name] == "rod"
         in_bodies = self.is_written_off or self.pick("frames", (False, True))
-        if is_rod:
-            far = ends[1].place((0, 0, 0) if j in self.points else self.vector(self.metre / 4))
-            apart = tuple(x - y for x, y in zip(far, at, strict=True))
-            length = math.hypot(*apart)
-            if length < 0.01 * self.metre:
-                at, length = (at[0] + self.metre, at[1], at[2]), 0.0
-            entry["points"] = [list(ends[0].point(at)), list(ends[1].point(far))]
-            entry |= {"length": self.design(length)} if length and self.draw.randrange(2) else {}
+        if NAMES[name] == "rod":
+            entry |= self._rod(ends, at, is_point=j in self.points)
         elif kind.has_point and in_bodies:
             own = [self.designs(ends[0].point(at)), list(ends[1].point(at))]
             entry["points"] = [[0, 0, 0] if j in self.points and k else own[k] for k in range(2)]
         elif kind.has_point:
             entry["at"] = self.designs(at)
-        has_zero = kind.has_zero and "constant" not in NAMES[name]
-        has_zero = has_zero and (kind.counts_along_zero or self.pick("zero", (False, True)))
-        if kind.axes or has_zero:
-            second = across(axis) if kind.axes == 2 and "constant" not in NAMES[name] else axis
-            axes = [list(ends[0].vector(axis)), list(ends[1].vector(second))]
-            is_free = self.kind == "tree" and kind.axes == 1 and not has_zero
-            both = {"axis": self.designs(axis) if is_free else list(axis)} | (
-                {"second_axis": list(second)} if kind.axes == 2 else {}
-            )
-            entry |= {"axes": axes} if in_bodies else both
-            zero = (second, axis) if kind.axes == 2 else (across(axis), across(axis))
-            if has_zero:
-                entry["zero"] = [list(e.vector(a)) for e, a in zip(ends, zero, strict=True)]
+        entry |= self._axes(NAMES[name], ends, axis, in_bodies=in_bodies)
         if kind.keys:
             entry["pitch"] = self.design(self.length(0.1, -0.4) or self.metre)
         return self.add("joints", entry)
+
+    def _rod(self, ends: tuple[Pose, Pose], at: Vector, *, is_point: bool) -> Tree:
+        """Return the points of a rod, and its length or none; no rod is as short as a point."""
+        far = ends[1].place((0, 0, 0) if is_point else self.vector(self.metre / 4))
+        length = math.dist(far, at)
+        if length < 0.01 * self.metre:
+            at, length = (at[0] + self.metre, at[1], at[2]), 0.0
+        points = {"points": [list(ends[0].point(at)), list(ends[1].point(far))]}
+        has_length = length and self.draw.randrange(2)
+        return points | ({"length": self.design(length)} if has_length else {})
+
+    def _axes(self, name: str, ends: tuple[Pose, Pose], axis: Vector, *, in_bodies: bool) -> Tree:
+        """Return the axes of a joint, and its directions across them, where it has some."""
+        kind, is_cv = JOINTS[name], name == "constant_velocity"
+        has_zero = kind.has_zero and not is_cv
+        has_zero = has_zero and (kind.counts_along_zero or self.pick("zero", (False, True)))
+        if not (kind.axes or has_zero):
+            return {}
+        second = across(axis) if kind.axes == 2 and not is_cv else axis
+        zero = (second, axis) if kind.axes == 2 else (across(axis), across(axis))
+        if in_bodies:
+            axes: Tree = {"axes": [list(ends[0].vector(axis)), list(ends[1].vector(second))]}
+        else:
+            is_free = self.kind == "tree" and kind.axes == 1 and not has_zero
+            axes = {"axis": self.designs(axis) if is_free else list(axis)}
+            axes |= {"second_axis": list(second)} if kind.axes == 2 else {}
+        if has_zero:
+            axes["zero"] = [list(end.vector(a)) for end, a in zip(ends, zero, strict=True)]
+        return axes
 
     def free(self, sorts: tuple[str, ...]) -> tuple[str, str]:
         """Return a joint that leaves a coordinate free, and which; a new one if there is none."""
@@ -349,114 +281,3 @@ class Draft:
             body["position"] = [x + 0.01 * self.metre for x in body["position"][:1]] + body[
                 "position"
             ][1:]
-
-
-def _axis_angle(draft: Draft) -> tuple[Tree, Matrix]:
-    axis, angle = draft.draw.choice(DIRECTIONS), draft.number(-2.5, 2.5)
-    return {"axis": list(axis), "angle": angle}, turn(axis, angle)
-
-
-def _rotation_vector(draft: Draft) -> tuple[Tree, Matrix]:
-    axis = draft.draw.choice(DIRECTIONS)
-    return {"rotation_vector": list(axis)}, turn(axis, math.sqrt(_dot(axis, axis)))
-
-
-def _angles(draft: Draft, about: str) -> tuple[Tree, Matrix]:
-    sequence = draft.draw.choice(("zyx", "xyz", "zxz", "yzy"))
-    angles = [draft.number(-1.5, 1.5) for _ in range(3)]
-    A = Pose().A
-    for letter, angle in zip(sequence, angles, strict=True):
-        one = turn(DIRECTIONS[{"x": 1, "y": 2, "z": 0}[letter]], angle)
-        A = product(A, one) if about == "body" else product(one, A)
-    return {"angles": angles, "sequence": sequence, "about": about}, A
-
-
-def _quaternion(draft: Draft, order: str) -> tuple[Tree, Matrix]:
-    w, x, y, z = draft.draw.choice(TURNS)
-    p = [w, x, y, z] if order == "wxyz" else [x, y, z, w]
-    return {"quaternion": p, "order": order}, rotation(w, (x, y, z))
-
-
-def _matrix(draft: Draft) -> tuple[Tree, Matrix]:
-    w, x, y, z = draft.draw.choice(TURNS)
-    A = rotation(w, (x, y, z))
-    return {"matrix": [list(row) for row in A]}, A
-
-
-ORIENTATIONS: dict[str, Callable[[Draft], tuple[Tree, Matrix]]] = {
-    "none": lambda _: ({}, Pose().A),
-    "wxyz": lambda draft: _quaternion(draft, "wxyz"),
-    "xyzw": lambda draft: _quaternion(draft, "xyzw"),
-    "matrix": _matrix,
-    "axis": _axis_angle,
-    "rotation vector": _rotation_vector,
-    "body angles": lambda draft: _angles(draft, "body"),
-    "fixed angles": lambda draft: _angles(draft, "fixed"),
-}
-"""The forms of orientations: what is written, and A."""
-
-
-def _inertia(draft: Draft, **more: float) -> Tree:
-    size = draft.number(0.5, 2) * draft.metre**2
-    if more:
-        moments: Tree = {"xx": size, "yy": 1.25 * size, "zz": 0.75 * size}
-        return moments | {key: share * size for key, share in more.items()}
-    return {"xx": draft.design(size), "yy": 1.25 * size, "zz": draft.design(0.75 * size)}
-
-
-def _solid(draft: Draft, **numbers: Any) -> Tree:
-    return {"mass": draft.design(draft.number(0.5, 2)), **numbers}
-
-
-def _ends(draft: Draft) -> list[list[float]]:
-    return [list(draft.vector(draft.metre / 4)), [draft.length(0.5, 1), 0.0, draft.metre / 8]]
-
-
-MASSES: dict[str, Callable[[Draft], Tree]] = {
-    "mass": lambda draft: _solid(draft, inertia=_inertia(draft)),
-    "center": lambda draft: _solid(
-        draft, center=draft.designs(draft.vector(0.25 * draft.metre)), inertia=_inertia(draft)
-    ),
-    "products": lambda draft: _solid(draft, inertia=_inertia(draft, xy=0.1, yz=-0.2, zx=0.05)),
-    "about": lambda draft: {
-        "mass": 1.0,
-        "center": [0, 0.1 * draft.metre, 0],
-        "inertia": _inertia(draft) | {"about": [0.1 * draft.metre, 0, 0]},
-    },
-    "boxes": lambda draft: {
-        "boxes": [_solid(draft, size=[draft.design(draft.length(0.25, 1)) for _ in range(3)])]
-    },
-    "turned box": lambda draft: {
-        "boxes": [
-            {"mass": 1.5, "size": [draft.metre, draft.metre / 2, draft.metre / 4]}
-            | {
-                "at": list(draft.vector(draft.metre / 4)),
-                "orientation": _quaternion(draft, "wxyz")[0],
-            }
-        ]
-    },
-    "cylinders": lambda draft: {
-        "cylinders": [_solid(draft, radius=draft.design(draft.length(0.1, 0.3)), ends=_ends(draft))]
-    },
-    "spheres": lambda draft: {
-        "spheres": [_solid(draft, radius=draft.design(draft.length(0.25, 0.5)))]
-    },
-    "rods and points": lambda draft: {
-        "rods": [{"mass": 1.0, "ends": _ends(draft)}],
-        "mass_points": [
-            {"mass": 0.5, "at": [0.0, draft.metre / 2, 0.0]},
-            {"mass": 0.25, "at": list(draft.vector(draft.metre))},
-        ],
-    },
-}
-"""What bodies are made of."""
-
-STARTS: tuple[Callable[[Draft], Tree], ...] = (
-    lambda _: {},
-    lambda draft: {"angular_velocity": list(draft.vector(2))},
-    lambda draft: {"velocity": list(draft.vector(draft.metre))},
-    lambda draft: {"angular_velocity_b": list(draft.vector(3))},
-    lambda draft: {} if draft.is_parametric or draft.is_written_off else {"hold": ["x", "y", "z"]},
-    lambda draft: {} if draft.is_parametric or draft.is_written_off else {"hold": ["orientation"]},
-)
-"""Velocities at the start, and what assembly may not change."""
