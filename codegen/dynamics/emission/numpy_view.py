@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.emission.view import (
+    contents_of,
     has_continuation,
     in_lines,
     reference_energy,
@@ -97,12 +98,15 @@ class PythonSegment:
     ----------
     name, meaning : str
         As in ``SEGMENTS``.
+    contents : tuple of str
+        What was inlined into it, in lines.
     table : str
         The numbers, in lines that end with what a task belongs to.
     """
 
     name: str
     meaning: str
+    contents: tuple[str, ...]
     table: str
 
 
@@ -277,7 +281,7 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
                 fits = len(slots) + len(task.owner) + 3 <= 100
                 lines += [f"{slots} # {task.owner}"] if task.owner and fits else [slots]
     meaning = (SEGMENTS | ON_DEMAND)[segment.name]
-    return PythonSegment(segment.name, meaning, "\n".join(lines))
+    return PythonSegment(segment.name, meaning, contents_of(segment), "\n".join(lines))
 
 
 def _table(table: Table) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
+from textwrap import wrap
 from typing import TYPE_CHECKING, get_type_hints
 
 from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
@@ -36,8 +37,12 @@ if TYPE_CHECKING:
 
 #: Kernels that one function runs, and how many there are in a group where they are more.
 MOST_CASES, GROUP = 128, 64
+#: Tables whose rows have several numbers.
+PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts"})
 #: How wide lines of tables are.
 WIDTH = 92
+#: The longest table that stands in the line of its name.
+SHORT = 50
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +93,8 @@ class SegmentText:
     ----------
     name, meaning : str
         As in ``SEGMENTS``.
+    contents : tuple of str
+        What was inlined into it, in lines.
     functions : tuple of KernelText
         Functions of the whole workspace that it is made of; none where it has tasks.
     table : str
@@ -98,6 +105,7 @@ class SegmentText:
 
     name: str
     meaning: str
+    contents: tuple[str, ...]
     functions: tuple[KernelText, ...]
     table: str
     length: int
@@ -139,10 +147,8 @@ class DynamicsView:
         In order.
     absent : tuple of str
         Segments that the scene lacks.
-    constants : str
-        The numbers of the scene, in lines.
     tables : mapping of str to str
-        Tables, in lines that say what their rows belong to.
+        Initialisers, whose lines say what their rows belong to.
     length : str
         A length of the scene [m].
     energy : str
@@ -166,7 +172,6 @@ class DynamicsView:
     kernels: tuple[KernelText, ...]
     segments: tuple[SegmentText, ...]
     absent: tuple[str, ...]
-    constants: str
     tables: Mapping[str, str]
     length: str
     energy: str
@@ -345,8 +350,8 @@ def dynamics_view(
             for name in (*SEGMENTS, *ON_DEMAND)
             if name not in {segment.name for segment in segments}
         ),
-        constants=in_lines((f"{literal(x)}," for x in program.constants), WIDTH),
-        tables={name: _table(table) for name, table in found.items()},
+        tables={name: _table(table, name in PAIRS) for name, table in found.items()}
+        | {"constants": _initialiser(in_lines(f"{literal(x)}," for x in program.constants))},
         length=repr(length),
         energy=repr(reference_energy(system, length)),
         parts=tuple(parts),
@@ -392,7 +397,7 @@ def _segment(program: Program, segment: Segment, slots: Slots) -> SegmentText:
     if not program.is_inlined:
         rows = list(task_rows(tasks))
         length = sum(text.count(",") for _, text in rows)
-        return SegmentText(name, meaning, (), _rows(rows), length)
+        return SegmentText(name, meaning, (), (), _rows(rows), length)
     functions = [
         function_text(
             program.kernels[task.kernel],
@@ -403,7 +408,12 @@ def _segment(program: Program, segment: Segment, slots: Slots) -> SegmentText:
         )
         for k, task in enumerate(tasks)
     ]
-    return SegmentText(name, meaning, tuple(functions), "", 0)
+    return SegmentText(name, meaning, contents_of(segment), tuple(functions), "", 0)
+
+
+def contents_of(segment: Segment) -> tuple[str, ...]:
+    """Return what was inlined into a segment, in lines."""
+    return tuple(wrap("; ".join(segment.contents), WIDTH, break_on_hyphens=False))
 
 
 def method_text(method: Method) -> MethodText:
@@ -431,13 +441,21 @@ def _enumerators(values: Mapping[str, int]) -> str:
     return in_lines((f"{name} = {value}," for name, value in values.items()), WIDTH)
 
 
-def _table(table: Table) -> str:
-    """Return a table in lines: neighbours with one owner share a line, which names it."""
+def _table(table: Table, has_rows: bool) -> str:
+    """Return the initialiser of a table: neighbours with one owner share a line, which names it."""
     texts = (
-        (owner, f"{{{', '.join(map(str, x))}}}," if isinstance(x, tuple) else f"{x!r},")
-        for owner, x in table
+        (owner, f"{{{', '.join(map(str, x))}}}," if has_rows else f"{x!r},") for owner, x in table
     )
-    return _rows(texts)
+    return _initialiser(_rows(texts), "{0}" if has_rows else "0")
+
+
+def _initialiser(lines: str, empty: str = "0") -> str:
+    """Return the initialiser of an array; C has no empty ones."""
+    if not lines:
+        return f"{{ {empty} }}"
+    if "\n" in lines or len(lines) > SHORT:
+        return "{\n    " + lines.replace("\n", "\n    ") + "\n}"
+    return f"{{ {lines} }}"
 
 
 def _rows(rows: Iterable[tuple[str, str]]) -> str:

@@ -116,7 +116,7 @@ class Joint:
     @property
     def title(self) -> str:
         """Name the kinds."""
-        return f"joint {_title(self.parts)}"
+        return f"joint {_title(self.parts)}: C, C_q, C_q M^-1, C_q M^-1 C_q^T"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return C (n,), C_q of i, of j and of the others, C_q M⁻¹ of them, C_q M⁻¹ C_qᵀ (n, n).
@@ -164,7 +164,7 @@ class Rows:
     @property
     def title(self) -> str:
         """Name the kinds."""
-        return f"rows {_title(self.parts)}"
+        return f"rows {_title(self.parts)}: C, C_q"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return C (n,), C_q of i, of j and of the others."""

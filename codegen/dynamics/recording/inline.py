@@ -239,7 +239,15 @@ class _Inliner:
             tasks.append(self._function(f"{name}_{number}", chunk, written, slots))
             slots |= {node: targets[node][0] for node in chunk if node in targets}
         self.scratch = base
-        return Segment(name, tuple(tasks))
+        return Segment(name, tuple(tasks), self._contents(name))
+
+    def _contents(self, name: str) -> tuple[str, ...]:
+        """Return what the tasks of a segment were, by what they belong to."""
+        titles: dict[str, dict[str, None]] = {}
+        for task in self.old.segment(name).tasks:
+            if task.owner:
+                titles.setdefault(task.owner, {})[self.old.kernels[task.kernel].title] = None
+        return tuple(f"{owner}: {', '.join(found)}" for owner, found in titles.items())
 
     def _function(
         self, name: str, chunk: Sequence[int], written: Mapping[int, int], slots: Mapping[int, int]

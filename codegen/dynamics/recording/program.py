@@ -68,10 +68,13 @@ class Segment:
         ``geometry``, ``position`` … as in :data:`SEGMENTS`.
     tasks : tuple of Task
         In an order in which they can run.
+    contents : tuple of str
+        What was inlined into it: title and owner of each task, where they say something.
     """
 
     name: str
     tasks: tuple[Task, ...]
+    contents: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,168 @@
+/* The functions that solver.h declares. */
+
+enum {
+    STATE_SIZE = sizeof(State) / sizeof(double),
+    WORK_SIZE = sizeof(Work) / sizeof(double)
+};
+
+size_t PUBLIC(state_size)(void) { return STATE_SIZE; }
+size_t PUBLIC(work_size)(void) { return WORK_SIZE; }
+size_t PUBLIC(row_size)(void) { return ROW_SIZE; }
+
+/* whether time, coordinates, velocities and parameters are numbers */
+static int are_numbers(double time, const double *q, const double *v, const double *parameters)
+{
+    return isfinite(time) && are_finite(q, NQ) && are_finite(v, NV) &&
+        are_finite(parameters, N_PARAMETERS);
+}
+
+int PUBLIC(start)(
+    double time, const double *q, const double *v, const double *parameters, double *state,
+    double *workspace)
+{
+    State *s = (State *)state;
+    Work *work = (Work *)workspace;
+    memset(s, 0, sizeof *s);
+    if (!parameters) parameters = values;
+    if (!are_numbers(time, q, v, parameters)) return BAD_ARGUMENT;
+    memcpy(s->parameters, parameters, N_PARAMETERS * sizeof *s->parameters);
+    prepare(s->parameters, work->w);
+    if (HAS_DESIGN && !is_possible(work->w)) return BAD_ARGUMENT;
+    s->key = -KEY; /* not started */
+    s->time = s->time_before = time;
+    s->error = 1e-4;
+    s->growth_time = time;
+    memcpy(s->y, q, NQ * sizeof *q);
+    memcpy(s->y + NQ, v, NV * sizeof *v);
+    if (HAS_ROW_SWITCH) note_usual_ratio(work, s);
+    if (HAS_CONTINUATION && !continue_parameters(s, work)) return NOT_ASSEMBLED;
+    if (!project(time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_ASSEMBLED;
+    note_largest_pivot(work, s);
+    s->growth = pivot_ratio(work, s);
+    s->best_growth = larger(s->best_growth, s->growth);
+    energy(work->w);
+    s->energy = energy_balance(work->w, s);
+    if (MOMENTA > 0) {
+        momentum(work->w);
+        memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
+    }
+    s->key = KEY;
+    return GOOD;
+}
+
+/* whether a run may be made so, and goes on with the method that it began with */
+static int are_possible(const Settings *settings, const State *s)
+{
+    const int is_kinematic = IS_DRIVEN && settings->method == METHODS;
+    if (!(settings->tolerance > 0.0) || !(settings->largest_step > 0.0)) return 0;
+    if (!(settings->fixed_step >= 0.0)) return 0;
+    if (settings->method < 0 || settings->method >= METHODS + IS_DRIVEN) return 0;
+    if (is_kinematic && settings->fixed_step > 0.0) return 0;
+    return s->method == 0.0 || s->method == 1.0 + settings->method;
+}
+
+/* one step towards the time that is asked for */
+static int advance(
+    const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
+{
+    int status = GOOD;
+    s->method = 1.0 + settings->method;
+    if (IS_DRIVEN && settings->method == METHODS) return driven_step(settings, asked, s, work);
+    if (s->step_size == 0.0 && !(settings->fixed_step > 0.0)) {
+        status = first_step(m, settings, end, s, work);
+    }
+    if (status == GOOD) status = step(m, settings, asked, end, s, work);
+    if (status == GOOD && asked < s->time) prepare_dense(m, work, s);
+    return status;
+}
+
+int PUBLIC(run)(
+    const Settings *settings, const double *times, size_t n_times, size_t max_steps, size_t max_rows,
+    double *state, double *workspace, double *rows, size_t *n_rows)
+{
+    State *s = (State *)state;
+    Work *work = (Work *)workspace;
+    *n_rows = 0;
+    if (!(s->key == KEY)) return WRONG_STATE;
+    if (!are_possible(settings, s)) return BAD_ARGUMENT;
+    prepare(s->parameters, work->w);
+    const Method *m = methods + settings->method % METHODS;
+    const double end = n_times ? times[n_times - 1] : s->time;
+    for (size_t steps = 0; (size_t)s->next_row < n_times;) {
+        const double t = times[(size_t)s->next_row];
+        if (!(t >= s->time_before)) return BAD_ARGUMENT;
+        if (t <= s->time) {
+            if (*n_rows == max_rows) return BUFFER_FULL;
+            const int status = write_row(m, settings, t, s, work, rows + *n_rows * ROW_SIZE);
+            if (status != GOOD) return status;
+            *n_rows += 1;
+            s->next_row += 1;
+        } else {
+            if (steps == max_steps) return PAUSED;
+            const int status = advance(m, settings, t, end, s, work);
+            if (status != GOOD) return status;
+            steps += 1;
+        }
+    }
+    return GOOD;
+}
+
+/* puts a state as it is into the workspace, and finds its accelerations */
+static int accelerate_at(
+    double time, const double *q, const double *v, const double *parameters, double *w)
+{
+    if (!parameters) parameters = values;
+    if (!are_numbers(time, q, v, parameters)) return BAD_ARGUMENT;
+    prepare(parameters, w);
+    if (HAS_DESIGN && !is_possible(w)) return BAD_ARGUMENT;
+    w[W_T] = time;
+    memcpy(w + W_Q, q, NQ * sizeof *w);
+    memcpy(w + W_V, v, NV * sizeof *w);
+    geometry(w);
+    acceleration(w);
+    return GOOD;
+}
+
+int PUBLIC(accelerations)(
+    double time, const double *q, const double *v, const double *parameters, double *workspace,
+    double *v_dot)
+{
+    const int status = accelerate_at(time, q, v, parameters, workspace);
+    if (status == GOOD) memcpy(v_dot, workspace + W_V_DOT, NV * sizeof *v_dot);
+    return status;
+}
+
+int PUBLIC(evaluate)(
+    double time, const double *q, const double *v, const double *parameters, double *workspace)
+{
+    double *w = workspace;
+    const int status = accelerate_at(time, q, v, parameters, w);
+    if (status != GOOD) return status;
+    position(w);
+    move(w);
+    velocity(w);
+    reaction(w);
+    coordinate(w);
+    energy(w);
+    momentum(w);
+    check(w);
+    return GOOD;
+}
+
+void PUBLIC(residuals)(const double *workspace, double *residuals)
+{
+    memcpy(residuals, workspace + W_C, NC * sizeof *residuals);
+}
+
+int PUBLIC(pivots)(const double *state, double *workspace, double *pivots)
+{
+    const State *s = (const State *)state;
+    double *w = workspace;
+    if (!(fabs(s->key) == KEY)) return WRONG_STATE;
+    prepare(s->parameters, w);
+    w[W_T] = s->time;
+    memcpy(w + W_Q, s->y, NQ * sizeof *w);
+    geometry(w);
+    for (size_t k = 0; k != NC; ++k) pivots[k] = 1.0 / w[W_PIVOTS + k];
+    return GOOD;
+}

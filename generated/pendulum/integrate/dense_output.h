@@ -1,0 +1,61 @@
+/* Dense output: the polynomial that tells the state at times inside of a step. */
+
+/* y = low + h sum of row[m] k[m], without low if it is NULL */
+static void combine(
+    size_t n, const double *row, const double *low, double h, double k[][ROOM(NY)], double *y)
+{
+    for (size_t i = 0; i < NY; ++i) y[i] = low ? low[i] : 0.0;
+    for (size_t m = 0; m < n; ++m) {
+        const double factor = h * row[m];
+        if (factor == 0.0) continue;
+        for (size_t i = 0; i < NY; ++i) y[i] += factor * k[m][i];
+    }
+}
+
+/* the cubic polynomial that meets y and its derivative f at both ends of a step of length h */
+static void hermite_cubic(double h, const double *f_before, const double *f, State *s)
+{
+    for (size_t i = 0; i < NY; ++i) {
+        const double step = s->y[i] - s->y_before[i];
+        s->dense[0][i] = step;
+        s->dense[1][i] = h * f_before[i] - step;
+        s->dense[2][i] = 2.0 * step - h * (f_before[i] + f[i]);
+    }
+}
+
+/* the interpolating polynomial of the step that was made, all stages of which are there */
+static void prepare_dense(const Method *m, Work *work, State *s)
+{
+    const double h = s->time - s->time_before;
+    hermite_cubic(h, work->k[0], work->k[m->stages], s);
+    for (size_t n = 0; n < m->dense_rows; ++n) {
+        combine(m->all, m->dense + n * m->all, NULL, h, work->k, s->dense[3 + n]);
+    }
+}
+
+/* y at the part x of the step */
+static void interpolate(const Method *m, double x, const State *s, double *y)
+{
+    for (size_t i = 0; i < NY; ++i) y[i] = 0.0;
+    for (size_t n = 3 + m->dense_rows; n-- > 0;) {
+        const double factor = n % 2 == 0 ? x : 1.0 - x;
+        for (size_t i = 0; i < NY; ++i) y[i] = (y[i] + s->dense[n][i]) * factor;
+    }
+    for (size_t i = 0; i < NY; ++i) y[i] += s->y_before[i];
+}
+
+/* the derivative of the interpolating polynomial of a step of length h; y is used up */
+static void differentiate(
+    const Method *m, double x, double h, const State *s, double *y, double *rate)
+{
+    for (size_t i = 0; i < NY; ++i) y[i] = rate[i] = 0.0;
+    for (size_t n = 3 + m->dense_rows; n-- > 0;) {
+        const double factor = n % 2 == 0 ? x : 1.0 - x, sign = n % 2 == 0 ? 1.0 : -1.0;
+        for (size_t i = 0; i < NY; ++i) {
+            y[i] += s->dense[n][i];
+            rate[i] = rate[i] * factor + sign * y[i];
+            y[i] *= factor;
+        }
+    }
+    for (size_t i = 0; i < NY; ++i) rate[i] /= h;
+}

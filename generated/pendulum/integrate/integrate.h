@@ -1,0 +1,33 @@
+/* The motion of a scene of bodies: explicit Runge-Kutta on the manifold of the constraints.
+ *
+ * The vector field is f(project(y)): equal to f on the manifold, so that the method keeps its order,
+ * and every stage is evaluated where the constraints hold. y is q and v: r and p of all bodies,
+ * turns and works, then v and omega of all bodies.
+ *
+ * This library is included by the source of a scene, solver.c, once that has defined
+ *
+ *     PUBLIC(name)     the exported name, with the prefix of the scene
+ *     NQ ... W_SIZE    sizes, places of regions in the workspace, and switches, as enumerators, so
+ *                      that the compiler drops what the scene does not need
+ *     LENGTH ... KEY   numbers of the scene
+ *     constants ...    its tables
+ *     geometry() ...   its segments: what is computed at a state; those it lacks do nothing
+ *
+ * All is static, without heap or globals; the caller owns state and workspace. Strict C99. */
+#ifndef KOUSOKU_INTEGRATE_H
+#define KOUSOKU_INTEGRATE_H
+
+#include "arithmetic.h"
+#include "methods.h"
+#include "memory.h"
+#include "pivot_monitor.h"
+#include "row_switch.h"
+#include "projection.h"
+#include "dense_output.h"
+#include "stepper.h"
+#include "kinematics.h"
+#include "rows.h"
+#include "continuation.h"
+#include "calls.h"
+
+#endif

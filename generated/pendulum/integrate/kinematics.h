@@ -1,0 +1,152 @@
+/* Kinematics: a motion that drivers determine, position by position. */
+
+/* what a prediction may miss: a part of the way of a step, and what always may */
+#define FAITHFUL 0.02
+#define NEGLIGIBLE 1e-6
+/* how far behind a position where rows are nearly dependent a step is tried, in its length */
+#define FURTHEST 8.0
+/* the largest turn of a step: angles count their turns [rad] */
+#define COUNTABLE 1.0
+
+/* a position and velocity, and their derivative */
+typedef struct {
+    double *y, *f;
+} Position;
+
+/* goes on by h as position, velocity and acceleration predict it, brings that onto the constraints
+ * and gives the derivative; 0 where that is impossible */
+static int predict_and_correct(
+    double t, double h, Position from, Position to, Work *work, State *s, double *drift)
+{
+    double *w = work->w;
+    const double *v = from.y + NQ, *v_dot = from.f + NQ;
+    memcpy(w + W_Q, from.y, NQ * sizeof *w);
+    for (size_t k = 0; k < NV; ++k) {
+        w[W_DQ + k] = h * (v[k] + 0.5 * h * v_dot[k]);
+        to.y[NQ + k] = v[k] + h * v_dot[k];
+    }
+    displace(w, NULL);
+    memcpy(to.y, w + W_Q, NQ * sizeof *w);
+    if (!project(t, 0.0, to.y, NULL, to.f, work, s, drift)) return 0;
+    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) { /* nothing predicts how far drivers turn */
+        if (!(fabs(to.y[k] - from.y[k]) < COUNTABLE)) return 0;
+    }
+    return 1;
+}
+
+/* whether a step went on smoothly: the prediction met the constraints, and the accelerations explain
+ * the change of the velocities; on another branch they do not */
+static int is_smooth(double h, double drift, Position from, Position to, double *change)
+{
+    const double *v[2] = { from.y + NQ, to.y + NQ }, *v_dot[2] = { from.f + NQ, to.f + NQ };
+    const double way = h * larger(size_of(v[0]), size_of(v[1]));
+    for (size_t k = 0; k < NV; ++k) {
+        change[k] = h * (v[1][k] - v[0][k] - 0.5 * h * (v_dot[0][k] + v_dot[1][k]));
+    }
+    return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way);
+}
+
+/* where the position in the middle of a step is kept, and that at its end */
+static Position middle_of(Work *work) { return (Position){ work->k[0], work->k[1] }; }
+static Position end_of(Work *work) { return (Position){ work->k[2], work->k[3] }; }
+
+/* goes on to the end in two halves, or in one leap; whether that was smooth. The halves are summed
+ * by Simpson's rule to the work. */
+static int reach(double end, int in_halves, State *s, Work *work, double *drift)
+{
+    const Position start = { s->y, s->f }, half = middle_of(work), last = end_of(work);
+    const double h = in_halves ? 0.5 * (end - s->time) : end - s->time;
+    double first = 0.0, second, *change = work->k[4];
+    forget_trials(work);
+    if (in_halves) {
+        if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
+        if (!is_smooth(h, first, start, half, change)) return 0;
+        if (pivot_ratio(work, s) < WEAK * s->best_growth) return 0;
+    }
+    const Position before = in_halves ? half : start;
+    if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
+    if (!is_smooth(h, second, before, last, change)) return 0;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) {
+        last.y[k] = start.y[k] + (in_halves ? h / 3.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k])
+                                            : h / 2.0 * (start.f[k] + last.f[k]));
+    }
+    *drift = larger(first, second);
+    return 1;
+}
+
+/* what Simpson's rule leaves of the work in two halves of length h, about the square of what
+ * trapezoids leave, each compared with what they sum; in units of the tolerance */
+static double work_error(const Settings *settings, double h, const State *s, Work *work)
+{
+    const double *rate = s->f, *half = middle_of(work).f;
+    const double *y = end_of(work).y, *f = end_of(work).f;
+    double error = 0.0;
+    if (WORKS > 0) energy(work->w);
+    for (size_t k = NQ - WORKS; k != NQ; ++k) {
+        const double kinetic = work->w[W_ENERGIES];
+        const double size = REFERENCE_ENERGY + kinetic + larger(fabs(s->y[k]), fabs(y[k]));
+        const double way = fabs(rate[k]) + 2.0 * fabs(half[k]) + fabs(f[k]);
+        const double left = (2.0 * half[k] - rate[k] - f[k]) / 6.0;
+        if (way > 0.0) error = larger(error, h * left * (left / way) / size);
+    }
+    return error / settings->tolerance;
+}
+
+/* keeps a position, at or behind the time that is asked for */
+static void accept_position(double end, double asked, Work *work, State *s)
+{
+    const double h = end - s->time;
+    const Position last = end_of(work);
+    double *f_before = work->k[0];
+    s->time_before = end > asked ? s->time : end;
+    s->time = end;
+    s->steps += 1;
+    memcpy(s->y_before, s->y, NY * sizeof *s->y);
+    memcpy(f_before, s->f, NY * sizeof *s->y);
+    memcpy(s->y, last.y, NY * sizeof *s->y);
+    memcpy(s->f, last.f, NY * sizeof *s->y);
+    if (end > asked) {
+        memset(s->dense, 0, sizeof s->dense);
+        hermite_cubic(h, f_before, s->f, s);
+    }
+}
+
+/* the next position of a motion that drivers determine, at most at the time that is asked for. Steps
+ * are halved until they are smooth. Where rows are nearly dependent at the end, it is put elsewhere:
+ * before that position as long as possible, then behind it, also behind the time that is asked for */
+static int driven_step(const Settings *settings, double asked, State *s, Work *work)
+{
+    double drift = 0.0, part = 1.0;
+    double longest = settings->largest_step;
+    if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
+    for (;;) {
+        const int is_last = s->time + 1.0000001 * longest >= asked;
+        const double whole = is_last ? asked - s->time : longest;
+        const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
+        if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
+        const int good = reach(end, part <= 1.0, s, work, &drift);
+        const int is_told = HAS_ENERGIES || settings->checks; /* the work, in rows or for the ledger */
+        const double error = good && part <= 1.0 && is_told
+            ? work_error(settings, 0.5 * (end - s->time), s, work) : 0.0;
+        const double factor = error == 0.0 ? 2.0 : smaller(2.0, larger(0.2, 0.9 * pow(error, -0.2)));
+        const double ratio = pivot_ratio(work, s);
+        if (ratio < WEAK * s->best_growth && part < FURTHEST) {
+            s->avoided += 1;
+            part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
+            continue;
+        }
+        if (!good || !(error <= 1.0)) {
+            s->rejected += 1;
+            longest = (good && isfinite(error) ? factor : 0.5) * whole;
+            part = 1.0;
+            continue;
+        }
+        note_pivot_ratio(ratio, end, s);
+        s->best_growth = ratio < WEAK * s->best_growth ? ratio / WEAK : larger(s->best_growth, ratio);
+        note_largest_pivot(work, s);
+        s->drift = larger(s->drift, drift);
+        s->step_size = is_last ? larger(s->step_size, factor * longest) : factor * longest;
+        accept_position(end, asked, work, s);
+        return GOOD;
+    }
+}

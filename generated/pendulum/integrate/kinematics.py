@@ -1,0 +1,190 @@
+"""Kinematics: a motion that drivers determine, position by position."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .dense_output import hermite_cubic
+from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
+from .projection import project
+from .row_switch import forget_trials
+from .scene import larger, smaller
+from .settings import GOOD, STEP_TOO_SMALL
+from .stepper import SMALLEST
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .scene import Work
+    from .settings import Settings
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: What a prediction may miss: a part of the way of a step, and what always may.
+FAITHFUL = 0.02
+NEGLIGIBLE = 1e-6
+#: How far behind a position where rows are nearly dependent a step is tried, in its length.
+FURTHEST = 8.0
+#: The largest turn of a step: angles count their turns [rad].
+COUNTABLE = 1.0
+
+
+class Position(NamedTuple):
+    """A position and velocity y, and its derivative f."""
+
+    y: Array
+    f: Array
+
+
+def predict_and_correct(
+    t: float, h: float, start: Position, to: Position, work: Work, state: State
+) -> float:
+    """Go on by h as position, velocity and acceleration predict it, and meet the constraints.
+
+    Gives the derivative, and returns the first correction, negative where that is impossible.
+    """
+    scene, w = work.scene, work.w
+    v, v_dot = start.y[scene.nq :], start.f[scene.nq :]
+    w.q[:] = start.y[: scene.nq]
+    w.dq[:] = h * (v + 0.5 * h * v_dot)
+    to.y[scene.nq :] = v + h * v_dot
+    w.displace(None)
+    to.y[: scene.nq] = w.q
+    first = project(t, 0.0, to.y, None, to.f, work, state)
+    if scene.fits:  # no prediction tells how far drivers turn
+        counted = slice(*scene.counted)
+        if not bool(np.all(np.abs(to.y[counted] - start.y[counted]) < COUNTABLE)):
+            return -1.0
+    return first
+
+
+def is_smooth(h: float, drift: float, start: Position, to: Position, work: Work) -> bool:
+    """Return whether a step went on smoothly.
+
+    The prediction met the constraints, and the accelerations explain the change of the velocities;
+    on another branch they do not.
+    """
+    if drift < 0.0:
+        return False
+    nq, size_of = work.scene.nq, work.w.size_of
+    way = h * larger(size_of(start.y[nq:]), size_of(to.y[nq:]))
+    change = h * (to.y[nq:] - start.y[nq:] - 0.5 * h * (start.f[nq:] + to.f[nq:]))
+    return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way)
+
+
+def middle_of(work: Work) -> Position:
+    """Return where the position in the middle of a step is kept."""
+    return Position(work.k[0], work.k[1])
+
+
+def end_of(work: Work) -> Position:
+    """Return where the position at the end of a step is kept."""
+    return Position(work.k[2], work.k[3])
+
+
+def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
+    """Go on to the end in two halves, or in one leap; return the first correction, or -1.
+
+    It is -1 if that was not smooth. The halves are summed by Simpson's rule to the work.
+    """
+    start, half, last = Position(state.y, state.f), middle_of(work), end_of(work)
+    h = 0.5 * (end - state.time) if in_halves else end - state.time
+    first, before = 0.0, start
+    forget_trials(work)
+    if in_halves:
+        first = predict_and_correct(state.time + h, h, start, half, work, state)
+        if not is_smooth(h, first, start, half, work):
+            return -1.0
+        if pivot_ratio(work, state) < WEAK * state.best_growth:
+            return -1.0
+        before = half
+    second = predict_and_correct(end, h, before, last, work, state)
+    if not is_smooth(h, second, before, last, work):
+        return -1.0
+    done = slice(work.scene.nq - work.scene.works, work.scene.nq)
+    if in_halves:
+        rates = start.f[done] + 4.0 * half.f[done] + last.f[done]
+        last.y[done] = start.y[done] + h / 3.0 * rates
+    else:
+        last.y[done] = start.y[done] + h / 2.0 * (start.f[done] + last.f[done])
+    return larger(first, second)
+
+
+def work_error(s: Settings, h: float, state: State, work: Work) -> float:
+    """Return what Simpson's rule leaves of the work in two halves of length h.
+
+    About the square of what trapezoids leave, each compared with what they sum; in units of the
+    tolerance.
+    """
+    scene = work.scene
+    if scene.works == 0:
+        return 0.0
+    work.w.run("energy")
+    done = slice(scene.nq - scene.works, scene.nq)
+    before, rate, half = state.y[done], state.f[done], middle_of(work).f[done]
+    y, f = (part[done] for part in end_of(work))
+    kinetic = work.w.energies[0]
+    size = scene.reference_energy + kinetic + np.maximum(np.abs(before), np.abs(y))
+    way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
+    left = (2.0 * half - rate - f) / 6.0
+    relative = np.divide(left, way, out=np.zeros(scene.works), where=way > 0.0)
+    return float(np.max(h * left * relative / size)) / s.tolerance
+
+
+def accept_position(end: float, asked: float, state: State, work: Work) -> None:
+    """Keep a position, at or behind the time that is asked for."""
+    h, last, f_before = end - state.time, end_of(work), state.f.copy()
+    state.time_before = state.time if end > asked else end
+    state.time = end
+    state.steps += 1
+    state.y_before[:] = state.y
+    state.y[:] = last.y
+    state.f[:] = last.f
+    if end > asked:
+        state.dense[:] = 0.0
+        hermite_cubic(h, f_before, state.f, state)
+
+
+def driven_step(s: Settings, asked: float, state: State, work: Work) -> int:
+    """Find the next position of a motion that drivers determine, at most at the time asked for.
+
+    Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is put
+    elsewhere: before that position as long as possible, then behind it, also behind the time that
+    is asked for.
+    """
+    part, longest = 1.0, s.largest_step
+    has_energies = "energies" in work.scene.parts
+    if state.step_size > 0.0:
+        longest = smaller(state.step_size, longest)
+    while True:
+        is_last = state.time + 1.0000001 * longest >= asked
+        whole = asked - state.time if is_last else longest
+        end = asked if is_last and part == 1.0 else state.time + part * whole
+        if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
+            return STEP_TOO_SMALL
+        drift = reach(end, state, work, in_halves=part <= 1.0)
+        is_good, error = drift >= 0.0, 0.0
+        if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
+            error = work_error(s, 0.5 * (end - state.time), state, work)
+        factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error**-0.2))
+        ratio = pivot_ratio(work, state)
+        is_weak = ratio < WEAK * state.best_growth
+        if is_weak and part < FURTHEST:
+            state.avoided += 1
+            part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
+        elif not is_good or not error <= 1.0:
+            state.rejected += 1
+            longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
+        else:
+            break
+    note_pivot_ratio(ratio, end, state)
+    state.best_growth = ratio / WEAK if is_weak else larger(state.best_growth, ratio)
+    note_largest_pivot(work, state)
+    state.drift = larger(state.drift, drift)
+    state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
+    accept_position(end, asked, state, work)
+    return GOOD

@@ -1,0 +1,90 @@
+/* The memory that a caller owns: the state of a run, which solver.h lays out, and the workspace. */
+
+typedef PUBLIC(settings) Settings;
+typedef PUBLIC(state) State;
+
+enum {
+    GOOD = PUBLIC(GOOD),
+    BUFFER_FULL = PUBLIC(BUFFER_FULL),
+    PAUSED = PUBLIC(PAUSED),
+    STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL),
+    NOT_PROJECTED = PUBLIC(NOT_PROJECTED),
+    NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED),
+    BAD_ARGUMENT = PUBLIC(BAD_ARGUMENT),
+    WRONG_STATE = PUBLIC(WRONG_STATE)
+};
+
+enum {
+    NY = NQ + NV,                  /* count of numbers in y */
+    ALL_ROWS = HAS_ROW_SWITCH * NCHECK,
+    FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */
+};
+
+/* C has no empty arrays */
+#define ROOM(n) ((n) > 0 ? (n) : 1)
+
+/* all rows of the constraints, where they take over: see row_switch.h */
+typedef struct {
+    double is_on;                                  /* whether all rows were factorised */
+    double ratio;                                  /* their pivot ratio */
+    double tried;                                  /* that of the rows kept where all were no better, or 0 */
+    double rows[ROOM(ALL_ROWS)][ROOM(NV)];         /* C_q */
+    double matrix[ROOM(ALL_ROWS)][ROOM(ALL_ROWS)]; /* C_q M^-1 C_q^T, then its factors */
+    double order[ROOM(ALL_ROWS)];                  /* in which rows are solved for */
+    double solution[ROOM(ALL_ROWS)];
+    double lam[ROOM(ALL_ROWS)];   /* multipliers */
+    double rates[ROOM(ALL_ROWS)]; /* of the rows at rest, -nu */
+    double v[ROOM(NV)];
+    /* for forces of joints: multipliers that move no body, and what they are in forces */
+    double ways[ROOM(FREE_ROWS)][ROOM(ALL_ROWS)];
+    double wrenches[ROOM(FREE_ROWS)][ROOM(N_WRENCHES)];
+    double square[ROOM(FREE_ROWS)][ROOM(FREE_ROWS)];
+    double mu[ROOM(FREE_ROWS)];
+} RowSwitch;
+
+typedef struct {
+    double w[W_SIZE];                /* the workspace of the scene, at the places W_... */
+    double k[STAGES][ROOM(NY)];      /* derivatives of the stages */
+    double y[ROOM(NY)], low[ROOM(NY)]; /* end of a step, and what its rounding leaves over */
+    double scratch[ROOM(NY)], u[ROOM(NY)];
+    RowSwitch all;
+} Work;
+
+/* writes what no step changes: the numbers of the scene, and the parameters of the run */
+static void prepare(const double *parameters, double *w)
+{
+    memcpy(w + W_CONSTANTS, constants, CONSTANTS * sizeof *w);
+    memcpy(w + W_PARAMETERS, parameters, N_PARAMETERS * sizeof *w);
+    if (HAS_DESIGN) setup(w);
+}
+
+/* puts a state into the workspace */
+static void place(double t, const double *y, double *w)
+{
+    w[W_T] = t;
+    memcpy(w + W_Q, y, NQ * sizeof *w);
+    memcpy(w + W_V, y + NQ, NV * sizeof *w);
+}
+
+/* moves q by the correction in the workspace and brings Euler parameters back to norm one; what
+ * rounding leaves over of lengths is added to low if it is not NULL */
+static void displace(double *w, double *low)
+{
+    move(w);
+    for (size_t k = 0; low && k != ADDED; ++k) {
+        const size_t i = shifts[k][0];
+        low[i] += rounding_of_sum(w[W_Q + i], w[W_DQ + shifts[k][1]], w[W_Q_MOVED + i]);
+    }
+    memcpy(w + W_Q, w + W_Q_MOVED, NQ * sizeof *w);
+}
+
+/* the largest element of a correction, lengths relative to LENGTH */
+static double size_of(const double *u)
+{
+    double size = 0.0;
+    for (size_t k = 0; k < NV; ++k) {
+        const double x = is_length[k] ? fabs(u[k]) / LENGTH : fabs(u[k]);
+        if (x > size || isnan(x)) size = x; /* a NaN stays */
+    }
+    return size;
+}

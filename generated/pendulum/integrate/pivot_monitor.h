@@ -1,0 +1,60 @@
+/* The pivot monitor: pivots of C_q M^-1 C_q^T that are small beside others tell that rows of the
+ * constraints are nearly dependent. */
+
+/* a pivot ratio this much smaller than the largest so far: rows are nearly dependent */
+#define WEAK 1e-6
+/* one this much smaller: small errors of positions decide about velocities and accelerations */
+#define VAGUE 1e-8
+
+/* the smallest and the largest inverse of the pivots in the workspace; 0 if one is not positive, or
+ * not finite */
+static int inverse_pivots(const double *w, double *least, double *most)
+{
+    double low[4] = { HUGE_VAL, HUGE_VAL, HUGE_VAL, HUGE_VAL }, high[4] = { 0.0, 0.0, 0.0, 0.0 };
+    double sum[4] = { 0.0, 0.0, 0.0, 0.0 }; /* not finite if one is not; comparisons forget a NaN */
+    const double *inverse = w + W_PIVOTS;
+    enum { WHOLE = NC / 4 * 4 };
+    for (size_t k = 0; k != WHOLE; k += 4) { /* four at a time: a comparison waits for the one before */
+        for (size_t j = 0; j < 4; ++j) {
+            low[j] = smaller(low[j], inverse[k + j]);
+            high[j] = larger(high[j], inverse[k + j]);
+            sum[j] += inverse[k + j];
+        }
+    }
+    for (size_t k = WHOLE; k != NC; ++k) {
+        low[0] = smaller(low[0], inverse[k]);
+        high[0] = larger(high[0], inverse[k]);
+        sum[0] += inverse[k];
+    }
+    *least = smaller(smaller(low[0], low[1]), smaller(low[2], low[3]));
+    *most = larger(larger(high[0], high[1]), larger(high[2], high[3]));
+    return *least > 0.0 && isfinite(sum[0] + sum[1] + sum[2] + sum[3]);
+}
+
+/* the smallest pivot of the factors in the workspace relative to the largest of them and of all
+ * steps, 0 if one is not positive: it tends to 0 where rows become dependent */
+static double pivot_ratio(const Work *work, const State *s)
+{
+    double least, most;
+    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return work->all.ratio;
+    if (NC == 0) return 1.0;
+    if (!inverse_pivots(work->w, &least, &most)) return 0.0;
+    return (s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot) : least) / most;
+}
+
+/* keeps the largest pivot of all steps: alone it would tell nothing of a single row */
+static void note_largest_pivot(const Work *work, State *s)
+{
+    double least, most;
+    if (NC == 0 || !inverse_pivots(work->w, &least, &most)) return;
+    s->least_inverse_pivot =
+        s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot) : least;
+}
+
+/* keeps the smallest pivot ratio, and when that was */
+static void note_pivot_ratio(double ratio, double t, State *s)
+{
+    if (!(ratio < s->growth)) return;
+    s->growth = ratio;
+    s->growth_time = t;
+}

@@ -1,0 +1,57 @@
+"""The pivot monitor: small pivots of C_q M⁻¹ C_qᵀ tell that rows are nearly dependent."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from .scene import smaller
+
+if TYPE_CHECKING:
+    from .scene import Work
+    from .state import State
+
+#: A pivot ratio this much smaller than the largest so far: rows are nearly dependent.
+WEAK = 1e-6
+#: One this much smaller: small errors of positions decide about velocities and accelerations.
+VAGUE = 1e-8
+
+
+def inverse_pivots(work: Work) -> tuple[float, float] | None:
+    """Return the smallest and the largest inverse of the pivots; None unless all are good."""
+    inverses = work.w.pivots
+    least, most = float(inverses.min()), float(inverses.max())
+    return (least, most) if least > 0.0 and most < math.inf else None
+
+
+def pivot_ratio(work: Work, state: State) -> float:
+    """Return the smallest pivot of the factors in the workspace relative to the largest.
+
+    That is the largest of them and of all steps. 0 if one is not positive; it tends to 0 where rows
+    become dependent.
+    """
+    if work.all is not None and work.all.is_on:
+        return work.all.ratio
+    if work.scene.nc == 0:
+        return 1.0
+    found = inverse_pivots(work)
+    if found is None:
+        return 0.0
+    least, most = found
+    known = state.least_inverse_pivot
+    return (smaller(least, known) if known > 0.0 else least) / most
+
+
+def note_largest_pivot(work: Work, state: State) -> None:
+    """Keep the largest pivot of all steps: alone it would tell nothing of a single row."""
+    found = inverse_pivots(work) if work.scene.nc > 0 else None
+    if found is not None:
+        known = state.least_inverse_pivot
+        state.least_inverse_pivot = smaller(found[0], known) if known > 0.0 else found[0]
+
+
+def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
+    """Keep the smallest pivot ratio, and when that was."""
+    if ratio < state.growth:
+        state.growth = ratio
+        state.growth_time = t

@@ -1,0 +1,154 @@
+/* Projection onto the constraints, by Newton's method, and the accelerations there. */
+
+/* a correction this small, relative to LENGTH, is rounding */
+#define ROUNDING 4e-16
+/* Newton squares a correction this small away */
+#define SETTLED 1e-9
+/* at a pivot ratio this much smaller than the largest so far accelerations are refined */
+#define REFINE 1e-4
+/* corrections in Newton's method */
+enum { MOST_CORRECTIONS = 20 };
+
+static void correct_position(Work *work)
+{
+    double *w = work->w;
+    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) solve_rows(w + W_C, work, w + W_DQ);
+    else position(w);
+}
+
+static void correct_velocity(Work *work)
+{
+    double *w = work->w;
+    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) {
+        check(w);
+        solve_rows(w + W_C_DOT, work, w + W_DV);
+    } else {
+        velocity(w);
+    }
+}
+
+/* one step of iterative refinement with the factors in the workspace */
+static void refine(double *w)
+{
+    refinement(w);
+    for (size_t k = 0; k < NV; ++k) w[W_V_DOT + k] += w[W_DV + k];
+    for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] += w[W_MORE_LAM + k];
+    for (size_t k = 0; k != N_POWER; ++k) w[W_Q_DOT + NQ - N_POWER + k] += w[W_MORE_POWER + k];
+}
+
+/* q_dot, v_dot and the multipliers. Where much of them was lost, they are brought nearer by what is
+ * left of C_q v_dot = gamma: S = C_q M^-1 C_q^T squares the condition of C_q, which this takes back */
+static void accelerate(Work *work, State *s)
+{
+    const int has_all = HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    if (has_all) accelerate_all_rows(work);
+    else acceleration(work->w);
+    if (!HAS_REFINEMENT) return;
+    s->ratio = pivot_ratio(work, s);
+    if (s->ratio < REFINE * s->best_growth) {
+        s->refinements += 1;
+        if (has_all) refine_all_rows(work);
+        else refine(work->w);
+    }
+    if (HAS_DRIVERS && has_all) drive(work);
+}
+
+/* the pivot ratio where accelerations were found last */
+static double last_ratio(const Work *work, const State *s)
+{
+    return HAS_REFINEMENT ? s->ratio : pivot_ratio(work, s);
+}
+
+/* Newton on C(q) = 0, from the q in the workspace, until what is left is rounding, or enough: it is
+ * the square of the correction before. The geometry in the workspace is then that of q. Returns the
+ * first correction, negative if it does not converge. */
+static double project_position(double enough, Work *work, double *low, State *s)
+{
+    double *w = work->w, first = 0.0, before = HUGE_VAL;
+    memset(w + W_DQ, 0, NV * sizeof *w);
+    displace(w, low);
+    for (int k = 0; k < MOST_CORRECTIONS; ++k) {
+        find_geometry(work, s);
+        if (NC == 0) return 0.0;
+        s->factorisations += 1;
+        if (before * before <= enough) return first;
+        correct_position(work);
+        s->corrections += 1;
+        const double size = size_of(w + W_DQ);
+        if (!(size < HUGE_VAL)) return -1.0;
+        if (k == 0) first = size;
+        if (size <= ROUNDING || (size <= SETTLED && size >= 0.5 * before)) return first;
+        displace(w, low);
+        before = size;
+    }
+    return -1.0;
+}
+
+/* brings y to the manifold, or near enough to it, and gives its derivative if f is not NULL, and
+ * what rounding leaves over to low if that is not NULL; 0 where that is impossible */
+static int project(
+    double t, double enough, double *y, double *low, double *f, Work *work, State *s, double *drift)
+{
+    double *w = work->w;
+    place(t, y, w);
+    const double first = project_position(enough, work, low, s);
+    if (!(first >= 0.0)) return 0;
+    if (drift) *drift = first;
+    if (NC > 0 || FITS) {
+        correct_velocity(work);
+        for (size_t k = 0; k < NV; ++k) {
+            const double v = w[W_V + k], dv = w[W_DV + k];
+            w[W_V + k] = v + dv;
+            if (low) low[NQ + k] += rounding_of_sum(v, dv, v + dv);
+        }
+    }
+    memcpy(y, w + W_Q, NQ * sizeof *y);
+    memcpy(y + NQ, w + W_V, NV * sizeof *y);
+    if (f) {
+        accelerate(work, s);
+        s->derivatives += 1;
+        memcpy(f, w + W_Q_DOT, NQ * sizeof *f);
+        memcpy(f + NQ, w + W_V_DOT, NV * sizeof *f);
+        if (!are_finite(f, NY)) return 0;
+    }
+    return 1;
+}
+
+/* brings a displacement or a change of the velocity v into the tangent space of the constraints at
+ * the geometry in the workspace: what is normal to it does not last, the next projection takes it
+ * away */
+static void project_onto_tangent(const double *v, Work *work, double *u)
+{
+    double *w = work->w;
+    if (NC == 0 && !FITS) return;
+    for (size_t k = 0; k < NV; ++k) w[W_V + k] = HAS_DRIVERS ? v[k] + u[k] : u[k];
+    correct_velocity(work);
+    for (size_t k = 0; k < NV; ++k) u[k] += w[W_DV + k];
+}
+
+/* the displacements that belong to a small change of q */
+static void displacement_of(const double *q, const double *dq, double *u)
+{
+    for (size_t k = 0; k != SHIFTS; ++k) u[shifts[k][1]] = dq[shifts[k][0]];
+    for (size_t k = 0; k != TURNS; ++k) {
+        const double *p = q + turns[k][0], *d = dq + turns[k][0];
+        double *theta = u + turns[k][1];
+        if (turns[k][2] == 2) { /* in a plane */
+            theta[0] = 2.0 * (p[0] * d[1] - p[1] * d[0]);
+        } else { /* twice the vector part of the conjugate of p times dp */
+            theta[0] = 2.0 * (p[0] * d[1] - p[1] * d[0] - p[2] * d[3] + p[3] * d[2]);
+            theta[1] = 2.0 * (p[0] * d[2] - p[2] * d[0] - p[3] * d[1] + p[1] * d[3]);
+            theta[2] = 2.0 * (p[0] * d[3] - p[3] * d[0] - p[1] * d[2] + p[2] * d[1]);
+        }
+    }
+}
+
+/* the pivot ratio at a q that need not be on the constraints; its geometry is then in the workspace */
+static double ratio_at(const double *q, Work *work, State *s)
+{
+    memcpy(work->w + W_Q, q, NQ * sizeof *q);
+    memset(work->w + W_DQ, 0, NV * sizeof *q);
+    displace(work->w, NULL);
+    find_geometry(work, s);
+    return pivot_ratio(work, s);
+}

@@ -1,0 +1,206 @@
+"""Projection onto the constraints, by Newton's method, and the accelerations there."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .pivot_monitor import pivot_ratio
+from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_rows, solve_rows
+from .scene import rounding_of_sum
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .scene import Scene, Work
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: A correction this small, relative to a length of the scene, is rounding.
+ROUNDING = 4e-16
+#: Newton squares a correction this small away.
+SETTLED = 1e-9
+#: At a pivot ratio this much smaller than the largest so far accelerations are refined.
+REFINE = 1e-4
+#: Corrections in Newton's method.
+MOST_CORRECTIONS = 20
+
+
+def correct_position(work: Work) -> None:
+    """Find the correction of q."""
+    if work.all is not None and work.all.is_on:
+        solve_rows(work.w.all_C, work.all, work, work.w.dq)
+    else:
+        work.w.run("position")
+
+
+def correct_velocity(work: Work) -> None:
+    """Find the correction of v."""
+    if work.all is not None and work.all.is_on:
+        work.w.run("check")
+        solve_rows(work.w.C_dot, work.all, work, work.w.dv)
+    else:
+        work.w.run("velocity")
+
+
+def refine(work: Work) -> None:
+    """Make one step of iterative refinement with the factors in the workspace."""
+    w = work.w
+    w.run("refinement")
+    w.v_dot += w.dv
+    w.lam += w.more_lam
+    w.q_dot[work.scene.nq - len(w.more_power) :] += w.more_power
+
+
+def accelerate(work: Work, state: State) -> None:
+    """Find q_dot, v_dot and the multipliers.
+
+    Where much of them was lost, they are brought nearer by what is left of C_q v̇ = γ:
+    S = C_q M⁻¹ C_qᵀ squares the condition of C_q, which this takes back.
+    """
+    all_rows = work.all if work.all is not None and work.all.is_on else None
+    if all_rows is None:
+        work.w.run("acceleration")
+    else:
+        accelerate_all_rows(all_rows, work)
+    if not work.scene.has_refinement:
+        return
+    state.ratio = pivot_ratio(work, state)
+    if state.ratio < REFINE * state.best_growth:
+        state.refinements += 1
+        if all_rows is None:
+            refine(work)
+        else:
+            refine_all_rows(all_rows, work)
+    if all_rows is not None:
+        drive(all_rows, work)
+
+
+def last_ratio(work: Work, state: State) -> float:
+    """Return the pivot ratio where accelerations were found last."""
+    return state.ratio if work.scene.has_refinement else pivot_ratio(work, state)
+
+
+def project_position(enough: float, work: Work, low: Array | None, state: State) -> float:
+    """Newton on C(q) = 0, from the q in the workspace, until what is left is rounding, or enough.
+
+    What is left is the square of the correction before. The geometry in the workspace is then that
+    of q. Returns the first correction, negative if it does not converge.
+    """
+    w, first, before = work.w, 0.0, math.inf
+    w.dq[:] = 0.0
+    w.displace(low)
+    for attempt in range(MOST_CORRECTIONS):
+        find_geometry(work, state)
+        if work.scene.nc == 0:
+            return 0.0
+        state.factorisations += 1
+        if before * before <= enough:
+            return first
+        correct_position(work)
+        state.corrections += 1
+        size = w.size_of(w.dq)
+        if not size < math.inf:
+            return -1.0
+        if attempt == 0:
+            first = size
+        if size <= ROUNDING or (size <= SETTLED and size >= 0.5 * before):
+            return first
+        w.displace(low)
+        before = size
+    return -1.0
+
+
+def project(
+    t: float,
+    enough: float,
+    y: Array,
+    low: Array | None,
+    f: Array | None,
+    work: Work,
+    state: State,
+) -> float:
+    """Bring y to the manifold, or near enough to it, and give its derivative if f is not None.
+
+    Parameters
+    ----------
+    t : float [s]
+        Time.
+    enough : float
+        A correction that may be left, relative to a length of the scene.
+    y : (ny,) array
+        Coordinates and velocities.
+    low : (ny,) array or None
+        What rounding leaves over is added to it.
+    f : (ny,) array or None
+        Gets the time derivative of y.
+    work : Work
+        Memory for work.
+    state : State
+        Counts what is evaluated.
+
+    Returns
+    -------
+    float
+        The first correction, negative where that is impossible.
+    """
+    w, nq = work.w, work.scene.nq
+    w.place(t, y)
+    first = project_position(enough, work, low, state)
+    if not first >= 0.0:
+        return -1.0
+    if work.scene.nc > 0 or work.scene.fits:
+        correct_velocity(work)
+        v = w.v.copy()
+        w.v[:] = v + w.dv
+        if low is not None:
+            low[nq:] += rounding_of_sum(v, w.dv, w.v)
+    y[:nq] = w.q
+    y[nq:] = w.v
+    if f is not None:
+        accelerate(work, state)
+        state.derivatives += 1
+        f[:nq] = w.q_dot
+        f[nq:] = w.v_dot
+        if not np.isfinite(f).all():
+            return -1.0
+    return first
+
+
+def project_onto_tangent(v: Array, work: Work, u: Array) -> None:
+    """Bring a displacement or a change of v into the tangent space of the constraints.
+
+    It is that at the geometry in the workspace. What is normal to it does not last, the next
+    projection takes it away.
+    """
+    scene, w = work.scene, work.w
+    if scene.nc == 0 and not scene.fits:
+        return
+    w.v[:] = v + u if scene.has_drivers else u
+    correct_velocity(work)
+    u += w.dv
+
+
+def displacement_of(scene: Scene, q: Array, dq: Array, u: Array) -> None:
+    """Write the displacements that belong to a small change of q."""
+    u[scene.shifts[:, 1]] = dq[scene.shifts[:, 0]]
+    for place, turn, count in scene.turns.tolist():
+        p, d = q[place : place + count].tolist(), dq[place : place + count].tolist()
+        if count == 2:  # in a plane
+            u[turn] = 2.0 * (p[0] * d[1] - p[1] * d[0])
+        else:  # twice the vector part of the conjugate of p times dp
+            u[turn] = 2.0 * (p[0] * d[1] - p[1] * d[0] - p[2] * d[3] + p[3] * d[2])
+            u[turn + 1] = 2.0 * (p[0] * d[2] - p[2] * d[0] - p[3] * d[1] + p[1] * d[3])
+            u[turn + 2] = 2.0 * (p[0] * d[3] - p[3] * d[0] - p[1] * d[2] + p[2] * d[1])
+
+
+def ratio_at(q: Array, work: Work, state: State) -> float:
+    """Return the pivot ratio at a q that need not be on the constraints, and have its geometry."""
+    work.w.q[:] = q
+    work.w.dq[:] = 0.0
+    work.w.displace(None)
+    find_geometry(work, state)
+    return pivot_ratio(work, state)

@@ -1,0 +1,244 @@
+"""The row switch-over: where the rows that are kept lose rank.
+
+Some rows of the constraints depend on others and are left out. Where those that are kept are nearly
+dependent, the rows that were left out take over: all rows are solved for, as many as are
+independent, in the order of the largest pivots. C_q is what the rates of the rows say of unit
+velocities, beyond what drivers make them at rest, −ν. No driver depends on other rows: its
+multiplier is the same whichever are solved for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .pivot_monitor import pivot_ratio
+from .scene import larger, smaller
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .scene import RowMemory, Work
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: At a ratio this much smaller than the largest so far rows that were left out take over.
+FALL_BACK = 1e-2
+#: Where all rows have a ratio so many times larger: else the choice of rows is not to blame.
+HELPS = 10.0
+
+
+def inverse_masses(work: Work) -> Array:
+    """Return the diagonal of M⁻¹ with the parameters of the run."""
+    fixed, at = work.scene.inverse_masses, work.scene.mass_places
+    return np.where(at < 0, fixed, work.w.design[at]) if len(at) else fixed
+
+
+def write_jacobian(all_rows: RowMemory, work: Work) -> None:
+    """Write C_q of all rows, row by row; v stays what it is."""
+    w = work.w
+    kept = w.v.copy()
+    w.v[:] = 0.0
+    if work.scene.has_drivers:
+        w.run("check")
+        all_rows.rates[:] = w.C_dot
+    for k in range(work.scene.nv):
+        w.v[k] = 1.0
+        w.run("check")
+        w.v[k] = 0.0
+        all_rows.rows[:, k] = w.C_dot - all_rows.rates if work.scene.has_drivers else w.C_dot
+    w.v[:] = kept
+
+
+def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
+    """Exchange two rows, or two numbers."""
+    a[[i, j]] = a[[j, i]]
+
+
+def factorise_rows(all_rows: RowMemory, work: Work, state: State) -> float:
+    """Make L D Lᵀ of nc rows of C_q M⁻¹ C_qᵀ, those of drivers and those with the largest pivots.
+
+    Returns the smallest pivot relative to the largest of them and of all steps, 0 if one is not
+    positive.
+    """
+    scene, a, order = work.scene, all_rows.matrix, all_rows.order
+    first = scene.drivers[:, 0].tolist()  # their multipliers are wanted whatever happens
+    order[:] = first + [row for row in range(len(order)) if row not in first]
+    rows, weights = all_rows.rows[order], inverse_masses(work)
+    a[:] = 0.0
+    for k in range(scene.nv):
+        a += np.outer(rows[:, k] * weights[k], rows[:, k])
+    known = state.least_inverse_pivot
+    least, most = math.inf, 1.0 / known if known > 0.0 else 0.0
+    for r in range(scene.nc):
+        best = r
+        if r >= len(first):
+            best += int(np.argmax(np.diagonal(a)[r:]))
+        exchange(order, r, best)
+        exchange(a, r, best)
+        exchange(a.T, r, best)
+        if not a[r, r] > 0.0:
+            return 0.0
+        least, most = smaller(least, float(a[r, r])), larger(most, float(a[r, r]))
+        a[r + 1 :, r] /= a[r, r]
+        a[r + 1 :, r + 1 :] -= np.outer(a[r + 1 :, r], a[r, r + 1 :])
+    return least / most
+
+
+def solve_rows(right: Array, all_rows: RowMemory, work: Work, u: Array) -> Array:
+    """Set u = −M⁻¹ C_qᵀ λ, where C_q M⁻¹ C_qᵀ λ is what the rows have; return λ, in their order."""
+    a, count = all_rows.matrix, work.scene.nc
+    order = all_rows.order[:count]
+    x: Array = right[order]
+    for r in range(count):
+        x[r + 1 :] -= a[r + 1 : count, r] * x[r]
+    x /= np.diagonal(a)[:count]
+    for r in reversed(range(count)):
+        x[:r] -= a[r, :r] * x[r]
+    u[:] = 0.0
+    for r in range(count):
+        u += all_rows.rows[order[r]] * x[r]
+    u *= -inverse_masses(work)
+    return x
+
+
+def drive(all_rows: RowMemory, work: Work) -> None:
+    """Find the power of drivers with the multipliers of all rows."""
+    q_dot, drivers = work.w.q_dot, work.scene.drivers
+    for _, place in drivers:
+        q_dot[place] = 0.0
+    for row, place in drivers:
+        q_dot[place] += all_rows.rates[row] * all_rows.lam[row]
+
+
+def null_multipliers(n: int, all_rows: RowMemory, count: int) -> Array:
+    """Return multipliers of all rows that move no body, the n-th that was not solved for being 1.
+
+    Parameters
+    ----------
+    n : int
+        Which one.
+    all_rows : RowMemory
+        Their factors.
+    count : int
+        How many rows are solved for.
+    """
+    a, order = all_rows.matrix, all_rows.order
+    x = a[count + n, :count].copy()
+    for r in reversed(range(count)):
+        x[:r] -= a[r, :r] * x[r]
+    lam = np.zeros(len(order))
+    lam[order[:count]] = -x
+    lam[order[count + n]] = 1.0
+    return lam
+
+
+def inner_product(a: Array, b: Array) -> float:
+    """Return the inner product, added up in the order of C."""
+    return float(np.cumsum(a * b)[-1])
+
+
+def eliminate(square: Array, right: Array) -> None:
+    """Solve square x = right by elimination; both are used up, and x is in right."""
+    count = len(right)
+    for r in range(count):
+        factors = square[r + 1 :, r] / square[r, r]
+        square[r + 1 :, r + 1 :] -= np.outer(factors, square[r, r + 1 :])
+        right[r + 1 :] -= factors * right[r]
+    for r in reversed(range(count)):
+        right[r] /= square[r, r]
+        right[:r] -= square[:r, r] * right[r]
+
+
+def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
+    """Find the forces of joints.
+
+    Of all multipliers that move the bodies as those that were found do, they are those with the
+    least forces and torques, as where the rows that are kept are independent.
+    """
+    w, count = work.w, work.scene.nc
+    ways, own = [], []
+    for n in range(len(all_rows.order) - count):
+        ways.append(null_multipliers(n, all_rows, count))
+        w.all_lam[:] = ways[n]
+        w.run("wrench")
+        own.append(w.wrenches.copy())
+    w.all_lam[:] = all_rows.lam
+    w.run("wrench")
+    square = np.array([[inner_product(one, other) for other in own] for one in own])
+    mu = np.array([-inner_product(one, w.wrenches) for one in own])
+    eliminate(square, mu)
+    for way, part in zip(ways, mu, strict=True):
+        w.all_lam += part * way
+    w.run("wrench")
+
+
+def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
+    """Bring v̇, and the multipliers of all rows, nearer to C_q v̇ = γ."""
+    work.w.run("check")
+    change = np.empty(work.scene.nv)
+    x = solve_rows(work.w.C_ddot, all_rows, work, change)
+    work.w.v_dot += change
+    all_rows.lam[all_rows.order[: len(x)]] += x
+
+
+def accelerate_all_rows(all_rows: RowMemory, work: Work) -> None:
+    """Find q_dot, v_dot and the multipliers of all rows."""
+    work.w.pivots[:] = 0.0  # without them no row has a force: then all get theirs
+    all_rows.lam[:] = 0.0
+    work.w.run("acceleration")
+    refine_all_rows(all_rows, work)
+
+
+def forget_trials(work: Work) -> None:
+    """Forget where all rows were tried in vain: nothing depends on what was asked before."""
+    if work.all is not None:
+        work.all.tried = 0.0
+
+
+def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: State) -> bool:
+    """Return whether all rows are better than those kept.
+
+    Where they are not, as where drivers or bars stand in line, they are tried again when the ratio
+    of those that are kept has changed as much as would matter.
+    """
+    if ratio < HELPS * all_rows.tried and all_rows.tried < HELPS * ratio:
+        return False
+    write_jacobian(all_rows, work)
+    all_rows.ratio = factorise_rows(all_rows, work, state)
+    found = all_rows.ratio > HELPS * ratio
+    all_rows.tried = 0.0 if found else ratio
+    return found
+
+
+def find_geometry(work: Work, state: State) -> None:
+    """Find the geometry of q, and the factors of all rows where those kept are nearly dependent."""
+    work.w.run("geometry")
+    if work.all is None:
+        return
+    work.all.is_on = False
+    ratio = pivot_ratio(work, state)
+    if ratio < FALL_BACK * state.best_growth and are_all_rows_better(ratio, work.all, work, state):
+        work.all.is_on = True
+        state.fallbacks += 1
+        state.fallback_time = work.w.t[0]
+
+
+def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
+    """Keep what is usual where a run begins.
+
+    If rows that are kept are nearly dependent there, all rows say it.
+    """
+    work.w.place(state.time, state.y)
+    work.w.dq[:] = 0.0
+    work.w.displace(None)
+    work.w.run("geometry")
+    all_rows.is_on = False
+    forget_trials(work)
+    ratio = pivot_ratio(work, state)
+    write_jacobian(all_rows, work)
+    every = factorise_rows(all_rows, work, state)
+    state.best_growth = every if ratio < FALL_BACK * every else ratio

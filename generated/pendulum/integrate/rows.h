@@ -1,0 +1,93 @@
+/* The rows that are written, at steps and between them, and what the ledger of a run notes of them. */
+
+/* the change of energy since the start that no force explains */
+static double energy_balance(const double *w, const State *s)
+{
+    double balance = w[W_ENERGIES] + w[W_ENERGIES + 1] - s->energy;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) balance -= w[W_Q + k];
+    return balance;
+}
+
+/* notes what is left of the constraints, and what of energy and momenta is not as at the start */
+static void note_checks(double *w, State *s)
+{
+    /* of rows that are left out, too: they stand behind C */
+    const double *left[3] = { w + W_C, w + W_C_DOT, w + W_C_DDOT };
+    check(w);
+    for (size_t level = 0; level < 3; ++level) {
+        double *worst = s->violations[level];
+        for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
+    }
+    s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
+    if (MOMENTA > 0) momentum(w);
+    for (size_t k = 0; k != MOMENTA; ++k) {
+        const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);
+        s->momentum_errors[k] = larger(s->momentum_errors[k], change);
+    }
+}
+
+/* puts what the polynomial says of a time into the workspace where rows are nearly dependent, so that
+ * neither a projection nor the accelerations can be had from them */
+static int interpolate_position(
+    const Method *m, double t, double x, double *y, Work *work, State *s)
+{
+    double *w = work->w;
+    interpolate(m, x, s, y);
+    w[W_T] = t;
+    memcpy(w + W_V, y + NQ, NV * sizeof *w);
+    const double ratio = ratio_at(y, work, s);
+    memcpy(y, w + W_Q, NQ * sizeof *w);
+    return ratio < WEAK * s->best_growth;
+}
+
+/* takes the accelerations of a row from the polynomial; the forces of joints are unknown */
+static void interpolate_accelerations(
+    const Method *m, double t, double x, double h, Work *work, State *s)
+{
+    double *w = work->w, *rate = work->k[2];
+    differentiate(m, x, h, s, work->k[1], rate);
+    memcpy(w + W_V_DOT, rate + NQ, NV * sizeof *w);
+    for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] = NAN;
+    s->passed += 1;
+    s->passed_time = t;
+}
+
+/* writes the state at a time of the last step: on the manifold, as at every time that is asked for */
+static int write_row(
+    const Method *m, const Settings *settings, double t, State *s, Work *work, double *row)
+{
+    double *w = work->w, *y = work->k[0];
+    const double h = s->time - s->time_before, x = (t - s->time_before) / h;
+    const int is_driven = settings->method == METHODS;
+    int is_passed = 0;
+    forget_trials(work);
+    if (t == s->time || h == 0.0) {
+        memcpy(y, s->y, NY * sizeof *y);
+        place(t, y, w);
+        if (ACCELERATES || settings->checks) find_geometry(work, s);
+    } else {
+        interpolate(m, x, s, y);
+        const double vague = (is_driven ? WEAK : VAGUE) * s->best_growth;
+        const int can = project(t, 0.0, y, NULL, NULL, work, s, NULL);
+        is_passed = !can || pivot_ratio(work, s) < vague;
+        if (is_passed && !interpolate_position(m, t, x, y, work, s) && !can) return NOT_PROJECTED;
+        if (is_passed) interpolate_accelerations(m, t, x, h, work, s);
+    }
+    if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
+    if (HAS_ENERGIES || settings->checks) energy(w);
+    if (settings->checks) note_checks(w, s);
+    if (HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0 && !is_passed) {
+        least_norm_reactions(work);
+    } else {
+        reaction(w);
+    }
+    coordinate(w);
+    *row++ = t;
+    memcpy(row, y, NY * sizeof *row);
+    row += NY;
+    for (size_t k = 0; k != PARTS; ++k) {
+        memcpy(row, w + parts[k][0], parts[k][1] * sizeof *row);
+        row += parts[k][1];
+    }
+    return GOOD;
+}

@@ -1,0 +1,111 @@
+"""The rows that are written, at steps and between them, and what the ledger of a run notes."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .dense_output import differentiate, interpolate
+from .methods import METHODS
+from .pivot_monitor import VAGUE, WEAK, pivot_ratio
+from .projection import accelerate, project, ratio_at
+from .row_switch import find_geometry, forget_trials, least_norm_reactions
+from .scene import larger
+from .settings import GOOD, NOT_PROJECTED
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .methods import Method
+    from .scene import Work
+    from .settings import Settings
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+
+def energy_balance(work: Work, state: State) -> float:
+    """Return the change of energy since the start that no force explains."""
+    w, scene = work.w, work.scene
+    balance = w.energies[0] + w.energies[1] - state.energy
+    for done in w.q[scene.nq - scene.works :]:
+        balance -= done
+    return float(balance)
+
+
+def note_checks(work: Work, state: State) -> None:
+    """Note what is left of the constraints, and what of energy and momenta is not as it was."""
+    w = work.w
+    w.run("check")
+    for worst, left in zip(state.violations, (w.all_C, w.C_dot, w.C_ddot), strict=True):
+        np.fmax(worst, np.abs(left), out=worst)
+    state.energy_error = larger(state.energy_error, abs(energy_balance(work, state)))
+    w.run("momentum")
+    changes = np.abs(w.momenta - state.momenta)
+    np.fmax(state.momentum_errors, changes, out=state.momentum_errors)
+
+
+def interpolate_position(m: Method, t: float, x: float, y: Array, work: Work, state: State) -> bool:
+    """Put what the polynomial says of a time into the workspace, if rows are dependent there.
+
+    Neither a projection nor the accelerations can be had from them.
+    """
+    interpolate(m, x, state, y)
+    nq = work.scene.nq
+    work.w.t[0] = t
+    work.w.v[:] = y[nq:]
+    ratio = ratio_at(y[:nq], work, state)
+    y[:nq] = work.w.q
+    return ratio < WEAK * state.best_growth
+
+
+def interpolate_accelerations(
+    m: Method, t: float, x: float, h: float, work: Work, state: State
+) -> None:
+    """Take the accelerations of a row from the polynomial; the forces of joints are unknown."""
+    work.w.v_dot[:] = differentiate(m, x, h, state)[work.scene.nq :]
+    work.w.lam[:] = math.nan
+    state.passed += 1
+    state.passed_time = t
+
+
+def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> int:
+    """Write the state at a time of the last step: on the manifold, as all that is asked for."""
+    scene, w, y = work.scene, work.w, work.k[0]
+    forget_trials(work)
+    h, is_passed = state.time - state.time_before, False
+    if t == state.time or h == 0.0:
+        y[:] = state.y
+        w.place(t, y)
+        if scene.accelerates or s.checks:
+            find_geometry(work, state)
+    else:
+        x = (t - state.time_before) / h
+        interpolate(m, x, state, y)
+        vague = (VAGUE if s.method < len(METHODS) else WEAK) * state.best_growth
+        can = project(t, 0.0, y, None, None, work, state) >= 0.0
+        is_passed = not can or pivot_ratio(work, state) < vague
+        if is_passed and not interpolate_position(m, t, x, y, work, state) and not can:
+            return NOT_PROJECTED
+        if is_passed:
+            interpolate_accelerations(m, t, x, h, work, state)
+    if (scene.accelerates or s.checks) and not is_passed:
+        accelerate(work, state)
+    if "energies" in scene.parts or s.checks:
+        w.run("energy")
+    if s.checks:
+        note_checks(work, state)
+    if "reactions" in scene.parts and work.all is not None and work.all.is_on and not is_passed:
+        least_norm_reactions(work.all, work)
+    else:
+        w.run("reaction")
+    w.run("coordinate")
+    places = [scene.regions[part] for part in scene.parts]
+    row[0] = t
+    row[1 : 1 + scene.ny] = y
+    row[1 + scene.ny :] = np.concatenate(
+        [np.empty(0), *(w.slots[base : base + size] for base, size in places)]
+    )
+    return GOOD

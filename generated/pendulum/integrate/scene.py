@@ -1,0 +1,330 @@
+"""A scene as its solver knows it: sizes, tables, and the segments that compute on a workspace."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .methods import METHODS
+from .state import State, size_of_state
+from .tasks import run_tasks, segment_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+    from typing import TypeAlias
+
+    import numpy.typing as npt
+
+    from .tasks import Kernel, Segment, Slots
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+#: Stages of the longest method, and coefficients of the longest interpolating polynomial.
+STAGES = max(method.all for method in METHODS)
+DENSE = 3 + max(len(method.dense) for method in METHODS)
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What a solver holds of its scene.
+
+    Parameters
+    ----------
+    name, digest : str
+        Of the scene, and of all that its solver was made of.
+    key : float
+        What a state of this solver begins with.
+    length : float [m]
+        A length of the scene: corrections are compared with it.
+    reference_energy : float [J]
+        The error of work is compared with it where less has moved.
+    regions : mapping of str to (int, int)
+        First slot and size of each named part of the workspace.
+    work_size : int
+        Count of slots in the workspace.
+    constants : sequence of float
+        The numbers of the scene.
+    parameters : (n,) array
+        Values of the parameters, unless a run is given others.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
+    kernels : sequence of Kernel
+        What tasks call.
+    tasks : mapping of str to str
+        The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
+    is_length : (nv,) array
+        For each velocity whether it moves, 0 where it turns.
+    floors : (nq + nv,) array
+        What the error of a component of y is compared with when it is zero.
+    shifts : (n, 2) array
+        Of each length that changes: its place in q and in v; first those that corrections are
+        added to.
+    added : int
+        How many those are.
+    turns : (n, 3) array
+        Of each orientation: the place of its Euler parameters in q, of its turn in v, and how many
+        parameters vary.
+    works : int
+        Entries at the end of q that are works [J].
+    counted : (int, int)
+        The first entry of q that counts turns, and the one behind the last.
+    fits : bool
+        Whether bodies are put onto joints with the ground.
+    has_drivers, is_driven : bool
+        Whether there are drivers, and whether they determine the whole motion.
+    has_continuation : bool
+        Whether parameters may change where bodies or drivers begin.
+    has_row_switch : bool
+        Whether rows of the constraints that are left out take over where others lose rank.
+    inverse_masses, mass_places : (nv,) array
+        The diagonal of M⁻¹, and where its elements are in the design, -1 of those that are fixed;
+        needed for the row switch-over.
+    drivers : (n, 2) array
+        Of each row of a driver: which row it is, and the place of its work in q.
+    starts : (n, 2) array
+        What depends on parameters at the start: its place in y, and in the design.
+    positive : (n,) array
+        Places of the design with numbers that must be positive.
+    """
+
+    name: str
+    digest: str
+    key: float
+    length: float
+    reference_energy: float
+    regions: Mapping[str, tuple[int, int]]
+    work_size: int
+    constants: Sequence[float]
+    parameters: Array
+    parts: Sequence[str]
+    kernels: Sequence[Kernel]
+    tasks: Mapping[str, str]
+    is_length: Array
+    floors: Array
+    shifts: Slots
+    added: int
+    turns: Slots
+    works: int
+    counted: tuple[int, int]
+    fits: bool
+    has_drivers: bool
+    is_driven: bool
+    has_continuation: bool
+    has_row_switch: bool
+    inverse_masses: Array
+    mass_places: Slots
+    drivers: Slots
+    starts: Slots
+    positive: Slots
+    segments: Mapping[str, Segment] = field(init=False, repr=False)
+    lengths: Array = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        segments = {name: segment_of(self.kernels, text) for name, text in self.tasks.items()}
+        object.__setattr__(self, "segments", segments)
+        object.__setattr__(self, "lengths", np.where(self.is_length, self.length, 1.0))
+
+    def size(self, region: str) -> int:
+        """Return the size of a region, 0 where the scene has none of that name."""
+        return self.regions.get(region, (0, 0))[1]
+
+    @property
+    def nq(self) -> int:
+        """Count of coordinates."""
+        return self.size("q")
+
+    @property
+    def nv(self) -> int:
+        """Count of velocities."""
+        return self.size("v")
+
+    @property
+    def ny(self) -> int:
+        """Count of coordinates and velocities."""
+        return self.nq + self.nv
+
+    @property
+    def nc(self) -> int:
+        """Count of rows of the constraints that are solved for."""
+        return self.size("C")
+
+    @property
+    def has_design(self) -> bool:
+        """Whether numbers of the scene depend on parameters."""
+        return "design" in self.regions
+
+    @property
+    def has_refinement(self) -> bool:
+        """Whether there are loops, in which rows may become dependent."""
+        return "refinement" in self.tasks
+
+    @property
+    def accelerates(self) -> bool:
+        """Whether a row takes what geometry and accelerations leave."""
+        return any(part in self.parts for part in ("v_dot", "coordinates", "reactions"))
+
+    @property
+    def state_sizes(self) -> dict[str, int]:
+        """What the layout of a state depends on."""
+        return {
+            "NY": self.ny,
+            "DENSE": DENSE,
+            "N_PARAMETERS": self.size("parameters"),
+            "MOMENTA": self.size("momenta"),
+            "NCHECK": self.nc + self.size("C_left_out"),
+        }
+
+    @property
+    def state_size(self) -> int:
+        """Count of numbers in a state."""
+        return size_of_state(self.state_sizes)
+
+    @property
+    def row_size(self) -> int:
+        """Count of numbers in a row: time, y, and the parts."""
+        return 1 + self.ny + sum(map(self.size, self.parts))
+
+
+class Workspace:
+    """The workspace of a scene, region by region; those that it lacks are empty.
+
+    Parameters
+    ----------
+    scene : Scene
+        What it belongs to.
+    slots : array
+        Where it is.
+    """
+
+    t: Array
+    parameters: Array
+    q: Array
+    v: Array
+    dq: Array
+    q_moved: Array
+    C: Array
+    C_left_out: Array
+    pivots: Array
+    dv: Array
+    q_dot: Array
+    v_dot: Array
+    lam: Array
+    energies: Array
+    momenta: Array
+    C_dot: Array
+    C_ddot: Array
+    more_lam: Array
+    more_power: Array
+    all_lam: Array
+    wrenches: Array
+    design: Array
+    constants: Array
+
+    def __init__(self, scene: Scene, slots: Array) -> None:
+        self.scene = scene
+        self.slots = slots
+        for name in Workspace.__annotations__:
+            base, size = scene.regions.get(name, (0, 0))
+            setattr(self, name, slots[base : base + size])
+        # the rows that are left out stand behind those that are solved for
+        base, rows = scene.regions["C"][0], scene.nc + scene.size("C_left_out")
+        self.all_C = slots[base : base + rows]
+
+    def run(self, segment: str) -> None:
+        """Compute a segment; one that the scene lacks does nothing."""
+        run_tasks(self.slots, self.scene.segments.get(segment, []))
+
+    def prepare(self, parameters: Array) -> None:
+        """Write what no step changes: the numbers of the scene, and the parameters of the run."""
+        self.constants[:] = self.scene.constants
+        self.parameters[:] = parameters
+        self.run("setup")
+
+    def place(self, t: float, y: Array) -> None:
+        """Put a state into the workspace."""
+        self.t[0] = t
+        self.q[:] = y[: self.scene.nq]
+        self.v[:] = y[self.scene.nq :]
+
+    def displace(self, low: Array | None) -> None:
+        """Move q by the correction and bring Euler parameters back to norm one.
+
+        What rounding leaves over of lengths is added to low if it is not None.
+        """
+        self.run("move")
+        if low is not None:
+            at, change = self.scene.shifts[: self.scene.added].T
+            low[at] += rounding_of_sum(self.q[at], self.dq[change], self.q_moved[at])
+        self.q[:] = self.q_moved
+
+    def size_of(self, u: Array) -> float:
+        """Return the largest element of a correction, lengths relative to that of the scene."""
+        return float(np.max(np.abs(u) / self.scene.lengths))  # a NaN stays
+
+
+class Work:
+    """The memory for work: the workspace, derivatives of the stages, three states.
+
+    Parameters
+    ----------
+    scene : Scene
+        What it belongs to.
+    slots : array
+        The workspace.
+    """
+
+    def __init__(self, scene: Scene, slots: Array) -> None:
+        self.scene = scene
+        self.w = Workspace(scene, slots)
+        self.k = np.zeros((STAGES, scene.ny))
+        self.y, self.low, self.scratch = np.zeros((3, scene.ny))
+        self.all = RowMemory(scene) if scene.has_row_switch else None
+
+
+class RowMemory:
+    """All rows of the constraints, where they take over: see ``row_switch``.
+
+    Parameters
+    ----------
+    scene : Scene
+        What it belongs to.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        count = scene.nc + scene.size("C_left_out")
+        self.is_on = False  # whether all rows were factorised
+        self.ratio = 0.0  # their pivot ratio
+        self.tried = 0.0  # that of the rows kept where all were no better, or 0
+        self.rows = np.zeros((count, scene.nv))  # C_q
+        self.matrix = np.zeros((count, count))  # C_q M⁻¹ C_qᵀ, then its factors
+        self.order = np.arange(count)  # in which rows are solved for
+        self.lam = np.zeros(count)  # multipliers
+        self.rates = np.zeros(count)  # of the rows at rest, −ν
+
+
+def state_of(scene: Scene, numbers: Array) -> State:
+    """Return a state by names."""
+    return State(numbers, scene.state_sizes)
+
+
+def larger(a: float, b: float) -> float:
+    """Return the larger number, the second if the first is a NaN."""
+    return a if a > b else b
+
+
+def smaller(a: float, b: float) -> float:
+    """Return the smaller number, the second if the first is a NaN."""
+    return a if a < b else b
+
+
+def rounding_of_sum(a: Array, b: Array, total: Array) -> Array:
+    """Return what the rounding of total = a + b has left over, exactly (Knuth's TwoSum)."""
+    part = total - a
+    return (a - (total - part)) + (b - part)
+
+
+def mean_square(x: Array, count: int) -> float:
+    """Return the sum of squares over a count, added up in the order of C: both take equal steps."""
+    return float(np.cumsum(x * x)[-1]) / count

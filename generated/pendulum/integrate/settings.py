@@ -1,0 +1,35 @@
+"""What a run is told: the struct ``settings`` of a solver's header, field by field."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Settings(NamedTuple):
+    """How a run is made.
+
+    Parameters
+    ----------
+    tolerance : float
+        Local error of a step, relative.
+    largest_step : float [s]
+        No step is longer.
+    fixed_step : float [s]
+        All steps are so long, without control of the error; 0: by the error.
+    checks : int
+        Whether rows are checked: what is left of the constraints, the energy.
+    method : int
+        Its place among the methods; the one after them is ``kinematics``, where drivers determine
+        the motion.
+    """
+
+    tolerance: float
+    largest_step: float
+    fixed_step: float
+    checks: int
+    method: int
+
+
+#: What a call returns; a run that was stopped goes on from where it is, with the same bits.
+GOOD, BUFFER_FULL, PAUSED = 0, 1, 2
+STEP_TOO_SMALL, NOT_PROJECTED, NOT_ASSEMBLED, BAD_ARGUMENT, WRONG_STATE = -1, -2, -3, -4, -5

@@ -1,0 +1,253 @@
+"""The solver of a scene in NumPy: the functions of ``solver.h``, with the same states and rows."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .continuation import continue_parameters, is_possible
+from .dense_output import prepare_dense
+from .kinematics import driven_step
+from .methods import METHODS
+from .pivot_monitor import note_largest_pivot, pivot_ratio
+from .projection import project
+from .row_switch import note_usual_ratio
+from .rows import energy_balance, write_row
+from .scene import Work, Workspace, larger, state_of
+from .settings import BAD_ARGUMENT, BUFFER_FULL, GOOD, NOT_ASSEMBLED, PAUSED, WRONG_STATE
+from .stepper import first_step, step
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .methods import Method
+    from .scene import Scene
+    from .settings import Settings
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: The segments of an evaluation, in order.
+EVALUATED = (
+    *("geometry", "position", "move", "velocity", "acceleration"),
+    *("reaction", "coordinate", "energy", "momentum", "check"),
+)
+
+
+class Solver:
+    """The solver of a scene; the caller owns states, workspaces and rows.
+
+    Parameters
+    ----------
+    scene : Scene
+        What moves.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+
+    def start(
+        self,
+        time: float,
+        q: Array,
+        v: Array,
+        parameters: Array | None,
+        state: Array,
+        workspace: Array,
+    ) -> int:
+        """Take a position and velocity, and project them onto the constraints.
+
+        Parameters
+        ----------
+        time : float [s]
+            Where the motion begins.
+        q, v : (nq,), (nv,) array
+            Coordinates and velocities.
+        parameters : (n,) array or None
+            None for those of the scene.
+        state : (state_size,) array
+            Where the run goes on from: written here, then by :meth:`run` alone.
+        workspace : (work_size,) array
+            Scratch.
+
+        Returns
+        -------
+        int
+            ``GOOD``, ``NOT_ASSEMBLED`` or ``BAD_ARGUMENT``.
+        """
+        state[:] = 0.0
+        given = self.scene.parameters if parameters is None else parameters
+        if not _are_numbers(time, q, v, given):
+            return BAD_ARGUMENT
+        with np.errstate(all="ignore"):
+            s, work = state_of(self.scene, state), Work(self.scene, workspace)
+            s.parameters[:] = given
+            work.w.prepare(s.parameters)
+            if self.scene.has_design and not is_possible(work.w):
+                return BAD_ARGUMENT
+            s.y[:] = np.concatenate((q, v))
+            return self._start(time, s, work)
+
+    def _start(self, time: float, s: State, work: Work) -> int:
+        s.key = -self.scene.key  # not started
+        s.time = s.time_before = s.growth_time = time
+        s.error = 1e-4
+        if work.all is not None:
+            note_usual_ratio(work.all, work, s)
+        if self.scene.has_continuation and not continue_parameters(s, work):
+            return NOT_ASSEMBLED
+        if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:
+            return NOT_ASSEMBLED
+        note_largest_pivot(work, s)
+        s.growth = pivot_ratio(work, s)
+        s.best_growth = larger(s.best_growth, s.growth)
+        work.w.run("energy")
+        s.energy = energy_balance(work, s)
+        work.w.run("momentum")
+        s.momenta[:] = work.w.momenta
+        s.key = self.scene.key
+        return GOOD
+
+    def run(
+        self,
+        settings: Settings,
+        times: Array,
+        max_steps: int,
+        state: Array,
+        workspace: Array,
+        rows: Array,
+    ) -> tuple[int, int]:
+        """Move on to the last of the times, and write a row for each of them.
+
+        Returns early when rows are full or max_steps are made; a run that was stopped goes on from
+        where it is, with the same bits.
+
+        Parameters
+        ----------
+        settings : Settings
+            Method and tolerance.
+        times : (n,) array [s]
+            Ascending, the same in each call.
+        max_steps : int
+            How many steps.
+        state, workspace : array
+            As :meth:`start` left them.
+        rows : (n, row_size) array
+            Where the rows go: time, q, v, parts.
+
+        Returns
+        -------
+        status : int
+            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or why the motion cannot go on.
+        n_rows : int
+            How many rows were written.
+        """
+        s = state_of(self.scene, state)
+        if s.key != self.scene.key:
+            return WRONG_STATE, 0
+        if not self._are_possible(settings, s):
+            return BAD_ARGUMENT, 0
+        with np.errstate(all="ignore"):
+            work = Work(self.scene, workspace)
+            work.w.prepare(s.parameters)
+            return self._run(settings, times, max_steps, s, work, rows)
+
+    def _are_possible(self, settings: Settings, s: State) -> bool:
+        """Return whether a run may be made so, and goes on with the method that it began with."""
+        is_kinematic = self.scene.is_driven and settings.method == len(METHODS)
+        if not (settings.tolerance > 0.0 and settings.largest_step > 0.0):
+            return False
+        if not settings.fixed_step >= 0.0 or (is_kinematic and settings.fixed_step > 0.0):
+            return False
+        if not 0 <= settings.method < len(METHODS) + self.scene.is_driven:
+            return False
+        return s.method in {0.0, 1.0 + settings.method}
+
+    def _run(
+        self, settings: Settings, times: Array, max_steps: int, s: State, work: Work, rows: Array
+    ) -> tuple[int, int]:
+        """Step and write in turn."""
+        m = METHODS[settings.method % len(METHODS)]
+        end = float(times[-1]) if len(times) else s.time
+        n_rows = steps = 0
+        while int(s.next_row) < len(times):
+            t = float(times[int(s.next_row)])
+            if not t >= s.time_before:
+                return BAD_ARGUMENT, n_rows
+            if t <= s.time:
+                if n_rows == len(rows):
+                    return BUFFER_FULL, n_rows
+                status = write_row(m, settings, t, s, work, rows[n_rows])
+                if status != GOOD:
+                    return status, n_rows
+                n_rows += 1
+                s.next_row += 1
+            else:
+                if steps == max_steps:
+                    return PAUSED, n_rows
+                status = self._advance(m, settings, t, end, s, work)
+                if status != GOOD:
+                    return status, n_rows
+                steps += 1
+        return GOOD, n_rows
+
+    def _advance(
+        self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work
+    ) -> int:
+        """Make one step towards the time that is asked for."""
+        status = GOOD
+        s.method = 1.0 + settings.method
+        if self.scene.is_driven and settings.method == len(METHODS):
+            return driven_step(settings, asked, s, work)
+        if s.step_size == 0.0 and not settings.fixed_step > 0.0:
+            status = first_step(m, settings, end, s, work)
+        if status == GOOD:
+            status = step(m, settings, asked, end, s, work)
+        if status == GOOD and asked < s.time:
+            prepare_dense(m, work, s)
+        return status
+
+    def evaluate(
+        self, time: float, q: Array, v: Array, parameters: Array | None, workspace: Array
+    ) -> int:
+        """Compute all that the scene has at a state as it is, not projected.
+
+        It is left in the workspace: what is where stands in ``motion.json``. Arguments as of
+        :meth:`start`.
+        """
+        given = self.scene.parameters if parameters is None else parameters
+        if not _are_numbers(time, q, v, given):
+            return BAD_ARGUMENT
+        w = Workspace(self.scene, workspace)
+        with np.errstate(all="ignore"):
+            w.prepare(given)
+            if self.scene.has_design and not is_possible(w):
+                return BAD_ARGUMENT
+            w.place(time, np.concatenate((q, v)))
+            for segment in EVALUATED:
+                w.run(segment)
+        return GOOD
+
+    def residuals(self, workspace: Array, left: Array) -> None:
+        """Write what is left of the constraints where they were evaluated last."""
+        left[: self.scene.nc] = Workspace(self.scene, workspace).C
+
+    def pivots(self, state: Array, workspace: Array, found: Array) -> int:
+        """Write the pivots of the factors at the state, small where rows are nearly dependent."""
+        s, w = state_of(self.scene, state), Workspace(self.scene, workspace)
+        if abs(s.key) != self.scene.key:
+            return WRONG_STATE
+        with np.errstate(all="ignore"):
+            w.prepare(s.parameters)
+            w.t[0] = s.time
+            w.q[:] = s.y[: self.scene.nq]
+            w.run("geometry")
+            found[: self.scene.nc] = 1.0 / w.pivots
+        return GOOD
+
+
+def _are_numbers(time: float, *arrays: Array) -> bool:
+    """Return whether time and arrays are finite."""
+    return math.isfinite(time) and all(np.isfinite(array).all() for array in arrays)

@@ -1,0 +1,217 @@
+"""The state of a run: all that lasts from call to call, laid out once for all that use it.
+
+The body of :class:`State` is the record of what is where. The header of a solver in C declares the
+struct after it, the integrator in NumPy works on it, ``motion.json`` tells it to those who read a
+run.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    import numpy as np
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+
+class Field(NamedTuple):
+    """A field of the state.
+
+    Parameters
+    ----------
+    name : str
+        In C and in Python.
+    place : int
+        Of its first number.
+    shape : tuple of int
+        Count of numbers along each axis; empty of a single number.
+    unit : str
+        ``s``, ``J``, ``-``; empty where its numbers have different ones.
+    meaning : str
+        What it is.
+    """
+
+    name: str
+    place: int
+    shape: tuple[int, ...]
+    unit: str
+    meaning: str
+
+    @property
+    def room(self) -> tuple[int, ...]:
+        """Count of numbers that are set aside along each axis: C has no empty arrays."""
+        return tuple(max(count, 1) for count in self.shape)
+
+    def view(self, numbers: Array) -> Array:
+        """Return the part of a state that it is, in its shape."""
+        size = math.prod(self.room)
+        whole = numbers[self.place : self.place + size].reshape(self.room)
+        return whole[tuple(slice(count) for count in self.shape)]
+
+
+class Number:
+    """A number of the state.
+
+    Parameters
+    ----------
+    unit, meaning : str
+        As of a :class:`Field`.
+    """
+
+    def __init__(self, unit: str, meaning: str) -> None:
+        self.unit = unit
+        self.meaning = meaning
+        self.shape: tuple[str, ...] = ()
+        self.name = ""
+        self.place = -1
+
+    @overload
+    def __get__(self, state: None, owner: type[State]) -> Number: ...
+
+    @overload
+    def __get__(self, state: State, owner: type[State]) -> float: ...
+
+    def __get__(self, state: State | None, owner: type[State]) -> Number | float:
+        """Read it."""
+        return self if state is None else float(state.numbers[self.place])
+
+    def __set__(self, state: State, value: float) -> None:
+        """Write it."""
+        state.numbers[self.place] = value
+
+
+class Numbers:
+    """An array in the state.
+
+    Parameters
+    ----------
+    *shape : str
+        The size of each axis, as the solver calls it.
+    unit, meaning : str
+        As of a :class:`Field`.
+    """
+
+    def __init__(self, *shape: str, unit: str, meaning: str) -> None:
+        self.shape = shape
+        self.unit = unit
+        self.meaning = meaning
+        self.name = ""
+
+    @overload
+    def __get__(self, state: None, owner: type[State]) -> Numbers: ...
+
+    @overload
+    def __get__(self, state: State, owner: type[State]) -> Array: ...
+
+    def __get__(self, state: State | None, owner: type[State]) -> Numbers | Array:
+        """Return the view that a state was made with."""
+        return self if state is None else state.views[self.name]
+
+
+class State:
+    """The state of a run.
+
+    Parameters
+    ----------
+    numbers : array
+        Where it is.
+    sizes : mapping of str to int
+        ``NY`` and others that shapes name.
+    """
+
+    key = Number("-", "which solver made it; negative where it could not be started")
+    time = Number("s", "time reached")
+    step_size = Number("s", "length of the next step")
+    error = Number("-", "error of the last step, in units of the tolerance")
+    next_row = Number("-", "the first time that is still to be written")
+    time_before = Number("s", "where the last step began")
+    steps = Number("-", "steps that were made")
+    rejected = Number("-", "steps that were tried in vain")
+    derivatives = Number("-", "evaluations of the accelerations")
+    factorisations = Number("-", "of C_q M^-1 C_q^T")
+    drift = Number("-", "largest correction of a whole step, lengths relative to LENGTH")
+    method = Number("-", "1 + the method; 0 before the first step")
+    avoided = Number("-", "lengths of steps given up, since a stage was where rows are dependent")
+    growth = Number("-", "smallest pivot ratio of all steps")
+    growth_time = Number("s", "when that was")
+    best_growth = Number("-", "largest pivot ratio of all steps")
+    energy = Number("J", "at the start")
+    energy_error = Number("J", "largest change that no work explains, in the rows checked")
+    corrections = Number("-", "of positions, in Newton's method")
+    passed = Number("-", "rows where constraints are dependent: the polynomial alone tells them")
+    passed_time = Number("s", "when the last of them was")
+    fallbacks = Number("-", "factorisations of all rows, those too that are left out")
+    fallback_time = Number("s", "when the last of them was")
+    refinements = Number("-", "accelerations that were refined, since much of them was lost")
+    ratio = Number("-", "the pivot ratio of the last accelerations")
+    least_inverse_pivot = Number("", "of all steps; 0 before the first")
+    y = Numbers("NY", unit="", meaning="q, then v")
+    low = Numbers("NY", unit="", meaning="what rounding of y has left over")
+    f = Numbers("NY", unit="", meaning="time derivative of y")
+    y_before = Numbers("NY", unit="", meaning="y before the last step")
+    dense = Numbers("DENSE", "NY", unit="", meaning="polynomial of the last step")
+    parameters = Numbers("N_PARAMETERS", unit="", meaning="of the run")
+    momenta = Numbers("MOMENTA", unit="", meaning="at the start, of those that are constant")
+    momentum_errors = Numbers("MOMENTA", unit="", meaning="their largest changes")
+    violations = Numbers("LEVELS", "NCHECK", unit="", meaning="largest of C, C_dot, C_ddot by row")
+
+    def __init__(self, numbers: Array, sizes: Mapping[str, int]) -> None:
+        self.numbers = numbers
+        self.views = {field.name: field.view(numbers) for field in fields(sizes) if field.shape}
+
+
+def _records() -> Iterator[tuple[str, Number | Numbers]]:
+    for name, record in vars(State).items():
+        if isinstance(record, Number | Numbers):
+            yield name, record
+
+
+for _place, (_name, _record) in enumerate(_records()):
+    _record.name = _name
+    if isinstance(_record, Number):
+        _record.place = _place  # numbers stand before arrays, so that a solver's sizes move none
+
+#: Levels at which constraints are checked: position, velocity, acceleration.
+LEVELS = 3
+
+
+def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
+    """Return all fields of a state, in order and without gaps.
+
+    Parameters
+    ----------
+    sizes : mapping of str to int
+        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``.
+    """
+    known = {"LEVELS": LEVELS, **sizes}
+    found: list[Field] = []
+    place = 0
+    for name, record in _records():
+        shape = tuple(known[axis] for axis in record.shape)
+        found.append(Field(name, place, shape, record.unit, record.meaning))
+        place += math.prod(found[-1].room)
+    return tuple(found)
+
+
+def fields_as_data(found: Sequence[Field]) -> list[list[object]]:
+    """Return fields ready for JSON, as :func:`fields_of` reads them."""
+    return [[one.name, one.place, list(one.shape), one.unit, one.meaning] for one in found]
+
+
+def fields_of(data: Sequence[Sequence[Any]]) -> tuple[Field, ...]:
+    """Return the fields that ``motion.json`` tells."""
+    return tuple(
+        Field(name, place, tuple(shape), unit, meaning)
+        for name, place, shape, unit, meaning in data
+    )
+
+
+def size_of_state(sizes: Mapping[str, int]) -> int:
+    """Return the count of numbers in a state."""
+    last = fields(sizes)[-1]
+    return last.place + math.prod(last.room)

@@ -1,0 +1,218 @@
+/* The stepper: an explicit Runge-Kutta step, its error, and how long the next one is. */
+
+/* what may be left of the constraints at a stage inside of a step, in units of the tolerance */
+#define INNER 1e-3
+/* the smallest step, relative to the time */
+#define SMALLEST 1e-15
+/* how often a step is made shorter that has a stage where rows are nearly dependent, and how much */
+#define PATIENCE 8
+#define SHORTER 0.9
+/* the largest correction of a step where drivers lead */
+#define NEAR 1e-3
+
+/* adds y to what it starts from: a small sum, so that y is rounded once; what that leaves over goes
+ * to low if it is not NULL */
+static void add_to_start(const double *start, double *y, double *low)
+{
+    for (size_t i = 0; i < NY; ++i) {
+        const double small = y[i];
+        y[i] = start[i] + small;
+        if (low) low[i] = rounding_of_sum(start[i], small, y[i]);
+    }
+}
+
+/* the root mean square of y / scale, of a whole state */
+static double norm(const double *y, const double *scale)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < NY; ++i) sum += (y[i] / scale[i]) * (y[i] / scale[i]);
+    return sqrt(sum / (double)NY);
+}
+
+/* the root mean square of one estimate of the error, in units of the tolerance */
+static double estimate(
+    const Method *m, const double *row, double h, const State *s, Work *work, double tolerance)
+{
+    const double *now = s->y, *end = work->y;
+    double *error = work->scratch, *u = work->u, sum = 0.0;
+    combine(m->stages + 1, row, NULL, h, work->k, error);
+    for (int part = 0; part < 2; ++part) {
+        if (part == 0) displacement_of(end, error, u);
+        else memcpy(u, error + NQ, NV * sizeof *u);
+        project_onto_tangent(end + NQ, work, u);
+        for (size_t i = 0; i < NV; ++i) {
+            double size = is_length[i] ? LENGTH : 1.0;
+            if (part) size += larger(fabs(now[NQ + i]), fabs(end[NQ + i]));
+            sum += (u[i] / size) * (u[i] / size);
+        }
+    }
+    for (size_t i = NQ - WORKS; i != NQ; ++i) { /* compared with the energy that moves */
+        const double kinetic = work->w[W_ENERGIES];
+        const double size = REFERENCE_ENERGY + kinetic + larger(fabs(now[i]), fabs(end[i]));
+        sum += (error[i] / size) * (error[i] / size);
+    }
+    return sqrt(sum / (double)(2 * NV)) / tolerance;
+}
+
+static double local_error(
+    const Method *m, double h, const State *s, Work *work, double tolerance)
+{
+    if (WORKS > 0) energy(work->w);
+    const double e = estimate(m, m->error, h, s, work, tolerance);
+    if (!m->error_2 || e * e == 0.0) return e;
+    const double e2 = estimate(m, m->error_2, h, s, work, tolerance);
+    return e * e / sqrt(e * e + 0.01 * e2 * e2);
+}
+
+/* the n-th stage of a step: y on the manifold, or near enough to it, and its derivative; 0 where
+ * that is impossible */
+static int stage(
+    const Method *m, size_t n, double h, double enough, double *y, double *low, Work *work, State *s,
+    double *drift)
+{
+    combine(n, m->a + n * (n - 1) / 2, s->low, h, work->k, y);
+    add_to_start(s->y, y, low);
+    return project(s->time + m->c[n] * h, enough, y, low, work->k[n], work, s, drift);
+}
+
+/* a step of length h that is tried */
+typedef struct {
+    double h, drift, error;         /* its length [s], largest correction, error / tolerance */
+    double least_ratio, most_ratio; /* of the pivot ratios of its stages */
+    double last_ratio;              /* that of the end */
+    int is_last;                    /* whether it ends at the last time */
+} Trial;
+
+/* the stages from which the end of the step is made; 0 where one is impossible */
+static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
+{
+    int good = 1;
+    for (size_t n = 1; good && n <= m->stages; ++n) {
+        const int is_inner = n < m->stages;
+        good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
+                     is_inner ? NULL : work->low, work, s, &trial->drift);
+        trial->last_ratio = last_ratio(work, s);
+        trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
+        trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
+    }
+    return good;
+}
+
+/* the stages that only the interpolating polynomial wants; 0 where one is impossible */
+static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s)
+{
+    int good = 1;
+    for (size_t n = m->stages + 1; good && n < m->all; ++n) {
+        good = stage(m, n, trial->h, 0.0, work->scratch, NULL, work, s, NULL);
+        trial->least_ratio = good ? smaller(trial->least_ratio, last_ratio(work, s)) : 0.0;
+    }
+    return good;
+}
+
+/* keeps a step, and says how long the next one is: a proportional and integral controller */
+static void accept(
+    const Method *m, const Trial *trial, double end, int was_rejected, Work *work, State *s)
+{
+    const double h = trial->h, error = trial->error, exponent = 1.0 / (double)m->order;
+    const double factor = error == 0.0 ? 10.0
+        : 0.9 * pow(error, -0.7 * exponent) * pow(larger(s->error, 1e-4), 0.4 * exponent);
+    const double next = h * smaller(was_rejected ? 1.0 : 10.0, larger(0.2, factor));
+    if (!trial->is_last || next < s->step_size) s->step_size = next;
+    s->error = larger(error, 1e-4);
+    s->drift = larger(s->drift, trial->drift);
+    s->best_growth = larger(s->best_growth, trial->last_ratio);
+    note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
+    s->time_before = s->time;
+    s->time = trial->is_last ? end : s->time + h;
+    s->steps += 1;
+    memcpy(s->y_before, s->y, NY * sizeof *s->y);
+    memcpy(s->y, work->y, NY * sizeof *s->y);
+    memcpy(s->low, work->low, NY * sizeof *s->y);
+    memcpy(s->f, work->k[m->stages], NY * sizeof *s->y);
+}
+
+/* one step with error control, or of the length that was asked for, to the end at most unless rows
+ * are nearly dependent there. If the next time to be written lies inside of it, it has the stages
+ * that its polynomial wants. GOOD, or why there is none */
+static int step(
+    const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
+{
+    const int is_fixed = settings->fixed_step > 0.0;
+    const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
+    int rejected = 0, avoided = 0, is_beyond = 0;
+    double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
+    memcpy(work->k[0], s->f, NY * sizeof *s->f);
+    for (;;) {
+        Trial trial = { 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0 };
+        double h = is_fixed && avoided == 0 ? settings->fixed_step
+                                            : smaller(s->step_size, settings->largest_step);
+        trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
+        if (trial.is_last) h = end - s->time;
+        if (!(h > SMALLEST * larger(fabs(s->time), fabs(end)))) return STEP_TOO_SMALL;
+        trial.h = h;
+        forget_trials(work);
+        int good = make_stages(m, settings->tolerance, &trial, work, s);
+        /* no error tells how far drivers led */
+        if (HAS_DRIVERS && !is_fixed && trial.drift > NEAR) good = 0;
+        if (is_fixed && !good) { /* Newton may have gone far away from where it began */
+            const double there = smaller(trial.least_ratio, ratio_at(work->y, work, s));
+            if (!(there < weak * s->best_growth)) return NOT_PROJECTED;
+            trial.least_ratio = 0.0;
+        }
+        if (trial.is_last && trial.least_ratio < weak * s->best_growth) {
+            is_beyond = 1; /* the end may be no place to stop at: let it lie inside of a longer step */
+            s->avoided += 1;
+            continue;
+        }
+        if (!is_fixed && good) trial.error = local_error(m, h, s, work, settings->tolerance);
+        if (good && trial.error <= 1.0) note_largest_pivot(work, s);
+        int is_whole = good;
+        if (good && trial.error <= 1.0 && asked < (trial.is_last ? end : s->time + h)) {
+            is_whole = make_dense_stages(m, &trial, work, s);
+        }
+        if ((good || is_fixed) && trial.least_ratio < weak * s->best_growth) {
+            if (trial.least_ratio > 0.0 && trial.most_ratio < weak * s->best_growth) {
+                s->best_growth = trial.least_ratio / weak; /* it is so everywhere: shorter ones stay there */
+            } else if (avoided <= PATIENCE) { /* rounding is large there: other stages lie elsewhere */
+                if (trial.least_ratio > best) {
+                    best = trial.least_ratio;
+                    best_h = h;
+                }
+                s->step_size = avoided++ < PATIENCE ? SHORTER * h : best_h;
+                s->avoided += 1;
+                continue;
+            }
+            is_whole = trial.least_ratio > 0.0;
+        }
+        if (is_fixed && !is_whole) return NOT_PROJECTED;
+        if (!is_whole) trial.error = 1e3;
+        if (trial.error <= 1.0) {
+            accept(m, &trial, end, rejected, work, s);
+            return GOOD;
+        }
+        rejected = 1;
+        s->rejected += 1;
+        const double exponent = 1.0 / (double)m->order;
+        s->step_size = h * (isfinite(trial.error)
+            ? larger(0.2, 0.9 * pow(trial.error, -exponent)) : 0.2);
+    }
+}
+
+/* a first step for which an Euler step changes the derivative little */
+static int first_step(const Method *m, const Settings *settings, double end, State *s, Work *work)
+{
+    double *f = work->k[0], *y = work->k[1], *scale = work->k[2];
+    forget_trials(work);
+    for (size_t i = 0; i < NY; ++i) scale[i] = floor_of[i] + fabs(s->y[i]);
+    const double span = end - s->time;
+    const double d0 = norm(s->y, scale), d1 = norm(s->f, scale);
+    double h = smaller(d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1, span);
+    for (size_t i = 0; i < NY; ++i) y[i] = s->y[i] + h * s->f[i];
+    if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;
+    for (size_t i = 0; i < NY; ++i) f[i] = (f[i] - s->f[i]) / h;
+    const double d2 = larger(d1, norm(f, scale));
+    const double by_order =
+        pow(0.01 * settings->tolerance / larger(d2, 1e-15), 1.0 / (double)m->order);
+    s->step_size = smaller(smaller(100.0 * h, by_order), span);
+    return GOOD;
+}

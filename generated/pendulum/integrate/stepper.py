@@ -1,0 +1,262 @@
+"""The stepper: an explicit Runge-Kutta step, its error, and how long the next one is."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .dense_output import combine
+from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
+from .projection import displacement_of, last_ratio, project, project_onto_tangent, ratio_at
+from .row_switch import forget_trials
+from .scene import larger, mean_square, rounding_of_sum, smaller
+from .settings import GOOD, NOT_PROJECTED, STEP_TOO_SMALL
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
+    from .methods import Method
+    from .scene import Work
+    from .settings import Settings
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
+INNER = 1e-3
+#: The smallest step, relative to the time.
+SMALLEST = 1e-15
+#: How often a step is made shorter that has a stage where rows are nearly dependent, how much.
+PATIENCE = 8
+SHORTER = 0.9
+#: The largest correction of a step where drivers lead.
+NEAR = 1e-3
+
+
+def add_to_start(start: Array, y: Array, low: Array | None) -> None:
+    """Add y to what it starts from: a small sum, so that y is rounded once.
+
+    What that leaves over goes to low if it is not None.
+    """
+    total = start + y
+    if low is not None:
+        low[:] = rounding_of_sum(start, y, total)
+    y[:] = total
+
+
+def norm(y: Array, scale: Array) -> float:
+    """Return the root mean square of y / scale, of a whole state."""
+    return math.sqrt(mean_square(y / scale, len(y)))
+
+
+def estimate(
+    m: Method, row: Sequence[float], h: float, state: State, work: Work, tolerance: float
+) -> float:
+    """Return the root mean square of one estimate of the error, in units of the tolerance."""
+    scene, now, end, error = work.scene, state.y, work.y, work.scratch
+    nq, nv = scene.nq, scene.nv
+    combine(m.stages + 1, row, None, h, work.k, error)
+    errors = np.empty((2, nv))
+    displacement_of(scene, end, error, errors[0])
+    errors[1] = error[nq:]
+    project_onto_tangent(end[nq:], work, errors[0])
+    project_onto_tangent(end[nq:], work, errors[1])
+    errors[0] /= scene.lengths
+    errors[1] /= scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
+    done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
+    kinetic = work.w.energies[0]
+    size = scene.reference_energy + kinetic + np.maximum(np.abs(now[done]), np.abs(end[done]))
+    every = np.concatenate((errors.ravel(), error[done] / size))
+    return math.sqrt(mean_square(every, 2 * nv)) / tolerance
+
+
+def local_error(m: Method, h: float, state: State, work: Work, tolerance: float) -> float:
+    """Return the error of a step, in units of the tolerance."""
+    if work.scene.works > 0:
+        work.w.run("energy")
+    e = estimate(m, m.errors[0], h, state, work, tolerance)
+    if len(m.errors) == 1 or e * e == 0.0:
+        return e
+    e2 = estimate(m, m.errors[1], h, state, work, tolerance)
+    return e * e / math.sqrt(e * e + 0.01 * e2 * e2)
+
+
+def stage(
+    m: Method,
+    n: int,
+    h: float,
+    enough: float,
+    y: Array,
+    low: Array | None,
+    work: Work,
+    state: State,
+) -> float:
+    """Make the n-th stage of a step: y on the manifold, or near enough to it, and its derivative.
+
+    Returns the first correction, negative where that is impossible.
+    """
+    combine(n, m.a[n], state.low, h, work.k, y)
+    add_to_start(state.y, y, low)
+    return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
+
+
+@dataclass(slots=True)
+class Trial:
+    """A step that is tried.
+
+    Parameters
+    ----------
+    h : float [s]
+        Its length.
+    is_last : bool
+        Whether it ends at the last time.
+    drift, error : float
+        Largest correction, negative where a stage is impossible; error in units of the tolerance.
+    least_ratio, most_ratio, last_ratio : float
+        Of the pivot ratios of its stages, and that of the end.
+    """
+
+    h: float
+    is_last: bool
+    drift: float = 0.0
+    error: float = 0.0
+    least_ratio: float = 1.0
+    most_ratio: float = 0.0
+    last_ratio: float = 1.0
+
+
+def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
+    """Make the stages from which the end of the step is made, as far as they are possible."""
+    for n in range(1, m.stages + 1):
+        low = None if n < m.stages else work.low
+        enough = INNER * tolerance if low is None else 0.0
+        trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
+        trial.last_ratio = last_ratio(work, state)
+        trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
+        trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
+        if trial.drift < 0.0:
+            return
+
+
+def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool:
+    """Make the stages that only the interpolating polynomial wants; return whether they are."""
+    for n in range(m.stages + 1, m.all):
+        if stage(m, n, trial.h, 0.0, work.scratch, None, work, state) < 0.0:
+            trial.least_ratio = 0.0
+            return False
+        trial.least_ratio = smaller(trial.least_ratio, last_ratio(work, state))
+    return True
+
+
+def accept(
+    m: Method, trial: Trial, end: float, work: Work, state: State, *, was_rejected: bool
+) -> None:
+    """Keep a step, and say how long the next one is: a proportional and integral controller."""
+    h, error, exponent, factor = trial.h, trial.error, 1.0 / m.order, 10.0
+    if error != 0.0:
+        before = larger(state.error, 1e-4)
+        factor = 0.9 * error ** (-0.7 * exponent) * before ** (0.4 * exponent)
+    following = h * smaller(1.0 if was_rejected else 10.0, larger(0.2, factor))
+    if not trial.is_last or following < state.step_size:
+        state.step_size = following
+    state.error = larger(error, 1e-4)
+    state.drift = larger(state.drift, trial.drift)
+    state.best_growth = larger(state.best_growth, trial.last_ratio)
+    note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
+    state.time_before = state.time
+    state.time = end if trial.is_last else state.time + h
+    state.steps += 1
+    state.y_before[:] = state.y
+    state.y[:] = work.y
+    state.low[:] = work.low
+    state.f[:] = work.k[m.stages]
+
+
+def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> int:
+    """Make one step; return GOOD, or why there is none.
+
+    It goes to the end at most, unless rows are nearly dependent there. The error decides how long
+    it is, unless a length is asked for. If the next time to be written lies inside of it, it has
+    the stages that its polynomial wants.
+    """
+    is_fixed = s.fixed_step > 0.0
+    weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
+    avoided, was_rejected, is_beyond = 0, False, False
+    best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
+    work.k[0] = state.f
+    while True:
+        h = smaller(state.step_size, s.largest_step)
+        if is_fixed and avoided == 0:
+            h = s.fixed_step
+        is_last = not is_beyond and state.time + 1.0000001 * h >= end
+        trial = Trial(end - state.time if is_last else h, is_last)
+        if not trial.h > SMALLEST * larger(abs(state.time), abs(end)):
+            return STEP_TOO_SMALL
+        forget_trials(work)
+        make_stages(m, s.tolerance, trial, work, state)
+        is_good = trial.drift >= 0.0
+        if work.scene.has_drivers and not is_fixed and trial.drift > NEAR:
+            is_good = False  # no error tells how far drivers led
+        if is_fixed and not is_good:
+            # Newton may have gone far away from where it began
+            there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
+            if not there < weak * state.best_growth:
+                return NOT_PROJECTED  # the step is too long
+            trial.least_ratio = 0.0
+        if is_last and trial.least_ratio < weak * state.best_growth:
+            # the end may be no place to stop at: let it lie inside of a longer step
+            is_beyond = True
+            state.avoided += 1
+            continue
+        if not is_fixed and is_good:
+            trial.error = local_error(m, trial.h, state, work, s.tolerance)
+        if is_good and trial.error <= 1.0:
+            note_largest_pivot(work, state)
+        is_whole = is_good
+        if is_good and trial.error <= 1.0 and asked < (end if is_last else state.time + trial.h):
+            is_whole = make_dense_stages(m, trial, work, state)
+        if (is_good or is_fixed) and trial.least_ratio < weak * state.best_growth:
+            if trial.least_ratio > 0.0 and trial.most_ratio < weak * state.best_growth:
+                # it is so everywhere: shorter steps stay there
+                state.best_growth = trial.least_ratio / weak
+            elif avoided <= PATIENCE:  # rounding is large there: other stages lie elsewhere
+                if trial.least_ratio > best:
+                    best, best_h = trial.least_ratio, trial.h
+                state.step_size = SHORTER * trial.h if avoided < PATIENCE else best_h
+                avoided += 1
+                state.avoided += 1
+                continue
+            is_whole = trial.least_ratio > 0.0
+        if is_fixed and not is_whole:
+            return NOT_PROJECTED
+        if not is_whole:
+            trial.error = 1e3
+        if trial.error <= 1.0:
+            accept(m, trial, end, work, state, was_rejected=was_rejected)
+            return GOOD
+        was_rejected = True
+        state.rejected += 1
+        factor = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order))
+        state.step_size = trial.h * (factor if math.isfinite(trial.error) else 0.2)
+
+
+def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> int:
+    """Choose a first step for which an Euler step changes the derivative little."""
+    f, y = work.k[0], work.k[1]
+    forget_trials(work)
+    scale = work.scene.floors + np.abs(state.y)
+    span = end - state.time
+    d0, d1 = norm(state.y, scale), norm(state.f, scale)
+    h = smaller(1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1, span)
+    y[:] = state.y + h * state.f
+    if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
+        return STEP_TOO_SMALL
+    d2 = larger(d1, norm((f - state.f) / h, scale))
+    by_order = (0.01 * s.tolerance / larger(d2, 1e-15)) ** (1.0 / m.order)
+    state.step_size = smaller(smaller(100.0 * h, by_order), span)
+    return GOOD
