@@ -3,11 +3,13 @@ VENV := .venv
 BIN := $(VENV)/bin
 KOUSOKU := $(BIN)/kousoku
 TESTS ?= tests
+# The tests of a file share what its fixtures make, so that they stay in one process.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --quiet
 
 # Each stamp remembers one set of extras; a changed pyproject.toml installs them again.
 installed = $(VENV)/.has-$(1)
 
-.PHONY: demo test quick lint types generate-check notebooks ledger bench bench-solvers compiler clean
+.PHONY: demo quick test release-test slow lint types generate-check notebooks ledger bench bench-solvers compiler clean
 .NOTPARALLEL:
 
 demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of the 1981 paper, draw
@@ -16,15 +18,22 @@ demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of t
 	$(KOUSOKU) solve scenes/piston_crank.toml --plot plots
 	$(KOUSOKU) solve scenes/lever_crank.toml --plot plots
 
-test: $(call installed,test)  ## all tests, on all cores
-	$(BIN)/python -m pytest --numprocesses auto --quiet $(TESTS)
+quick: $(call installed,test)  ## while you work: no compiler, a minute at most
+	$(PYTEST) --quick $(TESTS)
 
-quick: $(call installed,test)  ## the tests that take less than a few seconds
-	$(BIN)/python -m pytest --numprocesses auto --quiet -m "not slow" $(TESTS)
+test: $(call installed,test)  ## for every change: all that must hold on a user's machine
+	$(PYTEST) -m "not release" $(TESTS)
+
+release-test: $(call installed,test)  ## besides: all proofs, notebooks, packaging, reproducibility
+	$(PYTEST) -m release $(TESTS)
+
+slow: $(call installed,test)  ## measure which tests take too long for quick
+	$(BIN)/python -m pytest --quiet -m "not release" --record-slow $(TESTS)
 
 lint: $(call installed,lint)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/clang-format --dry-run -Werror runtime/*/*.h
 
 types: $(call installed,test) $(call installed,lint)
 	$(BIN)/mypy
@@ -33,7 +42,7 @@ generate-check: $(call installed,plot)  ## the committed generated/ is what the 
 	$(KOUSOKU) generate --check
 
 notebooks: $(call installed,test)  ## execute the notebooks again and compare their outputs
-	$(BIN)/python -m pytest --quiet tests/test_notebooks.py
+	$(BIN)/python -m pytest --quiet tests/release/test_notebooks.py
 
 ledger: $(call installed,test)  ## write the ledger's index and pages anew, after its entries
 	$(BIN)/python -m kousoku.ledger.index

@@ -18,11 +18,12 @@ from kousoku.runtime.given import (
     require_options,
     shown,
 )
+from kousoku.runtime.integrate.body_tables import BodyPlaces
 from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
-from kousoku.runtime.places import BodyPlaces, CoordinatePlaces, ReactionPlaces
+from kousoku.runtime.places import CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.run import Run, SavedRun
 
 if TYPE_CHECKING:

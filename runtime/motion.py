@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.places import BodyPlaces, ReactionPlaces
+    from kousoku.runtime.integrate.body_tables import BodyPlaces
+    from kousoku.runtime.places import ReactionPlaces
     from kousoku.runtime.run_ledger import RunLedger
 
     Array = npt.NDArray[np.float64]

@@ -10,45 +10,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class BodyPlaces:
-    """Where a body stands in q and v; a number that never changes stands in place of an index.
-
-    Parameters
-    ----------
-    name : str
-        As in the scene.
-    r, p, v, omega_b : tuple of int or float
-        For each component its index in q or v, or its value: r and v in frame O [m, m/s], p the
-        Euler parameters of the principal frame, omega_b in the principal frame [rad/s]. A point
-        has no p and no omega_b.
-    origin_b : (3,) [m]
-        Origin of the user's body frame, in the principal frame.
-    axes_b : (4,)
-        Euler parameters that take components in the user's frame to the principal frame. An
-        index of the design stands in place of a number that depends on parameters.
-    """
-
-    name: str
-    r: tuple[int | float, ...]
-    p: tuple[int | float, ...]
-    v: tuple[int | float, ...]
-    omega_b: tuple[int | float, ...]
-    origin_b: tuple[int | float, ...]
-    axes_b: tuple[int | float, ...]
-
-    @classmethod
-    def from_data(cls, data: Mapping[str, Any]) -> BodyPlaces:
-        """Return what ``motion.json`` says of a body."""
-        places = {name: tuple(data[name]) for name in ("r", "p", "v", "omega_b")}
-        return cls(
-            data["name"],
-            **places,
-            origin_b=tuple(data["origin_b"]),
-            axes_b=tuple(data["axes_b"]),
-        )
-
-
-@dataclass(frozen=True, slots=True)
 class ReactionPlaces:
     """Where the force and torque of a joint stand among the reactions of a row.
 

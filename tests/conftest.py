@@ -1,30 +1,132 @@
-"""Fixtures that tests of several folders share."""
+"""The tiers of the tests, what is made once for all of them, and fixtures that folders share.
+
+What a test asks for puts it into a tier: with the fixture ``compiler`` it compiles, with
+``numpy_solver`` the solver of a scene makes steps in NumPy, in the folder ``release`` it is for a
+release. A test that asks for less than it does fails. ``make test`` runs all but those for a
+release. ``make quick`` leaves out also those that compile or make steps in NumPy, those that
+``slow.txt`` lists, and of a test with many parameters all but its first two sets of them.
+``pytest -m "not release" --record-slow`` measures the tests and writes ``slow.txt``.
+"""
 
 from __future__ import annotations
 
 import difflib
+import hashlib
+import os
+import shutil
 import signal
+import tempfile
+from collections import Counter
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.errors import NoCompilerError
+from kousoku.runtime.dynamics_numpy import NumpySolver
+from kousoku.runtime.lock import locked
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Generator, Iterator
 
+    from kousoku.model.scene import Scene
     from kousoku.runtime.toolchain import Toolchain
 
 TESTS = Path(__file__).parent
+#: The mark that a fixture gives to all tests that ask for it.
+MARKS = {"compiler": "compiles", "numpy_solver": "numpy_solver", "shipped_flags": "shipped_flags"}
+#: What the compiler of a test without the fixture is called; its error says what is missing.
+NOT_ASKED_FOR = "the fixture 'compiler' of the test"
+#: Bits are the same without optimising, in a fifth of the compiler's time; the last flag wins.
+QUICK_TO_COMPILE = "-O0"
+#: Tests by their ids without parameters, of which a case took too long for ``make quick``.
+SLOW = TESTS / "slow.txt"
+TOO_LONG = 0.25
+FOUND_SLOW = pytest.StashKey[set[str]]()
+NOT_QUICK = {"compiles", "numpy_solver", "release"}
+#: What ``make quick`` takes of a test with many sets of parameters.
+CASES = 2
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption(
         "--update-golden", action="store_true", help="write the golden files instead of comparing"
     )
+    parser.addoption("--quick", action="store_true", help="what takes no compiler and little time")
+    parser.addoption(
+        "--record-slow", action="store_true", help=f"write {SLOW.name}; not with several processes"
+    )
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let all processes of a run share what they generate and compile, and remove it after."""
+    config.stash[FOUND_SLOW] = set()
+    if "KOUSOKU_TESTS_SHARE" not in os.environ:
+        shared = tempfile.mkdtemp(prefix="kousoku-tests-")
+        os.environ["KOUSOKU_TESTS_SHARE"] = shared
+        os.environ.setdefault("KOUSOKU_CACHE", str(Path(shared, "cache")))
+        config.add_cleanup(lambda: shutil.rmtree(shared, ignore_errors=True))
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Mark tests by what they ask for and by where they are, and choose the quick ones."""
+    for item in items:
+        for fixture in MARKS.keys() & set(getattr(item, "fixturenames", ())):
+            item.add_marker(MARKS[fixture])
+        if TESTS / "release" in item.path.parents:
+            item.add_marker("release")
+    if config.getoption("--quick"):
+        slow, seen = set(SLOW.read_text(encoding="utf-8").split()), Counter[str]()
+        chosen: dict[bool, list[pytest.Item]] = {True: [], False: []}
+        for item in items:
+            name = item.nodeid.partition("[")[0]
+            is_quick = name not in slow and not marks_of(item) & NOT_QUICK
+            seen[name] += is_quick
+            chosen[is_quick and seen[name] <= CASES].append(item)
+        config.hook.pytest_deselected(items=chosen[False])
+        items[:] = chosen[True]
+
+
+def marks_of(item: pytest.Item) -> set[str]:
+    """Return the names of a test's marks."""
+    return {mark.name for mark in item.iter_markers()}
+
+
+def processor_time() -> float:
+    """Return the seconds that this process and those that it waited for have computed."""
+    return sum(os.times()[:4])
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object]:
+    """Take from a test what it has not asked for: the compiler, and steps in NumPy."""
+    marks, start = marks_of(item), processor_time()
+    with pytest.MonkeyPatch.context() as patch:
+        if not marks & {"release", "shipped_flags"} and "KOUSOKU_CFLAGS" not in os.environ:
+            patch.setenv("KOUSOKU_CFLAGS", QUICK_TO_COMPILE)
+        if not marks & {"release", "compiles"}:
+            patch.setenv("KOUSOKU_CC", NOT_ASKED_FOR)
+        if not marks & {"release", "numpy_solver"}:
+            patch.setattr(NumpySolver, "run", _refuse_steps)
+        result = yield
+    if not marks & NOT_QUICK and processor_time() - start > TOO_LONG:
+        item.config.stash[FOUND_SLOW].add(item.nodeid.partition("[")[0])
+    return result
+
+
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    """Write the list of slow tests, where that is asked for."""
+    if session.config.getoption("--record-slow"):
+        names = session.config.stash[FOUND_SLOW]
+        SLOW.write_text("\n".join([*sorted(names), ""]), encoding="utf-8", newline="\n")
+
+
+def _refuse_steps(*_: object) -> None:
+    pytest.fail("a test that makes steps in NumPy needs the fixture 'numpy_solver'", pytrace=False)
 
 
 @pytest.fixture
@@ -62,19 +164,63 @@ def golden(request: pytest.FixtureRequest) -> Callable[[str], None]:
 
 @pytest.fixture(scope="session")
 def compiler() -> Toolchain:
-    """Return this machine's C compiler; without one the test is skipped."""
-    try:
-        return find_toolchain()
-    except NoCompilerError as error:
-        pytest.skip(f"no C compiler: {error}")
+    """Return this machine's C compiler, as it is for users; without one the test is skipped."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.delenv("KOUSOKU_CFLAGS", raising=False)
+        try:
+            return find_toolchain()
+        except NoCompilerError as error:
+            pytest.skip(f"no C compiler: {error}")
 
 
-@pytest.fixture(params=["numpy", "c"])
+@pytest.fixture
+def shipped_flags() -> None:
+    """Compile with the flags that users have; no other test of ``make test`` does.
+
+    These are the bits of C and NumPy, the committed packages, and what is compiled by hand with
+    ``compiler.compile_command``.
+    """
+
+
+@pytest.fixture
+def numpy_solver() -> None:
+    """Let the solver of a scene of bodies make steps in NumPy, 100 to 200 times slower than C."""
+
+
+@pytest.fixture(params=["numpy", pytest.param("c", marks=pytest.mark.compiles)])
 def backend(request: pytest.FixtureRequest) -> str:
-    """Run a test once for each target; for C only where there is a compiler."""
+    """Run a test of kernels once for each target; for C only where there is a compiler."""
     if request.param == "c":
         request.getfixturevalue("compiler")
     return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def shared_tree() -> Callable[[str, object, Callable[[], dict[str, str]]], Path]:
+    """Return a folder by its name and its key, made by the first of all tests that wants it."""
+
+    def find(name: str, key: object, make: Callable[[], dict[str, str]]) -> Path:
+        digest = hashlib.sha256(repr(key).encode()).hexdigest()[:24]
+        shelf = Path(os.environ["KOUSOKU_TESTS_SHARE"], digest)
+        with locked(shelf.with_suffix(".lock"), until=shelf.exists):
+            if not shelf.exists():
+                work = Path(tempfile.mkdtemp(dir=shelf.parent))
+                write_tree(work / name, make())
+                work.rename(shelf)
+        return shelf / name
+
+    return find
+
+
+@pytest.fixture(scope="session")
+def bodies_folder(shared_tree: Callable[..., Path]) -> Callable[..., Path]:
+    """Return the folder of the solver of a scene of bodies, generated once for its outputs."""
+
+    def folder(scene: Scene, outputs: tuple[str, ...] = (), **options: Any) -> Path:
+        key = ("bodies", scene, outputs, options)
+        return shared_tree(scene.name, key, lambda: generate_dynamics(scene, outputs, **options))
+
+    return folder
 
 
 @pytest.fixture

@@ -99,6 +99,7 @@ def motion_of(freedom: Freedom) -> NDArray[np.float64]:
     return np.concatenate([np.cross(at, direction) + along, direction])
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("joint", JOINTS)
 def test_the_arrows_of_a_picture_are_the_freedoms_that_the_joint_leaves(joint: str) -> None:
     rows = rows_of(joint)
@@ -113,6 +114,7 @@ def counted(pairs: list[tuple[int, str]]) -> str:
     return ", ".join(f"{n} {word}{'s' * (n > 1)}" for n, word in pairs if n) or "none"
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("joint", JOINTS)
 def test_the_table_says_what_the_code_does(joint: str) -> None:
     entry, rows = JOINTS[joint], rows_of(joint)

@@ -38,6 +38,7 @@ def test_the_two_commands_are_the_first_lines() -> None:
     assert lines[1].startswith("make demo") and lines[2].startswith("make test")
 
 
+@pytest.mark.usefixtures("compiler")
 def test_the_python_example_prints_what_stands_below_it() -> None:
     ((code, shown),) = blocks("python")
     assert len(code.splitlines()) <= 15

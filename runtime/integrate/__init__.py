@@ -12,6 +12,5 @@ NumPy only.
 
 from .scene import Scene
 from .solver import Solver
-from .tasks import Kernel, numbers, places
 
-__all__ = ["Kernel", "Scene", "Solver", "numbers", "places"]
+__all__ = ["Scene", "Solver"]

@@ -1,9 +1,6 @@
 /* The functions that solver.h declares. */
 
-enum {
-    STATE_SIZE = sizeof(State) / sizeof(double),
-    WORK_SIZE = sizeof(Work) / sizeof(double)
-};
+enum { STATE_SIZE = sizeof(State) / sizeof(double), WORK_SIZE = sizeof(Work) / sizeof(double) };
 
 size_t PUBLIC(state_size)(void) { return STATE_SIZE; }
 size_t PUBLIC(work_size)(void) { return WORK_SIZE; }
@@ -13,12 +10,11 @@ size_t PUBLIC(row_size)(void) { return ROW_SIZE; }
 static int are_numbers(double time, const double *q, const double *v, const double *parameters)
 {
     return isfinite(time) && are_finite(q, NQ) && are_finite(v, NV) &&
-        are_finite(parameters, N_PARAMETERS);
+           are_finite(parameters, N_PARAMETERS);
 }
 
-int PUBLIC(start)(
-    double time, const double *q, const double *v, const double *parameters, double *state,
-    double *workspace)
+int PUBLIC(start)(double time, const double *q, const double *v, const double *parameters,
+    double *state, double *workspace)
 {
     State *s = (State *)state;
     Work *work = (Work *)workspace;
@@ -76,9 +72,8 @@ static int advance(
     return status;
 }
 
-int PUBLIC(run)(
-    const Settings *settings, const double *times, size_t n_times, size_t max_steps, size_t max_rows,
-    double *state, double *workspace, double *rows, size_t *n_rows)
+int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, size_t max_steps,
+    size_t max_rows, double *state, double *workspace, double *rows, size_t *n_rows)
 {
     State *s = (State *)state;
     Work *work = (Work *)workspace;
@@ -123,9 +118,8 @@ static int accelerate_at(
     return GOOD;
 }
 
-int PUBLIC(accelerations)(
-    double time, const double *q, const double *v, const double *parameters, double *workspace,
-    double *v_dot)
+int PUBLIC(accelerations)(double time, const double *q, const double *v, const double *parameters,
+    double *workspace, double *v_dot)
 {
     const int status = accelerate_at(time, q, v, parameters, workspace);
     if (status == GOOD) memcpy(v_dot, workspace + W_V_DOT, NV * sizeof *v_dot);

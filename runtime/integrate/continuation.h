@@ -31,9 +31,9 @@ static void set_parameters(const double *given, double part, double *w)
     }
 }
 
-/* brings positions to where bodies fit and drivers begin with the parameters of the run. That may be
- * far from where it is with those of the scene, so these become the others by small steps: 0 if they
- * cannot */
+/* brings positions to where bodies fit and drivers begin with the parameters of the run. That
+ * may be far from where it is with those of the scene, so these become the others by small
+ * steps: 0 if they cannot */
 static int continue_parameters(State *s, Work *work)
 {
     const double *given = s->parameters;

@@ -1,8 +1,8 @@
 /* The motion of a scene of bodies: explicit Runge-Kutta on the manifold of the constraints.
  *
- * The vector field is f(project(y)): equal to f on the manifold, so that the method keeps its order,
- * and every stage is evaluated where the constraints hold. y is q and v: r and p of all bodies,
- * turns and works, then v and omega of all bodies.
+ * The vector field is f(project(y)): equal to f on the manifold, so that the method keeps its
+ * order, and every stage is evaluated where the constraints hold. y is q and v: r and p of all
+ * bodies, turns and works, then v and omega of all bodies.
  *
  * This library is included by the source of a scene, solver.c, once that has defined
  *

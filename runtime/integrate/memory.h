@@ -15,7 +15,7 @@ enum {
 };
 
 enum {
-    NY = NQ + NV,                  /* count of numbers in y */
+    NY = NQ + NV, /* count of numbers in y */
     ALL_ROWS = HAS_ROW_SWITCH * NCHECK,
     FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */
 };
@@ -25,9 +25,9 @@ enum {
 
 /* all rows of the constraints, where they take over: see row_switch.h */
 typedef struct {
-    double is_on;                                  /* whether all rows were factorised */
-    double ratio;                                  /* their pivot ratio */
-    double tried;                                  /* that of the rows kept where all were no better, or 0 */
+    double is_on; /* whether all rows were factorised */
+    double ratio; /* their pivot ratio */
+    double tried; /* that of the rows kept where all were no better, or 0 */
     double rows[ROOM(ALL_ROWS)][ROOM(NV)];         /* C_q */
     double matrix[ROOM(ALL_ROWS)][ROOM(ALL_ROWS)]; /* C_q M^-1 C_q^T, then its factors */
     double order[ROOM(ALL_ROWS)];                  /* in which rows are solved for */
@@ -43,8 +43,8 @@ typedef struct {
 } RowSwitch;
 
 typedef struct {
-    double w[W_SIZE];                /* the workspace of the scene, at the places W_... */
-    double k[STAGES][ROOM(NY)];      /* derivatives of the stages */
+    double w[W_SIZE];                  /* the workspace of the scene, at the places W_... */
+    double k[STAGES][ROOM(NY)];        /* derivatives of the stages */
     double y[ROOM(NY)], low[ROOM(NY)]; /* end of a step, and what its rounding leaves over */
     double scratch[ROOM(NY)], u[ROOM(NY)];
     RowSwitch all;

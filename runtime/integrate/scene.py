@@ -9,7 +9,7 @@ import numpy as np
 
 from .methods import METHODS
 from .state import State, size_of_state
-from .tasks import run_tasks, segment_of
+from .tasks import Kernel, numbers, places, run_tasks, segment_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .tasks import Kernel, Segment, Slots
+    from .tasks import Function, Segment, Slots
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -44,18 +44,20 @@ class Scene:
         First slot and size of each named part of the workspace.
     work_size : int
         Count of slots in the workspace.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
+    kernels : sequence of (callable, int, str, str)
+        What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
+    tasks : mapping of str to str
+        The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
+    tables : mapping of str to str
+        The tables below, as text.
     constants : sequence of float
         The numbers of the scene.
     parameters : (n,) array
         Values of the parameters, unless a run is given others.
-    parts : sequence of str
-        Regions that a row has beyond time, q and v.
-    kernels : sequence of Kernel
-        What tasks call.
-    tasks : mapping of str to str
-        The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
-    is_length : (nv,) array
-        For each velocity whether it moves, 0 where it turns.
+    lengths : (nv,) array
+        What corrections are compared with: the length [m] where a velocity moves, 1 where it turns.
     floors : (nq + nv,) array
         What the error of a component of y is compared with when it is zero.
     shifts : (n, 2) array
@@ -96,16 +98,8 @@ class Scene:
     reference_energy: float
     regions: Mapping[str, tuple[int, int]]
     work_size: int
-    constants: Sequence[float]
-    parameters: Array
     parts: Sequence[str]
-    kernels: Sequence[Kernel]
-    tasks: Mapping[str, str]
-    is_length: Array
-    floors: Array
-    shifts: Slots
     added: int
-    turns: Slots
     works: int
     counted: tuple[int, int]
     fits: bool
@@ -113,18 +107,38 @@ class Scene:
     is_driven: bool
     has_continuation: bool
     has_row_switch: bool
-    inverse_masses: Array
-    mass_places: Slots
-    drivers: Slots
-    starts: Slots
-    positive: Slots
+    kernels: Sequence[tuple[Function, int, str, str]]
+    tasks: Mapping[str, str]
+    tables: Mapping[str, str]
     segments: Mapping[str, Segment] = field(init=False, repr=False)
+    constants: list[float] = field(init=False, repr=False)
+    parameters: Array = field(init=False, repr=False)
     lengths: Array = field(init=False, repr=False)
+    floors: Array = field(init=False, repr=False)
+    inverse_masses: Array = field(init=False, repr=False)
+    mass_places: Slots = field(init=False, repr=False)
+    shifts: Slots = field(init=False, repr=False)
+    turns: Slots = field(init=False, repr=False)
+    drivers: Slots = field(init=False, repr=False)
+    starts: Slots = field(init=False, repr=False)
+    positive: Slots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        segments = {name: segment_of(self.kernels, text) for name, text in self.tasks.items()}
-        object.__setattr__(self, "segments", segments)
-        object.__setattr__(self, "lengths", np.where(self.is_length, self.length, 1.0))
+        kernels = [Kernel.read(*kernel) for kernel in self.kernels]
+        found: dict[str, object] = {
+            "segments": {name: segment_of(kernels, text) for name, text in self.tasks.items()},
+            "constants": numbers(self.tables["constants"]),
+        }
+        for name in ("parameters", "floors", "inverse_masses"):
+            found[name] = np.array(numbers(self.tables[name]))
+        for name, width in (("shifts", 2), ("turns", 3), ("drivers", 2), ("starts", 2)):
+            found[name] = places(self.tables[name], width)
+        for name in ("mass_places", "positive"):
+            found[name] = places(self.tables[name], 1)[:, 0]
+        is_length = numbers(self.tables["is_length"])
+        found["lengths"] = np.where(is_length, self.length, 1.0)
+        for name, value in found.items():
+            object.__setattr__(self, name, value)
 
     def size(self, region: str) -> int:
         """Return the size of a region, 0 where the scene has none of that name."""

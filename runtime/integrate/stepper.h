@@ -4,7 +4,8 @@
 #define INNER 1e-3
 /* the smallest step, relative to the time */
 #define SMALLEST 1e-15
-/* how often a step is made shorter that has a stage where rows are nearly dependent, and how much */
+/* how often a step is made shorter that has a stage where rows are nearly dependent, and how
+ * much */
 #define PATIENCE 8
 #define SHORTER 0.9
 /* the largest correction of a step where drivers lead */
@@ -54,8 +55,7 @@ static double estimate(
     return sqrt(sum / (double)(2 * NV)) / tolerance;
 }
 
-static double local_error(
-    const Method *m, double h, const State *s, Work *work, double tolerance)
+static double local_error(const Method *m, double h, const State *s, Work *work, double tolerance)
 {
     if (WORKS > 0) energy(work->w);
     const double e = estimate(m, m->error, h, s, work, tolerance);
@@ -66,9 +66,8 @@ static double local_error(
 
 /* the n-th stage of a step: y on the manifold, or near enough to it, and its derivative; 0 where
  * that is impossible */
-static int stage(
-    const Method *m, size_t n, double h, double enough, double *y, double *low, Work *work, State *s,
-    double *drift)
+static int stage(const Method *m, size_t n, double h, double enough, double *y, double *low,
+    Work *work, State *s, double *drift)
 {
     combine(n, m->a + n * (n - 1) / 2, s->low, h, work->k, y);
     add_to_start(s->y, y, low);
@@ -90,7 +89,7 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
     for (size_t n = 1; good && n <= m->stages; ++n) {
         const int is_inner = n < m->stages;
         good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
-                     is_inner ? NULL : work->low, work, s, &trial->drift);
+            is_inner ? NULL : work->low, work, s, &trial->drift);
         trial->last_ratio = last_ratio(work, s);
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
@@ -114,8 +113,9 @@ static void accept(
     const Method *m, const Trial *trial, double end, int was_rejected, Work *work, State *s)
 {
     const double h = trial->h, error = trial->error, exponent = 1.0 / (double)m->order;
-    const double factor = error == 0.0 ? 10.0
-        : 0.9 * pow(error, -0.7 * exponent) * pow(larger(s->error, 1e-4), 0.4 * exponent);
+    const double before = larger(s->error, 1e-4);
+    double factor = 10.0;
+    if (error != 0.0) factor = 0.9 * pow(error, -0.7 * exponent) * pow(before, 0.4 * exponent);
     const double next = h * smaller(was_rejected ? 1.0 : 10.0, larger(0.2, factor));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
@@ -160,7 +160,8 @@ static int step(
             trial.least_ratio = 0.0;
         }
         if (trial.is_last && trial.least_ratio < weak * s->best_growth) {
-            is_beyond = 1; /* the end may be no place to stop at: let it lie inside of a longer step */
+            /* the end may be no place to stop at: let it lie inside of a longer step */
+            is_beyond = 1;
             s->avoided += 1;
             continue;
         }
@@ -172,8 +173,10 @@ static int step(
         }
         if ((good || is_fixed) && trial.least_ratio < weak * s->best_growth) {
             if (trial.least_ratio > 0.0 && trial.most_ratio < weak * s->best_growth) {
-                s->best_growth = trial.least_ratio / weak; /* it is so everywhere: shorter ones stay there */
-            } else if (avoided <= PATIENCE) { /* rounding is large there: other stages lie elsewhere */
+                /* it is so everywhere: shorter steps stay there */
+                s->best_growth = trial.least_ratio / weak;
+            } else if (avoided <= PATIENCE) {
+                /* rounding is large there: other stages lie elsewhere */
                 if (trial.least_ratio > best) {
                     best = trial.least_ratio;
                     best_h = h;
@@ -193,8 +196,8 @@ static int step(
         rejected = 1;
         s->rejected += 1;
         const double exponent = 1.0 / (double)m->order;
-        s->step_size = h * (isfinite(trial.error)
-            ? larger(0.2, 0.9 * pow(trial.error, -exponent)) : 0.2);
+        s->step_size = h * (isfinite(trial.error) ? larger(0.2, 0.9 * pow(trial.error, -exponent))
+                                                  : 0.2);
     }
 }
 
@@ -211,8 +214,8 @@ static int first_step(const Method *m, const Settings *settings, double end, Sta
     if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;
     for (size_t i = 0; i < NY; ++i) f[i] = (f[i] - s->f[i]) / h;
     const double d2 = larger(d1, norm(f, scale));
-    const double by_order =
-        pow(0.01 * settings->tolerance / larger(d2, 1e-15), 1.0 / (double)m->order);
+    const double by_order = pow(
+        0.01 * settings->tolerance / larger(d2, 1e-15), 1.0 / (double)m->order);
     s->step_size = smaller(smaller(100.0 * h, by_order), span);
     return GOOD;
 }

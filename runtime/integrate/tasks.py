@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     Array: TypeAlias = npt.NDArray[np.float64]
     Slots: TypeAlias = npt.NDArray[np.intp]
     Values: TypeAlias = Sequence[Any] | Array
+    Function: TypeAlias = Callable[[Values, "Functions"], list[Any]]
 
 #: So many tasks of a kernel are faster on arrays.
 MANY = 16
@@ -109,16 +110,21 @@ class Kernel(NamedTuple):
         Run, and place in it, of each value.
     """
 
-    function: Callable[[Values, Functions], list[Any]]
+    function: Function
     runs: int
     reads: Slots
     writes: Slots
+
+    @classmethod
+    def read(cls, function: Function, runs: int, reads: str, writes: str) -> Kernel:
+        """Return a kernel whose places are tables in text."""
+        return cls(function, runs, places(reads, 2), places(writes, 2))
 
 
 class Together(NamedTuple):
     """Many tasks of one kernel that do not need each other; a row of slots for each value."""
 
-    function: Callable[[Values, Functions], list[Any]]
+    function: Function
     reads: Slots
     writes: Slots
 
@@ -127,7 +133,7 @@ class InTurn(NamedTuple):
     """Tasks one after the other, on a list of floats: what is gathered, then what each gives."""
 
     gathered: Slots
-    tasks: list[tuple[Callable[[Values, Functions], list[Any]], Callable[[Any], Any]]]
+    tasks: list[tuple[Function, Callable[[Any], Any]]]
     scattered: Slots
 
 

@@ -50,7 +50,7 @@ static void accept_step(Workspace *w, const double *alpha)
 static int advance(
     Run *run, Workspace *w, const double *target, const double *delta, Convergence *convergence)
 {
-    const double none[INPUTS] = {0.0};
+    const double none[INPUTS] = { 0.0 };
     double left = 1.0, step = 1.0;
     int iterations = 0;
     for (int tries = 0; left > 0.0; ++tries) {
@@ -64,7 +64,7 @@ static int advance(
             predicted[i] = w->x[i] + step * (w->x1[i] + 0.5 * step * w->x2[i]);
             w->trial[i] = predicted[i];
         }
-        *convergence = (Convergence){0, 0.0};
+        *convergence = (Convergence){ 0, 0.0 };
         const int status = run->method ? modified_newton(run, w, alpha, convergence)
                                        : full_newton(run, w, alpha, convergence);
         iterations += convergence->iterations;

@@ -18,12 +18,11 @@ static int is_dead_centre(double pivot, double orientation)
 }
 
 /* Newton's method on one block from x */
-static int newton(
-    const Run *run, size_t number, const double *alpha, double *x, Workspace *w,
+static int newton(const Run *run, size_t number, const double *alpha, double *x, Workspace *w,
     Convergence *convergence)
 {
     const size_t first = blocks[number].first, n = blocks[number].size;
-    const Coordinates position = {alpha, x};
+    const Coordinates position = { alpha, x };
     double correction[LARGEST_BLOCK], last = HUGE_VAL;
     for (int k = 0; k <= run->max_iterations; ++k) {
         const double pivot = evaluate(number, position, w, correction);
@@ -72,8 +71,8 @@ static int full_newton(Run *run, Workspace *w, const double *alpha, Convergence 
 /* residuals become corrections of all blocks, with the Jacobian at w->x */
 static void correct_from_reference(Run *run, const Workspace *w, double *correction)
 {
-    const double none[INPUTS] = {0.0};
-    const Coordinates position = {w->alpha, w->x}, corrected = {none, correction};
+    const double none[INPUTS] = { 0.0 };
+    const Coordinates position = { w->alpha, w->x }, corrected = { none, correction };
     for (size_t number = 0; number < BLOCKS; ++number) {
         const size_t first = blocks[number].first, n = blocks[number].size;
         double coupling[LARGEST_BLOCK];
@@ -91,7 +90,7 @@ static void correct_from_reference(Run *run, const Workspace *w, double *correct
  * Jacobian stays that of the reference position w->x */
 static int modified_newton(Run *run, Workspace *w, const double *alpha, Convergence *convergence)
 {
-    const Coordinates reference = {w->alpha, w->x}, trial = {alpha, w->trial};
+    const Coordinates reference = { w->alpha, w->x }, trial = { alpha, w->trial };
     double correction[UNKNOWNS], ignored[LARGEST_BLOCK], last = HUGE_VAL;
     for (size_t number = 0; number < BLOCKS; ++number) {
         evaluate(number, reference, w, ignored);

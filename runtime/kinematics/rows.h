@@ -5,29 +5,24 @@
 #include "continuation.h"
 
 /* the position of the workspace goes into a row */
-static void write_row(
-    const Run *run, const Workspace *w, long long division, size_t row, const double *x_dot,
-    const double *x_ddot, Convergence convergence)
+static void write_row(const Run *run, const Workspace *w, long long division, size_t row,
+    const double *x_dot, const double *x_ddot, Convergence convergence)
 {
     const size_t nodes = 2 * NODES * row;
-    PUBLIC(nodes)(
-        w->alpha, w->x, run->rate, x_dot, run->rate_dot, x_ddot,
-        run->position ? run->position + nodes : NULL,
-        run->velocity ? run->velocity + nodes : NULL,
+    PUBLIC(nodes)(w->alpha, w->x, run->rate, x_dot, run->rate_dot, x_ddot,
+        run->position ? run->position + nodes : NULL, run->velocity ? run->velocity + nodes : NULL,
         run->acceleration ? run->acceleration + nodes : NULL);
 #if WANTS_ANGLES
     const size_t links = LINKS * row;
-    PUBLIC(angles)(
-        w->alpha, w->x, run->rate, x_dot, run->rate_dot, x_ddot,
-        run->angle ? run->angle + links : NULL,
-        run->angle_dot ? run->angle_dot + links : NULL,
+    PUBLIC(angles)(w->alpha, w->x, run->rate, x_dot, run->rate_dot, x_ddot,
+        run->angle ? run->angle + links : NULL, run->angle_dot ? run->angle_dot + links : NULL,
         run->angle_ddot ? run->angle_ddot + links : NULL);
 #endif
     for (size_t i = 0; run->alpha && i < INPUTS; ++i) {
         const double turns = (double)run->turns[i], divisions = (double)run->divisions;
-        run->alpha[INPUTS * row + i] = run->origin[i]
-            + (run->turns[i] ? TWO_PI * (turns * (double)division / divisions)
-                             : run->span[i] * ((double)division / divisions));
+        run->alpha[INPUTS * row + i] =
+            run->origin[i] + (run->turns[i] ? TWO_PI * (turns * (double)division / divisions)
+                                            : run->span[i] * ((double)division / divisions));
     }
     if (run->iterations) {
         run->iterations[row] = convergence.iterations;
@@ -41,14 +36,14 @@ static void write_row(
 static void motion_at(
     const Run *run, Workspace *w, const double *delta, double *x_dot, double *x_ddot)
 {
-    const double none[INPUTS] = {0.0};
+    const double none[INPUTS] = { 0.0 };
     if (INPUTS > 1) {
         differentiate(w, run->rate, run->rate_dot, x_dot, x_ddot);
         differentiate(w, delta, none, w->x1, w->x2);
         return;
     }
     /* one input: both follow from the derivatives by it */
-    const double one[INPUTS] = {1.0}, rate = run->rate[0], rate_dot = run->rate_dot[0];
+    const double one[INPUTS] = { 1.0 }, rate = run->rate[0], rate_dot = run->rate_dot[0];
     differentiate(w, one, none, w->x1, w->x2);
     for (size_t i = 0; i < UNKNOWNS; ++i) {
         x_dot[i] = w->x1[i] * rate;
@@ -61,12 +56,12 @@ static void motion_at(
 /* the inputs that were reached; after a failure the next row is where it stopped */
 static int stop(Run *run, Workspace *w, long long division, int status)
 {
-    const double none[UNKNOWNS] = {0.0};
+    const double none[UNKNOWNS] = { 0.0 };
     for (size_t i = 0; i < INPUTS; ++i) {
         run->reached[i] = w->alpha[i];
     }
     if (status != GOOD && run->done < run->rows) {
-        write_row(run, w, division, run->done, none, none, (Convergence){0, HUGE_VAL});
+        write_row(run, w, division, run->done, none, none, (Convergence){ 0, HUGE_VAL });
         for (size_t i = 0; run->alpha && i < INPUTS; ++i) {
             run->alpha[INPUTS * run->done + i] = w->alpha[i];
         }

@@ -122,7 +122,7 @@ def test_verify_refuses_what_is_no_package(
     assert err.count("\n") == 1 and name in err
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_all_that_is_committed_is_verified(run: Run) -> None:
     code, out, err = run("verify")
     assert (code, err) == (0, "")

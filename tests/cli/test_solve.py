@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
     Run = Callable[..., tuple[int, str, str]]
 
+pytestmark = pytest.mark.usefixtures("compiler")
+
 ROOT = Path(__file__).parents[2]
 PISTON = ROOT / "scenes" / "piston_crank.toml"
 LEVER = ROOT / "scenes" / "lever_crank.toml"
@@ -147,6 +149,7 @@ def crank(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["auto", "numpy"])
 def test_bodies_are_solved_at_the_divisions_of_their_input(
     run: Run, crank: Path, tmp_path: Path, target: str

@@ -7,21 +7,17 @@ import importlib.util
 import itertools
 import shutil
 import subprocess
-from collections.abc import Sequence
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 import pytest
 
 from kousoku.codegen.emit import emit
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
-from kousoku.runtime.toolchain import Toolchain
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -33,8 +29,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
     Wanted = tuple[int, ...]
-
-Floats = npt.NDArray[np.float64]
 
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 24)
@@ -115,7 +109,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def module(folder: Path) -> Any:
     """Return the emitted NumPy module."""
     spec = importlib.util.spec_from_file_location("emitted_mix", folder / "kernels.py")
-    assert spec is not None and spec.loader is not None
     assert spec is not None and spec.loader is not None
     loaded = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(loaded)
@@ -365,8 +358,13 @@ int main(void)
 """
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "lanes"), [("mixed", 2), ("mixed", 8), ("called", 4)])
+@pytest.mark.parametrize(
+    ("name", "lanes"),
+    [
+        ("mixed", 2),
+        *(pytest.param(*one, marks=pytest.mark.release) for one in (("mixed", 8), ("called", 4))),
+    ],
+)
 def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(
     compiler: Toolchain, folder: Path, lanes: int, name: str
 ) -> None:

@@ -87,6 +87,7 @@ def test_matrix_is_the_derivative_of_the_residual(name: str) -> None:
             )
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("name", NAMES)
 def test_generated_folders_verify(tmp_path: Path, name: str) -> None:
     scene = read_scene(SCENES / f"{name}.toml")

@@ -256,6 +256,7 @@ def test_a_root_that_is_never_real_is_refused() -> None:
         generate(root(-(Symbol("x") ** 2) - Symbol("y") ** 2 - 1))
 
 
+@pytest.mark.usefixtures("compiler")
 def test_the_file_that_the_document_shows_runs_as_it_stands(tmp_path: Path) -> None:
     document = (ROOT / "docs" / "own_kind.md").read_text(encoding="utf-8")
     (program,) = re.findall(r"```python\n(.*?)```", document, re.DOTALL)

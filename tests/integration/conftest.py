@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from mpmath import MPContext
 
-from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.generate import write_tree
-from kousoku.codegen.linkage import generate_scene
+from kousoku.codegen.linkage import specialise
+from kousoku.codegen.linkage_emit import emit_scene
+from kousoku.codegen.store import load_frozen
+from kousoku.model.assemble import assemble
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.linkage import LinkageSolver, load_scene
@@ -29,33 +30,36 @@ SCENES = Path(__file__).parents[2] / "scenes"
 
 
 @pytest.fixture(scope="session")
-def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene], Path]:
-    """Return the folder of a scene's solver."""
-    known: dict[int, Path] = {}
+def folder_of(shared_tree: Callable[..., Path]) -> Callable[[Scene], Path]:
+    """Return the folder of a linkage's solver, without what ``verify`` compares it with."""
 
-    def make(scene: Scene) -> Path:
-        key = hash(repr(scene))
-        if key not in known:
-            known[key] = tmp_path_factory.mktemp("scene") / scene.name
-            write_tree(known[key], generate_scene(scene))
-        return known[key]
+    def make(scene: Scene) -> dict[str, str]:
+        program = specialise(assemble(scene), load_frozen("link"))
+        return emit_scene(program.package, program.solver, {})
 
-    return make
+    return lambda scene: shared_tree(scene.name, ("linkage", scene), lambda: make(scene))
 
 
 @pytest.fixture
-def solver(backend: str, folder_of: Callable[[Scene], Path]) -> Callable[[str], LinkageSolver]:
-    """Return the solver of a scene, by its file in ``scenes/`` or by its text, for each target."""
+def solver_in(folder_of: Callable[[Scene], Path]) -> Callable[..., LinkageSolver]:
+    """Return a linkage's solver, by its file in ``scenes/`` or by its text, for a target."""
 
-    def load(text: str) -> LinkageSolver:
+    def load(text: str, target: Any) -> LinkageSolver:
         if text in {path.stem for path in SCENES.glob("*.toml")}:
             scene = read_scene(SCENES / f"{text}.toml")
         else:
             scene = scene_from_toml(text)
-        target: Any = backend
         return load_scene(folder_of(scene), target=target)
 
     return load
+
+
+@pytest.fixture
+def solver(
+    solver_in: Callable[..., LinkageSolver], compiler: Toolchain
+) -> Callable[[str], LinkageSolver]:
+    """Return a linkage's solver in C: ``test_linkage_targets.py`` has that NumPy does the same."""
+    return lambda text: solver_in(text, "c")
 
 
 @pytest.fixture(scope="session")
@@ -66,7 +70,7 @@ def adams_samples() -> dict[str, Any]:
 
 
 @pytest.fixture(scope="session")
-def mover(tmp_path_factory: pytest.TempPathFactory, compiler: Toolchain) -> Mover:
+def mover(bodies_folder: Callable[..., Path], compiler: Toolchain) -> Mover:
     """Return the solver of a scene of bodies, by its file in ``scenes/`` or as it is, in C."""
     known: dict[tuple[str, tuple[str, ...]], DynamicsSolver] = {}
 
@@ -74,10 +78,7 @@ def mover(tmp_path_factory: pytest.TempPathFactory, compiler: Toolchain) -> Move
         key = repr(scene), outputs
         if key not in known:
             found = read_scene(SCENES / f"{scene}.toml") if isinstance(scene, str) else scene
-            folder = tmp_path_factory.mktemp("bodies") / found.name
-            folder.mkdir()
-            write_tree(folder, generate_dynamics(found, outputs))
-            known[key] = load_dynamics(folder)
+            known[key] = load_dynamics(bodies_folder(found, outputs))
         return known[key]
 
     return load

@@ -48,6 +48,7 @@ def run(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("method", ["newton", "paper"])
 def test_copied_folder_solves_with_numpy_alone(tmp_path: Path, method: str) -> None:
     shutil.copytree(GENERATED / "lever_crank", tmp_path / "my_crank")
@@ -77,6 +78,7 @@ def test_copied_folder_says_where_it_stops(
     assert "ArithmeticError: a dead centre, or a change point, on the way: D.x, D.y" in got.stderr
 
 
+@pytest.mark.usefixtures("compiler")
 def test_generated_solver_imports_by_its_name() -> None:
     motion = piston_crank.solve()
     assert motion.name == "piston_crank"
@@ -85,6 +87,7 @@ def test_generated_solver_imports_by_its_name() -> None:
         motion.positions["O3"][0, 0] = 1.0
 
 
+@pytest.mark.usefixtures("compiler")
 def test_generated_solver_leaves_sympy_alone() -> None:
     code = "import sys\nfrom kousoku.generated import piston_crank\npiston_crank.solve()\n"
     code += "print(sorted(m for m in ('sympy', 'mpmath', 'jinja2') if m in sys.modules))"
@@ -103,6 +106,7 @@ def test_generating_a_scene_leaves_sympy_alone() -> None:
     assert got.stdout.strip() == "False"
 
 
+@pytest.mark.usefixtures("compiler")
 def test_threads_may_be_the_first_to_use_a_solver() -> None:
     code = (
         "import sys, threading\nfrom concurrent.futures import ThreadPoolExecutor\n"
@@ -140,6 +144,7 @@ def top(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_copied_folder_of_bodies_moves_with_numpy_alone(top: Path) -> None:
     got = run(
         "import my_top\n"
@@ -166,6 +171,7 @@ def test_copied_folder_of_bodies_says_what_is_not_possible(top: Path) -> None:
     assert "ValueError: parameters [], method 'euler'; wanted of [] and ('dopri5'" in got.stderr
 
 
+@pytest.mark.usefixtures("compiler")
 def test_folder_of_bodies_imports_by_its_name(top: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.syspath_prepend(top.parent)
     motion = importlib.import_module("my_top").simulate(0.01, samples=2)

@@ -15,6 +15,8 @@ from kousoku.runtime import load
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+pytestmark = pytest.mark.usefixtures("compiler")
+
 X, Y, Z = np.eye(3)
 AT_REST = np.array([1.0, 0.0, 0.0, 0.0])
 EPS = np.finfo(float).eps

@@ -210,6 +210,7 @@ def test_a_motor_on_rubber_mounts_keeps_its_energy_balance(
     assert slow.work["losses"][-1] < 5 * motion.work["losses"][-1]
 
 
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
 def test_both_targets_take_the_same_bits_for_formulas_and_turns(
     tmp_path: Path, compiler: Toolchain
 ) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,7 +144,6 @@ def test_turn_ten_thousand_started_there_is_as_accurate(
 
 
 @both
-@pytest.mark.parametrize("backend", ["c"], indirect=True)
 def test_turn_ten_thousand_after_all_turns_is_as_accurate(
     solver: Solver, plane: Any, exact: Any, name: str
 ) -> None:
@@ -161,16 +159,3 @@ def test_many_turns_repeat_the_first_one(solver: Solver, name: str) -> None:
     for rows in got.positions.values():
         np.testing.assert_allclose(rows[60:121], rows[:61], rtol=0, atol=4e-15 * LARGEST[name])
         np.testing.assert_allclose(rows[120:], rows[:61], rtol=0, atol=4e-15 * LARGEST[name])
-
-
-@both
-def test_both_targets_agree(folder_of: Any, name: str, compiler: object) -> None:
-    from kousoku.model.read import read_scene
-    from kousoku.runtime.linkage import load_scene
-
-    folder = folder_of(read_scene(Path(__file__).parents[2] / "scenes" / f"{name}.toml"))
-    one, other = (load_scene(folder, target=t).solve() for t in ("c", "numpy"))
-    assert (one.target, other.target) == ("c", "numpy")
-    np.testing.assert_array_equal(one.iterations, other.iterations)
-    for key, column in one.columns().items():
-        np.testing.assert_allclose(column, other.columns()[key], atol=1e-13 * LARGEST[name])

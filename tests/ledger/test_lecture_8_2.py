@@ -29,6 +29,8 @@ from kousoku.symbolic.matrices import neg
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
 
+pytestmark = pytest.mark.release
+
 ENTRIES = {e.equation: e for e in (*lecture_8_2.ENTRIES, *lecture_8_2_parallel.ENTRIES)}
 #: In its own frame the vectrix of O is the identity, and so is its transpose.
 READ = [entry for key, entry in ENTRIES.items() if entry.vocabulary and key != "vectrix-O"]

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
     from kousoku.symbolic.derivation import Derivation
 
+pytestmark = pytest.mark.release
+
 ENTRIES = {entry.equation: entry for entry in link_element.ENTRIES}
 FORMULAS = [entry for entry in ENTRIES.values() if entry.vocabulary]
 CHANGES = (

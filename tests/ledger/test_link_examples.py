@@ -12,6 +12,8 @@ from kousoku.ledger.link_iteration import DIVISIONS, run
 from kousoku.ledger.proof import prove
 from kousoku.model.errors import LedgerError
 
+pytestmark = pytest.mark.release
+
 ENTRIES = {entry.equation: entry for entry in link_examples.ENTRIES}
 
 

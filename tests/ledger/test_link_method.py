@@ -16,6 +16,8 @@ from kousoku.model.errors import LedgerError
 if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
 
+pytestmark = pytest.mark.release
+
 ENTRIES = {entry.equation: entry for entry in link_method.ENTRIES}
 FORMULAS = [entry for entry in ENTRIES.values() if entry.vocabulary]
 CHANGES = (

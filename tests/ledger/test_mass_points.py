@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
     from kousoku.symbolic.derivation import Derivation
 
+pytestmark = pytest.mark.release
+
 BY_KEY = {entry.equation: entry for entry in ENTRIES}
 FORMULAS = [entry for entry in ENTRIES if entry.vocabulary]
 #: What a formula can lose or have wrong; each takes the proof away.

@@ -119,7 +119,7 @@ def proofs() -> dict[str, Proof]:
     return {entry.equation: prove(entry) for entry in entries()}
 
 
-@pytest.mark.slow
+@pytest.mark.release
 @pytest.mark.parametrize(
     ("name", "page"), [("ledger.tex", latex_page), ("ledger.md", markdown_page)]
 )

@@ -33,6 +33,7 @@ def test_the_largest_component_chooses_and_of_equal_ones_the_first(
     assert variant("p2", np.array(axis)) == f"p2_{chosen}"
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("axis", list(product((-1.0, 0.25, 2.0), repeat=3)))
 def test_the_rows_that_are_kept_are_independent(axis: tuple[float, float, float]) -> None:
     still, r_j = np.array([1.0, 0.0, 0.0, 0.0]), np.array([0.3, -0.2, 0.7])

@@ -161,14 +161,21 @@ def wrapper(tmp_path: Path, compiler: Toolchain) -> Callable[[str], str]:
 
 
 @pytest.fixture(autouse=True)
-def forgotten() -> None:
-    """Let every test find the compiler anew, and say again what was said once."""
-    for function in (toolchain._chosen, toolchain._first, toolchain.probe, _PLAN_TYPE):
-        function.cache_clear()
+def forgotten(request: pytest.FixtureRequest) -> None:
+    """Let a test say again what was said once, and find anew a compiler that it changes."""
+    if {"monkeypatch", "wrapper", "cache"} & set(request.fixturenames):
+        for function in (toolchain._chosen, toolchain._first, toolchain.probe, _PLAN_TYPE):
+            function.cache_clear()
     notice._said.clear()
 
 
-@pytest.fixture(params=["extension", "ctypes", "numpy"])
+@pytest.fixture(
+    params=[
+        pytest.param("extension", marks=pytest.mark.compiles),
+        pytest.param("ctypes", marks=pytest.mark.compiles),
+        "numpy",
+    ]
+)
 def library(request: pytest.FixtureRequest, warm_package: Path) -> Library:
     """Return the small package, called in each of the three ways there are."""
     request.getfixturevalue("warm_cache")
@@ -190,20 +197,7 @@ def warm_package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write_tiny(tmp_path_factory.mktemp("package") / "tiny")
 
 
-@pytest.fixture(scope="session")
-def bodies_folder(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
-    """Return the folder of the solver of a scene of bodies, generated once for its outputs."""
-    from kousoku.codegen.dynamics.generate import generate_dynamics
-    from kousoku.codegen.generate import write_tree
-
-    known: dict[str, Path] = {}
-
-    def folder(scene: Any, outputs: tuple[str, ...] = ()) -> Path:
-        key = repr((scene, outputs))
-        if key not in known:
-            known[key] = tmp_path_factory.mktemp("bodies") / scene.name
-            known[key].mkdir()
-            write_tree(known[key], generate_dynamics(scene, outputs))
-        return known[key]
-
-    return folder
+@pytest.fixture
+def backend(compiler: Toolchain) -> str:
+    """Solvers of scenes are tested in C: ``test_same_bits.py`` has that NumPy makes its bits."""
+    return "c"

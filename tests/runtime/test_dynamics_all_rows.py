@@ -12,7 +12,7 @@ import math
 import sys
 from importlib import import_module
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
@@ -150,12 +150,9 @@ def dense(program: Program, system: System, row: Array, phase: float = 0.0) -> t
 def test_motion_and_forces_are_those_of_a_good_choice_and_of_least_squares(
     folders: dict[str, Path], system: System, good: Program, backend: str, method: str
 ) -> None:
-    times = np.linspace(0.0, END, 21)
-    target: dict[str, Any] = {"good": "numpy", "bad": backend}
+    times, target = np.linspace(0.0, END, 21), cast("Any", backend)
     runs = {
-        name: load_dynamics(folder, target=target[name]).begin(
-            times, tolerance=1e-10, method=method
-        )
+        name: load_dynamics(folder, target=target).begin(times, tolerance=1e-10, method=method)
         for name, folder in folders.items()
     }
     one, other = (runs[name].finish() for name in ("good", "bad"))
@@ -201,6 +198,7 @@ def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Pat
     assert motor in work.all.order[: scene.nc]
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_all_rows_are_not_tried_again_where_they_did_not_help(
     bodies_folder: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -242,6 +240,8 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     assert all(max(pair) >= module.HELPS * min(pair) for pair in pairs)
 
 
+@pytest.mark.usefixtures("shipped_flags")
+@pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_give_the_same_bits(compiler: object, folders: dict[str, Path]) -> None:
     one, other = (
         load_dynamics(folders["bad"], target=target).begin(np.linspace(0.0, END, 21))
@@ -253,6 +253,7 @@ def test_both_targets_give_the_same_bits(compiler: object, folders: dict[str, Pa
     np.testing.assert_array_equal(one.save().rows, other.save().rows)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_thin_bodies_have_the_thickness_with_all_rows_that_they_have_with_those_kept(
     bodies_folder: Callable[..., Path],
 ) -> None:

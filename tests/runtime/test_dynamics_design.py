@@ -57,7 +57,7 @@ def folded(scene: Scene, values: dict[str, float]) -> Scene:
 
 @pytest.fixture
 def load(bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
-    def loaded(scene: Scene, target: Any = "auto") -> Any:
+    def loaded(scene: Scene, target: Any = "c") -> Any:
         return load_dynamics(bodies_folder(scene, OUTPUTS), target=target)
 
     return loaded
@@ -81,6 +81,7 @@ def test_a_number_that_is_given_is_as_good_as_one_that_is_folded_in(
             )
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_joined_bodies_take_the_masses_of_the_run(bodies_folder: Callable[..., Path]) -> None:
     scene, outputs = scene_from_toml(SCENES["joined"]), ("accelerations", "energies")
     given = drawn(scene, 5)
@@ -99,6 +100,7 @@ def test_joined_bodies_take_the_masses_of_the_run(bodies_folder: Callable[..., P
         np.testing.assert_allclose(a[body], b[body], rtol=0, atol=1e-13)
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("text", [PENDULUM, FOUR_BAR, LOOP, TOP, DRIVEN])
 def test_a_motion_with_parameters_is_that_of_the_numbers(
     load: Callable[..., Any], text: str
@@ -120,6 +122,7 @@ def test_a_motion_with_parameters_is_that_of_the_numbers(
     np.testing.assert_allclose(found.energy["total"], energy, rtol=0, atol=1e-9 * size)
 
 
+@pytest.mark.usefixtures("compiler")
 def test_frames_stay_where_they_start_when_parameters_turn_principal_axes(
     load: Callable[..., Any],
 ) -> None:
@@ -137,6 +140,8 @@ def test_frames_stay_where_they_start_when_parameters_turn_principal_axes(
     np.testing.assert_allclose(found.torque["cross"], expected.torque["cross"], rtol=0, atol=1e-8)
 
 
+@pytest.mark.usefixtures("compiler", "shipped_flags")
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("name", ["four_bar", "loop", "coupled"])
 def test_c_and_numpy_make_the_same_bits_of_parameters(load: Callable[..., Any], name: str) -> None:
     scene = scene_from_toml(SCENES[name])
@@ -154,6 +159,7 @@ def test_c_and_numpy_make_the_same_bits_of_parameters(load: Callable[..., Any], 
         np.testing.assert_array_equal(a, b)
 
 
+@pytest.mark.usefixtures("compiler")
 def test_far_parameters_are_reached_on_the_branch_of_the_scene(load: Callable[..., Any]) -> None:
     scene = scene_from_toml(FOUR_BAR)
     given = {"a": 0.6, "b": 4.4, "c": 3.6, "g": 4.2, "rho": 3.0}
@@ -174,12 +180,14 @@ def _first_axis(e: Any) -> Any:
     return np.array([w * w + x * x - y * y - z * z, 2 * (x * y + w * z), 2 * (x * z - w * y)])
 
 
+@pytest.mark.usefixtures("compiler")
 def test_lengths_that_do_not_close_are_told_with_the_parameters(load: Callable[..., Any]) -> None:
     solver = load(scene_from_toml(FOUR_BAR))
     with pytest.raises(SolveError, match=r"with a = 9, b = 3, .*no way of closed joints leads"):
         solver.simulate(1.0, parameters={"a": 9.0})
 
 
+@pytest.mark.usefixtures("compiler")
 def test_the_origin_of_a_body_stays_while_its_centre_of_mass_moves(
     load: Callable[..., Any],
 ) -> None:
@@ -191,6 +199,7 @@ def test_the_origin_of_a_body_stays_while_its_centre_of_mass_moves(
     np.testing.assert_allclose(motion.position["bar"], np.zeros((2, 3)), rtol=0, atol=1e-13)
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize(
     ("given", "wanted"),
     [
@@ -215,6 +224,7 @@ def test_impossible_numbers_are_refused_by_name(
     assert solver.target.evaluate(0.0, solver.q, solver.v, values, memory.work) == BAD_ARGUMENT
 
 
+@pytest.mark.usefixtures("compiler")
 def test_rows_that_depend_on_others_in_the_scene_only_are_not_lost(
     load: Callable[..., Any],
 ) -> None:
@@ -233,6 +243,7 @@ axes = [[0, 1, 0], [0, 1, 0]]
         solver.simulate(0.1, samples=2, parameters={"m": 2.5})
 
 
+@pytest.mark.usefixtures("compiler")
 def test_parameters_need_no_algebra_and_no_compiler(bodies_folder: Callable[..., Path]) -> None:
     folder = bodies_folder(scene_from_toml(PENDULUM), OUTPUTS)
     load_dynamics(folder)  # compiles
@@ -250,6 +261,7 @@ assert not {{"sympy", "jinja2", "mpmath"}} & set(sys.modules)
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_rows_that_take_over_are_weighed_with_the_masses_of_the_run(
     compiler: object, tmp_path: Path
 ) -> None:

@@ -122,6 +122,7 @@ def test_forces_of_joints_where_rows_fail_are_those_of_a_good_choice(
             np.testing.assert_allclose(getattr(bad, name)[joint], values, rtol=0, atol=1e-9 * size)
 
 
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
 def test_both_targets_take_the_same_steps_with_all_rows(
     compiler: object, folder: Callable[[int], Path]
 ) -> None:
@@ -174,6 +175,7 @@ def test_all_rows_do_not_take_over_where_they_are_as_weak(
     assert np.isfinite(motion.force["a"]).all()
 
 
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
 @pytest.mark.parametrize("method", ["kinematics", "dopri5"])
 def test_both_targets_give_a_driver_the_same_work_with_all_rows(
     compiler: object, driven: Callable[[int], Path], method: str

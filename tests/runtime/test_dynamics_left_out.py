@@ -33,6 +33,7 @@ def loose(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_joint_that_comes_open_where_a_row_was_left_out_is_named(
     compiler: Toolchain, loose: Path, target: Any
@@ -45,6 +46,7 @@ def test_joint_that_comes_open_where_a_row_was_left_out_is_named(
     assert "came open: joints.hinge; a constraint that was left out" in str(ledger)
 
 
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
 def test_row_that_depends_on_others_is_met_and_the_same_in_both_targets(
     compiler: Toolchain, tmp_path: Path
 ) -> None:

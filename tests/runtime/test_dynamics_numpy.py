@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MotionError, NoCompilerError, SolveError, TargetError
 from kousoku.model.families import chain, n_four_bar
@@ -56,20 +54,10 @@ MAKERS: dict[str, Callable[[], Scene]] = {
 }
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Folder:
+@pytest.fixture
+def folder(bodies_folder: Callable[..., Path]) -> Folder:
     """Return the folder of a scene of :data:`MAKERS` with all outputs."""
-    known: dict[str, Path] = {}
-
-    def make(name: str) -> Path:
-        if name not in known:
-            scene = MAKERS[name]()
-            known[name] = tmp_path_factory.mktemp(name) / scene.name
-            known[name].mkdir()
-            write_tree(known[name], generate_dynamics(scene, ALL))
-        return known[name]
-
-    return make
+    return lambda name: bodies_folder(MAKERS[name](), ALL)
 
 
 @pytest.fixture
@@ -77,6 +65,8 @@ def in_numpy(folder: Folder) -> Callable[[str], DynamicsSolver]:
     return lambda name: load_dynamics(folder(name), target="numpy")
 
 
+@pytest.mark.usefixtures("shipped_flags")
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize(
     ("name", "end", "tolerance"),
     [
@@ -116,6 +106,7 @@ def test_rows_are_those_of_c(
     assert ledgers[1].worst("acceleration")[0] > 0.0 or not ledgers[0].violations
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_run_in_small_calls_gives_the_same_bits(
     in_numpy: Callable[[str], DynamicsSolver],
 ) -> None:
@@ -132,6 +123,7 @@ def test_run_in_small_calls_gives_the_same_bits(
         np.testing.assert_array_equal(parts.motion().columns()[key], values, err_msg=key)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_run_goes_on_with_the_same_bits_after_an_interrupt_inside_of_a_step(
     in_numpy: Callable[[str], DynamicsSolver], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -160,6 +152,7 @@ def test_run_goes_on_with_the_same_bits_after_an_interrupt_inside_of_a_step(
         np.testing.assert_array_equal(motion.columns()[key], values, err_msg=key)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_start_that_is_no_number_is_refused_as_in_c(
     compiler: Toolchain, folder: Folder, bad: float
@@ -174,6 +167,7 @@ def test_start_that_is_no_number_is_refused_as_in_c(
     assert len(messages) == 1
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_start_that_cannot_be_assembled_is_refused_as_in_c(
     compiler: Toolchain, folder: Folder
 ) -> None:
@@ -187,6 +181,7 @@ def test_start_that_cannot_be_assembled_is_refused_as_in_c(
     assert len(messages) == 1
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_motion_that_needs_too_many_steps_stops_as_in_c(
     compiler: Toolchain, folder: Folder
 ) -> None:
@@ -207,6 +202,7 @@ def test_state_of_another_solver_is_refused(in_numpy: Callable[[str], DynamicsSo
         solver.resume(saved)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_without_a_compiler_numpy_is_taken_after_one_line(
     folder: Folder, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -258,6 +254,7 @@ def test_folder_without_a_target_is_refused_or_the_other_is_taken(
         open_solver(where, manifest, only_c, "auto")
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["auto", "numpy"])
 def test_command_line_simulates_without_a_compiler(target: str) -> None:
     options = ["--end", "0.5", "--json", "--target", target]
@@ -275,6 +272,7 @@ def test_command_line_simulates_without_a_compiler(target: str) -> None:
     )
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
     code = (
         "import sys, json, numpy as np, solver\n"

@@ -113,6 +113,7 @@ def test_the_motion_is_that_with_all_rows(
     assert found.ledger.energy_error < 1e-9
 
 
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
 @pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("scene", [led(), slider()], ids=lambda scene: scene.name)
 def test_both_targets_make_the_same_run(scene: Scene, bodies_folder: Callable[..., Path]) -> None:

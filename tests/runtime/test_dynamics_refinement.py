@@ -246,6 +246,7 @@ def test_power_of_a_driver_is_refined_with_the_accelerations(
     assert rates.tolist() == [*others, power + work["more_power"][0]]
 
 
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
 def test_both_targets_refine_the_same_accelerations_to_the_same_bits(
     compiler: object, bodies_folder: Callable[..., Path]
 ) -> None:

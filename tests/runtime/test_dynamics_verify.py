@@ -61,6 +61,8 @@ def spoil(folder: Path, name: str, change: Callable[[str], str], *, honest: bool
     path.write_text(replace(manifest, files=files).to_json(), encoding="utf-8")
 
 
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.usefixtures("shipped_flags")
 @pytest.mark.usefixtures("compiler")
 def test_a_right_solver_is_verified_by_both_targets(whole: Path) -> None:
     report = verify(whole)
@@ -102,6 +104,7 @@ def test_a_flipped_sign_in_the_solver_is_named(folder: Path) -> None:
     assert verify(folder, target="numpy").ok
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.usefixtures("compiler")
 def test_a_changed_constant_is_named(folder: Path) -> None:
     def change(text: str) -> str:
@@ -118,6 +121,7 @@ def test_a_changed_constant_is_named(folder: Path) -> None:
     assert any("by NumPy" in problem or "NumPy differ" in problem for problem in report.problems)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.usefixtures("compiler")
 def test_another_step_in_one_target_is_named(folder: Path) -> None:
     file = "integrate/stepper.h"
@@ -158,6 +162,7 @@ def test_a_reference_that_cannot_be_read_is_named(folder: Path) -> None:
     assert "reference.json cannot be read: KeyError('points')" in problem
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_a_solver_can_be_asked_for_accelerations_at_any_state(whole: Path, target: Any) -> None:

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.linkage import Trajectory
 
+pytestmark = pytest.mark.usefixtures("compiler")
+
 PISTON_COLUMNS = ["alpha"] + [
     f"{node}.{column}"
     for node in ("O1", "O2", "O3")

@@ -56,6 +56,7 @@ def test_what_is_no_number_is_refused_by_name(
         solver.simulate(**options)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_numbers_of_numpy_are_numbers(bodies_folder: Callable[..., Path]) -> None:
     solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
     count: Any = np.int64(2)
@@ -89,6 +90,7 @@ def test_a_quotient_is_a_number_but_no_count(
     assert run.advance(10**30, 10**30) == 0
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_other_calls_say_what_they_want(bodies_folder: Callable[..., Path]) -> None:
     solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
     wrong: Any = 3

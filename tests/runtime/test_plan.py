@@ -102,7 +102,7 @@ def test_calls_keep_no_references(tiny: Path, plan_type: Any) -> None:
     assert all(min(more) < 100 for more in zip(*rounds, strict=True))
 
 
-@pytest.mark.slow
+@pytest.mark.release
 def test_strange_arguments_are_harmless_under_a_sanitizer(
     compiler: Toolchain, plan_type: Any, tmp_path: Path
 ) -> None:

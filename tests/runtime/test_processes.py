@@ -80,15 +80,14 @@ def python(code: str, *arguments: object, **environment: str) -> subprocess.Pope
     )
 
 
-@pytest.mark.slow
-def test_two_hundred_processes_build_the_same_kernel_at_once(
+def test_fifty_processes_build_the_same_kernel_at_once(
     tiny: Path, cache: Path, wrapper: Callable[[str], str], tmp_path: Path
 ) -> None:
     log = tmp_path / "log"
     log_builds = f'for a in "$@"; do [ "$a" = -o ] && echo "$a" >> {log}; done'
-    run = python(FORK, tiny, 200, KOUSOKU_CC=wrapper(log_builds))
+    run = python(FORK, tiny, 50, KOUSOKU_CC=wrapper(log_builds))
     out, err = run.communicate(timeout=300)
-    assert json.loads(out.splitlines()[-1]) == [0] * 200, err
+    assert json.loads(out.splitlines()[-1]) == [0] * 50, err
     # One library of the kernel and one of the caller; the lock spares all others the work.
     assert len(log.read_text(encoding="utf-8").splitlines()) == 2
     left = {path.name.split("-")[0] for path in (cache / "lib").iterdir() if path.is_dir()}

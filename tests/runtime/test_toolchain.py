@@ -123,6 +123,7 @@ def test_other_processor_features_give_another_target(
     assert found[0].fingerprint != found[1].fingerprint
 
 
+@pytest.mark.usefixtures("shipped_flags")
 def test_native_flags_that_a_compiler_refuses_are_left_out(
     monkeypatch: pytest.MonkeyPatch, wrapper: Callable[[str], str]
 ) -> None:
@@ -133,7 +134,6 @@ def test_native_flags_that_a_compiler_refuses_are_left_out(
     assert find_toolchain().flags == FLAGS
 
 
-@pytest.mark.slow
 def test_the_packaged_compiler_is_found_where_nothing_else_is(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:

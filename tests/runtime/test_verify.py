@@ -23,6 +23,9 @@ pytestmark = pytest.mark.usefixtures("warm_cache")
 
 ALL_WAYS = {"C", "C batch", "C lanes", "NumPy", "NumPy batch"}
 KINDS = sorted(path.parent for path in (Path(__file__).parents[2] / "generated").glob("kinds/*/m*"))
+#: Kinds that are compiled with all other tests, and every one for a release: one with few
+#: operations, with angles, with quotients and roots, and with a matrix.
+ALWAYS = ("n1", "link", "spring_damper", "rigid_body")
 
 
 def ways(report: Any) -> set[str]:
@@ -218,9 +221,13 @@ def test_committed_numpy_kernels_are_verified(folder: Path) -> None:
     assert report.ok, str(report)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("shipped_flags")
 @pytest.mark.usefixtures("compiler")
-@pytest.mark.parametrize("folder", KINDS, ids=lambda folder: str(folder.name))
+@pytest.mark.parametrize(
+    "folder",
+    [x if x.name in ALWAYS else pytest.param(x, marks=pytest.mark.release) for x in KINDS],
+    ids=lambda folder: str(folder.name),
+)
 def test_committed_kernels_are_verified_in_every_way(folder: Path) -> None:
     report = verify(folder)
     assert report.ok, str(report)

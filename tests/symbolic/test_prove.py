@@ -26,10 +26,10 @@ if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation, Function, Output
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]
-#: Where γ is a quotient the polynomials are large.
-LARGE = ("n1", "distance", "angle", "length")
+#: One of each sort of formulas is proved with all other tests, and every kind for a release.
+ALWAYS = ("rotation", "n2", "p1_x", "point", "norm", "link", "mass_points", "rigid_body")
 MARKED = [
-    pytest.param(package, marks=pytest.mark.slow) if package in LARGE else package
+    package if package in ALWAYS else pytest.param(package, marks=pytest.mark.release)
     for package in PACKAGES
 ]
 CONSTRAINTS = ["n1", "n2", "p1_x", "p1_y", "p1_z", "p2_x", "p2_y", "p2_z", "point", "distance"]

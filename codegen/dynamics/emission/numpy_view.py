@@ -124,8 +124,6 @@ class NumpyView:
         Name, first slot and size.
     kernels, segments : tuple
         In order.
-    constants : str
-        The numbers of the scene, in lines.
     tables : mapping of str to str
         Tables, in lines that end with what their rows belong to.
     """
@@ -135,7 +133,6 @@ class NumpyView:
     regions: tuple[tuple[str, int, int], ...]
     kernels: tuple[PythonKernel, ...]
     segments: tuple[PythonSegment, ...]
-    constants: str
     tables: Mapping[str, str]
 
 
@@ -178,9 +175,11 @@ def numpy_view(
         segments=tuple(
             _segment(program, segment) for segment in (*program.segments, *program.on_demand)
         ),
-        constants=_numbers(map(literal, program.constants)),
-        tables={
-            name: _table(table) for name, table in tables(program, system, length, parts).items()
+        tables={"constants": _numbers(map(literal, program.constants))}
+        | {
+            name: _table(table)
+            for name, table in tables(program, system, length, parts).items()
+            if name != "parts"
         },
     )
 

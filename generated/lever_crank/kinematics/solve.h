@@ -47,33 +47,24 @@ static int follow(Run *run, Workspace *w, long long begin, Convergence convergen
 static int is_possible(const Run *run)
 {
     for (size_t i = 0; i < INPUTS; ++i) {
-        if (!(fabs(run->origin[i]) < HUGE_VAL && fabs(run->span[i]) < HUGE_VAL
-                && fabs(run->rate[i]) < HUGE_VAL && fabs(run->rate_dot[i]) < HUGE_VAL)) {
+        if (!(fabs(run->origin[i]) < HUGE_VAL && fabs(run->span[i]) < HUGE_VAL &&
+                fabs(run->rate[i]) < HUGE_VAL && fabs(run->rate_dot[i]) < HUGE_VAL)) {
             return 0;
         }
     }
-    return run->divisions >= 1 && run->rows >= 1 && run->start >= 0 && run->first >= run->start
-        && run->max_iterations >= 1 && run->limit > 0.0;
+    return run->divisions >= 1 && run->rows >= 1 && run->start >= 0 && run->first >= run->start &&
+           run->max_iterations >= 1 && run->limit > 0.0;
 }
 
-size_t PUBLIC(run_size)(void)
-{
-    return sizeof(Run);
-}
+size_t PUBLIC(run_size)(void) { return sizeof(Run); }
 
-size_t PUBLIC(workspace_size)(void)
-{
-    return sizeof(Workspace);
-}
+size_t PUBLIC(workspace_size)(void) { return sizeof(Workspace); }
 
-void PUBLIC(defaults)(Run *run)
-{
-    *run = defaults;
-}
+void PUBLIC(defaults)(Run *run) { *run = defaults; }
 
 int PUBLIC(solve)(Run *run, Workspace *workspace)
 {
-    Convergence convergence = {0, 0.0};
+    Convergence convergence = { 0, 0.0 };
     double delta[INPUTS];
     int is_periodic = 1;
     run->done = 0;
@@ -95,9 +86,6 @@ int PUBLIC(solve)(Run *run, Workspace *workspace)
     return follow(run, workspace, begin, convergence);
 }
 
-const char *PUBLIC(message)(int status)
-{
-    return message_of(status);
-}
+const char *PUBLIC(message)(int status) { return message_of(status); }
 
 #endif

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .body_tables import body_tables
+from .body_tables import BodyPlaces, body_tables
 from .methods import METHODS
 from .scene import state_of
 from .settings import (
@@ -165,7 +164,7 @@ def _motion_of(solver: Solver, data: dict[str, Any], method: str, rows: Array) -
         size = solver.scene.size(name)
         parts[name] = rows[:, at : at + size]
         at += size
-    bodies: Any = [SimpleNamespace(**body) for body in data["bodies"]]
+    bodies = [BodyPlaces.from_data(body) for body in data["bodies"]]
     q, v = parts.pop("q"), parts.pop("v")
     found = body_tables(bodies, q, v, parts.pop("v_dot", None), data["unit"])
     tables = {name: found.get(name, {}) for name in Motion._fields[3:-1]}

@@ -28,14 +28,15 @@ static int predict_and_correct(
     displace(w, NULL);
     memcpy(to.y, w + W_Q, NQ * sizeof *w);
     if (!project(t, 0.0, to.y, NULL, to.f, work, s, drift)) return 0;
-    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) { /* nothing predicts how far drivers turn */
+    for (size_t k = COUNTED; FITS && k != COUNTED_END;
+        ++k) { /* nothing predicts how far drivers turn */
         if (!(fabs(to.y[k] - from.y[k]) < COUNTABLE)) return 0;
     }
     return 1;
 }
 
-/* whether a step went on smoothly: the prediction met the constraints, and the accelerations explain
- * the change of the velocities; on another branch they do not */
+/* whether a step went on smoothly: the prediction met the constraints, and the accelerations
+ * explain the change of the velocities; on another branch they do not */
 static int is_smooth(double h, double drift, Position from, Position to, double *change)
 {
     const double *v[2] = { from.y + NQ, to.y + NQ }, *v_dot[2] = { from.f + NQ, to.f + NQ };
@@ -111,9 +112,10 @@ static void accept_position(double end, double asked, Work *work, State *s)
     }
 }
 
-/* the next position of a motion that drivers determine, at most at the time that is asked for. Steps
- * are halved until they are smooth. Where rows are nearly dependent at the end, it is put elsewhere:
- * before that position as long as possible, then behind it, also behind the time that is asked for */
+/* the next position of a motion that drivers determine, at most at the time that is asked for.
+ * Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is
+ * put elsewhere: before that position as long as possible, then behind it, also behind the
+ * time that is asked for */
 static int driven_step(const Settings *settings, double asked, State *s, Work *work)
 {
     double drift = 0.0, part = 1.0;
@@ -125,10 +127,12 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
         const int good = reach(end, part <= 1.0, s, work, &drift);
-        const int is_told = HAS_ENERGIES || settings->checks; /* the work, in rows or for the ledger */
-        const double error = good && part <= 1.0 && is_told
-            ? work_error(settings, 0.5 * (end - s->time), s, work) : 0.0;
-        const double factor = error == 0.0 ? 2.0 : smaller(2.0, larger(0.2, 0.9 * pow(error, -0.2)));
+        double error = 0.0, factor = 2.0;
+        /* rows or the ledger tell the work */
+        if (good && part <= 1.0 && (HAS_ENERGIES || settings->checks)) {
+            error = work_error(settings, 0.5 * (end - s->time), s, work);
+        }
+        if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -0.2)));
         const double ratio = pivot_ratio(work, s);
         if (ratio < WEAK * s->best_growth && part < FURTHEST) {
             s->avoided += 1;
@@ -142,7 +146,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             continue;
         }
         note_pivot_ratio(ratio, end, s);
-        s->best_growth = ratio < WEAK * s->best_growth ? ratio / WEAK : larger(s->best_growth, ratio);
+        s->best_growth = ratio < WEAK * s->best_growth ? ratio / WEAK
+                                                       : larger(s->best_growth, ratio);
         note_largest_pivot(work, s);
         s->drift = larger(s->drift, drift);
         s->step_size = is_last ? larger(s->step_size, factor * longest) : factor * longest;

@@ -14,7 +14,8 @@ static int inverse_pivots(const double *w, double *least, double *most)
     double sum[4] = { 0.0, 0.0, 0.0, 0.0 }; /* not finite if one is not; comparisons forget a NaN */
     const double *inverse = w + W_PIVOTS;
     enum { WHOLE = NC / 4 * 4 };
-    for (size_t k = 0; k != WHOLE; k += 4) { /* four at a time: a comparison waits for the one before */
+    for (size_t k = 0; k != WHOLE;
+        k += 4) { /* four at a time: a comparison waits for the one before */
         for (size_t j = 0; j < 4; ++j) {
             low[j] = smaller(low[j], inverse[k + j]);
             high[j] = larger(high[j], inverse[k + j]);
@@ -47,8 +48,8 @@ static void note_largest_pivot(const Work *work, State *s)
 {
     double least, most;
     if (NC == 0 || !inverse_pivots(work->w, &least, &most)) return;
-    s->least_inverse_pivot =
-        s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot) : least;
+    s->least_inverse_pivot = s->least_inverse_pivot > 0.0 ? smaller(least, s->least_inverse_pivot)
+                                                          : least;
 }
 
 /* keeps the smallest pivot ratio, and when that was */

@@ -36,8 +36,9 @@ static void refine(double *w)
     for (size_t k = 0; k != N_POWER; ++k) w[W_Q_DOT + NQ - N_POWER + k] += w[W_MORE_POWER + k];
 }
 
-/* q_dot, v_dot and the multipliers. Where much of them was lost, they are brought nearer by what is
- * left of C_q v_dot = gamma: S = C_q M^-1 C_q^T squares the condition of C_q, which this takes back */
+/* q_dot, v_dot and the multipliers. Where much of them was lost, they are brought nearer by
+ * what is left of C_q v_dot = gamma: S = C_q M^-1 C_q^T squares the condition of C_q, which
+ * this takes back */
 static void accelerate(Work *work, State *s)
 {
     const int has_all = HAS_ROW_SWITCH && work->all.is_on != 0.0;
@@ -143,7 +144,8 @@ static void displacement_of(const double *q, const double *dq, double *u)
     }
 }
 
-/* the pivot ratio at a q that need not be on the constraints; its geometry is then in the workspace */
+/* the pivot ratio at a q that need not be on the constraints; its geometry is then in the
+ * workspace */
 static double ratio_at(const double *q, Work *work, State *s)
 {
     memcpy(work->w + W_Q, q, NQ * sizeof *q);

@@ -76,9 +76,9 @@ static void multiply_rows(Work *work)
     }
 }
 
-/* C_q M^-1 C_q^T of all rows becomes L D L^T of NC rows, those of drivers and those with the largest
- * pivots; the smallest pivot relative to the largest of them and of all steps, 0 if one is not
- * positive */
+/* C_q M^-1 C_q^T of all rows becomes L D L^T of NC rows, those of drivers and those with the
+ * largest pivots; the smallest pivot relative to the largest of them and of all steps, 0 if
+ * one is not positive */
 static double factorise_rows(Work *work, const State *s)
 {
     RowSwitch *all = &work->all;
@@ -229,7 +229,8 @@ static void accelerate_all_rows(Work *work)
     refine_all_rows(work);
 }
 
-/* forgets where all rows were tried in vain: what follows does not depend on what was asked before */
+/* forgets where all rows were tried in vain: what follows does not depend on what was asked
+ * before */
 static void forget_trials(Work *work)
 {
     if (HAS_ROW_SWITCH) work->all.tried = 0.0;

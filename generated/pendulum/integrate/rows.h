@@ -1,4 +1,5 @@
-/* The rows that are written, at steps and between them, and what the ledger of a run notes of them. */
+/* The rows that are written, at steps and between them, and what the ledger of a run notes of
+ * them. */
 
 /* the change of energy since the start that no force explains */
 static double energy_balance(const double *w, const State *s)
@@ -26,8 +27,8 @@ static void note_checks(double *w, State *s)
     }
 }
 
-/* puts what the polynomial says of a time into the workspace where rows are nearly dependent, so that
- * neither a projection nor the accelerations can be had from them */
+/* puts what the polynomial says of a time into the workspace where rows are nearly dependent,
+ * so that neither a projection nor the accelerations can be had from them */
 static int interpolate_position(
     const Method *m, double t, double x, double *y, Work *work, State *s)
 {
@@ -52,7 +53,8 @@ static void interpolate_accelerations(
     s->passed_time = t;
 }
 
-/* writes the state at a time of the last step: on the manifold, as at every time that is asked for */
+/* writes the state at a time of the last step: on the manifold, as at every time that is asked
+ * for */
 static int write_row(
     const Method *m, const Settings *settings, double t, State *s, Work *work, double *row)
 {

@@ -8,7 +8,7 @@
 static int damped_step(size_t number, Workspace *w, double *correction, double residual)
 {
     const size_t first = blocks[number].first, n = blocks[number].size;
-    const Coordinates position = {w->alpha, w->x};
+    const Coordinates position = { w->alpha, w->x };
     double before[LARGEST_BLOCK], epsilon[LARGEST_BLOCK];
     solve_block(number, w, correction);
     for (size_t i = 0; i < n; ++i) {
@@ -30,7 +30,7 @@ static int damped_step(size_t number, Workspace *w, double *correction, double r
 static int assemble_block(const Run *run, size_t number, Workspace *w, Convergence *convergence)
 {
     const size_t n = blocks[number].size;
-    const Coordinates position = {w->alpha, w->x};
+    const Coordinates position = { w->alpha, w->x };
     double correction[LARGEST_BLOCK];
     const double given = evaluate(number, position, w, correction);
     double pivot = given, residual = largest_residual(n, correction);

@@ -41,18 +41,16 @@ static void velocity_equations(
 }
 
 /* right-hand side of the accelerations of a block, (23) and (25) */
-static void acceleration_equations(
-    size_t number, Coordinates position, Coordinates velocity, Coordinates acceleration,
-    double *gamma_)
+static void acceleration_equations(size_t number, Coordinates position, Coordinates velocity,
+    Coordinates acceleration, double *gamma_)
 {
     const Block *block = &blocks[number];
     double known[LARGEST_KNOWN], known_dot[LARGEST_KNOWN], known_ddot[LARGEST_KNOWN];
     gather(block, position, known);
     gather(block, velocity, known_dot);
     gather(block, acceleration, known_ddot);
-    acceleration_kernel(
-        number, known, position.x + block->first, known_dot, velocity.x + block->first,
-        known_ddot, gamma_);
+    acceleration_kernel(number, known, position.x + block->first, known_dot,
+        velocity.x + block->first, known_ddot, gamma_);
 }
 
 /* residuals of a block and the LU factors of its Jacobian; returns the smallest pivot */
@@ -61,8 +59,7 @@ static double evaluate(size_t number, Coordinates position, Workspace *w, double
     const Block *block = &blocks[number];
     double *jacobian = w->matrix + block->jacobian;
     position_equations(number, position, epsilon, jacobian);
-    return factorise(
-        block->size, jacobian, w->pivot + block->first, unknowns + block->first);
+    return factorise(block->size, jacobian, w->pivot + block->first, unknowns + block->first);
 }
 
 /* solve with the factors that `evaluate` left; the right-hand side becomes the solution */
@@ -73,12 +70,11 @@ static void solve_block(size_t number, const Workspace *w, double *side)
 }
 
 /* derivatives of x at the position of the workspace, along given ones of the inputs */
-static void differentiate(
-    const Workspace *w, const double *alpha_dot, const double *alpha_ddot, double *x_dot,
-    double *x_ddot)
+static void differentiate(const Workspace *w, const double *alpha_dot, const double *alpha_ddot,
+    double *x_dot, double *x_ddot)
 {
-    const Coordinates position = {w->alpha, w->x};
-    const Coordinates velocity = {alpha_dot, x_dot}, acceleration = {alpha_ddot, x_ddot};
+    const Coordinates position = { w->alpha, w->x };
+    const Coordinates velocity = { alpha_dot, x_dot }, acceleration = { alpha_ddot, x_ddot };
     for (size_t number = 0; number < BLOCKS; ++number) {
         const size_t first = blocks[number].first, n = blocks[number].size;
         double side[LARGEST_BLOCK];

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
@@ -43,12 +43,7 @@ def test_groups_of_kernels_compute_what_each_kernel_does(
     compiler: Toolchain, tmp_path: Path, many: dict[str, str]
 ) -> None:
     write_tree(tmp_path, many)
-    targets: tuple[Any, Any] = ("c", "numpy")
-    first, second = (
-        load_dynamics(tmp_path, target=target).simulate(0.5, samples=3, tolerance=1e-8)
-        for target in targets
-    )
+    first = load_dynamics(tmp_path, target="c").simulate(0.5, samples=3, tolerance=1e-8)
     k, t = np.arange(2, COUNT + 2), first.time[:, None]
     wanted = np.stack([(k * np.sin(k * t)).sum(axis=1), np.cos(t / k).sum(axis=1)], axis=1) / 2
     np.testing.assert_allclose(first.acceleration["p"][:, :2], wanted, rtol=1e-13, atol=1e-12)
-    np.testing.assert_allclose(first.position["p"], second.position["p"], rtol=1e-12, atol=1e-12)

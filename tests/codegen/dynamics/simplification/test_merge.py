@@ -75,6 +75,7 @@ def moved(scene: Scene, outputs: list[str], folder: Path) -> Motion:
     return solver.simulate(0.06, samples=4, tolerance=1e-11)
 
 
+@pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_motion_of_a_tree_is_that_of_all_its_bodies(seed: int, tmp_path: Path) -> None:
     scene = random_tree(seed)
@@ -98,6 +99,7 @@ def test_the_motion_of_a_tree_is_that_of_all_its_bodies(seed: int, tmp_path: Pat
     assert "j1" not in one.ledger.violations
 
 
+@pytest.mark.usefixtures("numpy_solver")
 def test_momentum_is_told_of_all_bodies_that_have_it(tmp_path: Path) -> None:
     builder = SceneBuilder("floating", unit="m").outputs("energies")
     for k, name in enumerate("abc"):

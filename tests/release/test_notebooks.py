@@ -1,6 +1,6 @@
 """Notebooks are committed with their outputs; here they run again and must say the same.
 
-``pytest tests/test_notebooks.py --update-golden`` writes the outputs.
+``pytest tests/release/test_notebooks.py --update-golden`` writes the outputs.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ import pytest
 nbformat = pytest.importorskip("nbformat")
 nbclient = pytest.importorskip("nbclient")
 
-FOLDER = Path(__file__).parents[1] / "notebooks"
+FOLDER = Path(__file__).parents[2] / "notebooks"
 NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
 #: What is compared; a picture only has to be there, its bytes depend on the version of matplotlib.
 COMPARED = ("text/plain", "text/latex", "text/markdown")
@@ -72,7 +72,6 @@ def joined(outputs: list[Any]) -> list[Any]:
     return found
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_shows_what_is_committed(path: Path, request: pytest.FixtureRequest) -> None:
     committed = nbformat.read(path, as_version=4)

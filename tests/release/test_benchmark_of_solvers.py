@@ -42,7 +42,6 @@ def test_the_recursion_gives_what_dense_matrices_give(solvers: ModuleType) -> No
     assert solvers.chains.recursive(theta, rate) == pytest.approx(np.array(wanted), rel=1e-10)
 
 
-@pytest.mark.slow
 def test_the_accelerations_of_a_thousand_bars_are_those_of_the_recursion(
     solvers: ModuleType, compiler: Toolchain, tmp_path: Path
 ) -> None:

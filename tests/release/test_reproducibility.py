@@ -68,7 +68,6 @@ def lay_over(folder: Path, requirements: tuple[str, ...]) -> None:
         pytest.skip(f"pip cannot install {' '.join(requirements)} here: {result.stderr[-300:]}")
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", ENVIRONMENTS)
 def test_every_supported_environment_gives_the_committed_bytes(name: str, tmp_path: Path) -> None:
     requirements, sympy, backend = ENVIRONMENTS[name]
