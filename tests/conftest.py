@@ -5,7 +5,7 @@ What a test asks for puts it into a tier: with the fixture ``compiler`` it compi
 release. A test that asks for less than it does fails. ``make test`` runs all but those for a
 release. ``make quick`` leaves out also those that compile or make steps in NumPy, those that
 ``slow.txt`` lists, and of a test with many parameters all but its first two sets of them.
-``pytest -m "not release" --record-slow`` measures the tests and writes ``slow.txt``.
+``make slow`` measures the tests and writes ``slow.txt``.
 """
 
 from __future__ import annotations
