@@ -28,7 +28,7 @@ release-test: $(call installed,test)  ## besides: all proofs, notebooks, packagi
 	$(PYTEST) -m release $(TESTS)
 
 slow: $(call installed,test)  ## measure which tests take too long for quick
-	$(BIN)/python -m pytest --quiet -m "not release" --record-slow $(TESTS)
+	$(BIN)/python -m pytest --quiet -m "not (compiles or numpy_solver or release)" --record-slow $(TESTS)
 
 lint: $(call installed,lint)
 	$(BIN)/ruff check .

@@ -5,7 +5,7 @@ What a test asks for puts it into a tier: with the fixture ``compiler`` it compi
 release. A test that asks for less than it does fails. ``make test`` runs all but those for a
 release. ``make quick`` leaves out also those that compile or make steps in NumPy, those that
 ``slow.txt`` lists, and of a test with many parameters all but its first two sets of them.
-``pytest -m "not release" --record-slow`` measures the tests and writes ``slow.txt``.
+``make slow`` measures the tests and writes ``slow.txt``.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from hypothesis import HealthCheck, settings
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
@@ -41,8 +42,9 @@ TESTS = Path(__file__).parent
 MARKS = {"compiler": "compiles", "numpy_solver": "numpy_solver", "shipped_flags": "shipped_flags"}
 #: What the compiler of a test without the fixture is called; its error says what is missing.
 NOT_ASKED_FOR = "the fixture 'compiler' of the test"
-#: Bits are the same without optimising, in a fifth of the compiler's time; the last flag wins.
-QUICK_TO_COMPILE = "-O0"
+#: Bits are the same without optimising, in a fifth of the compiler's time; the last flag wins. Zig
+#: would look for undefined behaviour then.
+QUICK_TO_COMPILE = "-O0 -fno-sanitize=undefined"
 #: Tests by their ids without parameters, of which a case took too long for ``make quick``.
 SLOW = TESTS / "slow.txt"
 TOO_LONG = 0.25
@@ -65,6 +67,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 def pytest_configure(config: pytest.Config) -> None:
     """Let all processes of a run share what they generate and compile, and remove it after."""
     config.stash[FOUND_SLOW] = set()
+    # Examples are slow where the machine has more to do; the first one reads all sources.
+    settings.register_profile(
+        "kousoku", deadline=None, suppress_health_check=[HealthCheck.too_slow]
+    )
+    settings.load_profile("kousoku")
     if "KOUSOKU_TESTS_SHARE" not in os.environ:
         shared = tempfile.mkdtemp(prefix="kousoku-tests-")
         os.environ["KOUSOKU_TESTS_SHARE"] = shared

@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,7 @@ def sources(folder: str) -> list[Path]:
     return sorted(path for path in found if not any(p.is_symlink() for p in path.parents))
 
 
+@cache
 def imports(path: Path) -> set[str]:
     """Return the absolute names of all that a file imports, wherever in the file."""
     names = set()

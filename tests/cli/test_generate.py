@@ -32,8 +32,8 @@ def test_kinds_and_scenes_go_into_folders_of_their_names(run: Run, tmp_path: Pat
 
 
 def test_a_kind_with_variants_gives_all_of_them(run: Run, tmp_path: Path) -> None:
-    answer = json.loads(run("generate", "p2", "--out", tmp_path, "--json")[1])
-    assert [Path(row["folder"]).name for row in answer] == ["p2_x", "p2_y", "p2_z"]
+    answer = json.loads(run("generate", "p1", "--out", tmp_path, "--json")[1])
+    assert [Path(row["folder"]).name for row in answer] == ["p1_x", "p1_y", "p1_z"]
 
 
 def test_the_command_in_the_head_of_a_shipped_scene_works(run: Run, tmp_path: Path) -> None:

@@ -358,13 +358,8 @@ int main(void)
 """
 
 
-@pytest.mark.parametrize(
-    ("name", "lanes"),
-    [
-        ("mixed", 2),
-        *(pytest.param(*one, marks=pytest.mark.release) for one in (("mixed", 8), ("called", 4))),
-    ],
-)
+@pytest.mark.release
+@pytest.mark.parametrize(("name", "lanes"), [("mixed", 2), ("mixed", 8), ("called", 4)])
 def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(
     compiler: Toolchain, folder: Path, lanes: int, name: str
 ) -> None:

@@ -94,7 +94,7 @@ def test_the_reference_is_the_closed_form() -> None:
         assert rate * np.cos(theta) == pytest.approx(speed, rel=1e-11)
 
 
-@pytest.mark.parametrize("count", [2, 40])
+@pytest.mark.parametrize("count", [2, pytest.param(40, marks=pytest.mark.release)])
 def test_four_bars_stay_parallelograms_and_their_error_falls_with_the_tolerance(
     mover: Mover, count: int
 ) -> None:

@@ -150,7 +150,7 @@ def dense(program: Program, system: System, row: Array, phase: float = 0.0) -> t
 def test_motion_and_forces_are_those_of_a_good_choice_and_of_least_squares(
     folders: dict[str, Path], system: System, good: Program, backend: str, method: str
 ) -> None:
-    times, target = np.linspace(0.0, END, 21), cast("Any", backend)
+    times, target = np.linspace(0.0, END, 6), cast("Any", backend)
     runs = {
         name: load_dynamics(folder, target=target).begin(times, tolerance=1e-10, method=method)
         for name, folder in folders.items()

@@ -69,16 +69,15 @@ def test_a_number_that_is_given_is_as_good_as_one_that_is_folded_in(
 ) -> None:
     scene = scene_from_toml(SCENES[name])
     solver = load(scene, "numpy")
-    for seed in (1, 2):
-        given = drawn(scene, seed)
-        wanted = load(folded(scene, given), "numpy")
-        state = wanted.evaluate(0.25)
-        found = solver.evaluate(0.25, wanted.q, wanted.v, given)
-        for region in (*REGIONS, *(OF_ROWS if solver.rows == wanted.rows else ())):
-            size = 1e-3 if region in {"C", "dq"} else np.abs(state[region]).max()
-            np.testing.assert_allclose(
-                found[region], state[region], rtol=0, atol=1e-12 * size, err_msg=region
-            )
+    given = drawn(scene, 1)
+    wanted = load(folded(scene, given), "numpy")
+    state = wanted.evaluate(0.25)
+    found = solver.evaluate(0.25, wanted.q, wanted.v, given)
+    for region in (*REGIONS, *(OF_ROWS if solver.rows == wanted.rows else ())):
+        size = 1e-3 if region in {"C", "dq"} else np.abs(state[region]).max()
+        np.testing.assert_allclose(
+            found[region], state[region], rtol=0, atol=1e-12 * size, err_msg=region
+        )
 
 
 @pytest.mark.usefixtures("numpy_solver")
@@ -142,7 +141,7 @@ def test_frames_stay_where_they_start_when_parameters_turn_principal_axes(
 
 @pytest.mark.usefixtures("compiler", "shipped_flags")
 @pytest.mark.usefixtures("numpy_solver")
-@pytest.mark.parametrize("name", ["four_bar", "loop", "coupled"])
+@pytest.mark.parametrize("name", ["four_bar", "coupled"])
 def test_c_and_numpy_make_the_same_bits_of_parameters(load: Callable[..., Any], name: str) -> None:
     scene = scene_from_toml(SCENES[name])
     given = drawn(scene, 4)

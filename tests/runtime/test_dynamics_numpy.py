@@ -73,7 +73,6 @@ def in_numpy(folder: Folder) -> Callable[[str], DynamicsSolver]:
         ("pendulum", 2.0, 1e-12),
         ("four_bar", 1.0, 1e-8),
         ("heavy_top", 1.0, 1e-10),
-        ("chain", 1.0, 1e-9),
         ("chain", 1.0, 1e-4),
         ("long_chain", 0.02, 1e-6),
         ("free_body", 1.0, 1e-10),

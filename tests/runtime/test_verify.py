@@ -44,6 +44,7 @@ def test_a_right_package_is_verified_in_every_way(tiny: Path) -> None:
     assert 0.0 < report.worst.worst < 1.0
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_one_target_can_be_verified(
     tiny: Path, target: Literal["c", "numpy"], backend_compiler: None

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 PACKAGES = [package for kind in KINDS.values() for package in kind.packages]
 #: One of each sort of formulas is proved with all other tests, and every kind for a release.
-ALWAYS = ("rotation", "n2", "p1_x", "point", "norm", "link", "mass_points", "rigid_body")
+ALWAYS = ("rotation", "n2", "point", "norm", "link", "mass_points", "rigid_body")
 MARKED = [
     package if package in ALWAYS else pytest.param(package, marks=pytest.mark.release)
     for package in PACKAGES
