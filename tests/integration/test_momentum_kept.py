@@ -118,8 +118,7 @@ def top() -> dict[str, Any]:
 def test_bodies_on_the_ground_keep_what_their_joints_leave(
     compiler: Toolchain, tmp_path: Path, tree: Any, which: str, text: str
 ) -> None:
-    for name, source in generate_dynamics(scene_from_dict(tree()), ("energies",)).items():
-        (tmp_path / name).write_text(source, encoding="utf-8", newline="\n")
+    write_tree(tmp_path, generate_dynamics(scene_from_dict(tree()), ("energies",)))
     solver = load_dynamics(tmp_path, target="c")
     sizes = []
     for tolerance in (1e-5, 1e-11):

@@ -207,7 +207,9 @@ def test_all_rows_are_not_tried_again_where_they_did_not_help(
     target: Any = solver.target
     integrate = sys.modules[type(target.solver).__module__.removesuffix(".solver")]
     module = import_module(".row_switch", integrate.__name__)
-    users = [import_module(f".{name}", integrate.__name__) for name in ("stepper", "rows")]
+    users = [
+        import_module(f".{name}", integrate.__name__) for name in ("stepper", "rows", "kinematics")
+    ]
     tried: list[float] = []  # ratios of rows kept where all rows did not help, 0 where forgotten
     are_better, factorise = module.are_all_rows_better, module.factorise_rows
     made: list[float] = []

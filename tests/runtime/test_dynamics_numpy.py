@@ -274,21 +274,23 @@ def test_command_line_simulates_without_a_compiler(target: str) -> None:
 @pytest.mark.usefixtures("numpy_solver")
 def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
     code = (
-        "import sys, json, numpy as np, solver\n"
-        "data = json.load(open('motion.json'))\n"
-        "state, work = np.zeros(solver.STATE_SIZE), np.zeros(solver.WORK_SIZE)\n"
+        "import sys, json, numpy as np\n"
+        "from pendulum.solver import SOLVER, SCENE\n"
+        "from pendulum.integrate.settings import GOOD, Settings\n"
+        "data = json.load(open('pendulum/motion.json'))\n"
+        "state, work = np.zeros(SCENE.state_size), np.zeros(SCENE.work_size)\n"
         "q, v = np.array(data['q']), np.array(data['v'])\n"
-        "assert solver.start(0.0, q, v, None, state, work) == solver.GOOD\n"
-        "rows = np.zeros((3, solver.ROW_SIZE))\n"
-        "settings = solver.Settings(1e-9, 1e300, 0.0, True, 1)\n"
+        "assert SOLVER.start(0.0, q, v, None, state, work) == GOOD\n"
+        "rows = np.zeros((3, SCENE.row_size))\n"
+        "settings = Settings(1e-9, 1e300, 0.0, True, 1)\n"
         "times = np.array([0.0, 0.5, 1.0])\n"
-        "assert solver.run(settings, times, 10**6, state, work, rows) == (solver.GOOD, 3)\n"
+        "assert SOLVER.run(settings, times, 10**6, state, work, rows) == (GOOD, 3)\n"
         "assert not {'kousoku', 'sympy', 'jinja2'} & set(sys.modules)\n"
-        "print(json.dumps(rows[-1, 1:1 + solver.NQ].tolist()))"
+        "print(json.dumps(rows[-1, 1:1 + SCENE.nq].tolist()))"
     )
     where = folder("pendulum")
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=where, capture_output=True, text=True, check=True
+        [sys.executable, "-c", code], cwd=where.parent, capture_output=True, text=True, check=True
     )
     run = load_dynamics(where, target="numpy").begin([0.0, 0.5, 1.0], method="dop853")
     assert run.advance(10**6) == GOOD

@@ -51,7 +51,7 @@ class Field(NamedTuple):
         """Return the part of a state that it is, in its shape."""
         size = math.prod(self.room)
         whole = numbers[self.place : self.place + size].reshape(self.room)
-        return whole[tuple(slice(count) for count in self.shape)]
+        return whole[tuple(slice(count) for count in self.shape)] if self.shape else whole
 
 
 class Number:
