@@ -9,6 +9,8 @@ from kousoku.codegen.derived import freeze_derivation, recall_or_derive
 from kousoku.codegen.emit import emit
 from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
+from kousoku.model.compressed import content, stored
+from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.symbolic.kinds import KINDS
 
 if TYPE_CHECKING:
@@ -21,7 +23,6 @@ if TYPE_CHECKING:
     SourceTree = dict[str, str]
 
 MANIFEST_FILE = "manifest.json"
-REFERENCE_FILE = "reference.json"
 
 
 def package_names() -> tuple[str, ...]:
@@ -97,6 +98,7 @@ def _emitted(derived: Derived) -> SourceTree:
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     """Write a folder, each file whole or not at all, and remove what an older version left.
 
+    What ends in ``.gz`` is compressed, and is written where what it holds changes.
     Only files that the folder's own manifest lists are removed. The manifest is written last, so
     that a folder that was written half is recognised by its digests.
 
@@ -114,7 +116,7 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     changed = [name for name, text in tree.items() if _read(folder / name) != text]
     for name in changed:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(folder / name, tree[name].encode())
+        write_atomically(folder / name, stored(name, tree[name]))
     for name in stale:
         (folder / name).unlink(missing_ok=True)
     return changed + stale
@@ -130,7 +132,8 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     for name, text in tree.items():
         found = _read(folder / name)
         if found is None:
-            differences.append(f"{folder / name} is missing")
+            is_there = (folder / name).exists()
+            differences.append(f"{folder / name} {'is damaged' if is_there else 'is missing'}")
         elif found != text:
             differences.append(f"{folder / name} differs {_where(found, text)}")
     beside = {name.partition("/")[0] for name in tree if "/" in name}
@@ -146,9 +149,10 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
 
 def _read(path: Path) -> str | None:
+    """Return what a file holds, None where it is missing or damaged."""
     try:
-        return path.read_bytes().decode()
-    except (FileNotFoundError, UnicodeDecodeError):
+        return content(path.name, path.read_bytes()).decode()
+    except (FileNotFoundError, ValueError):
         return None
 
 

@@ -6,21 +6,23 @@ With it a scene is composed of the kinds that are shipped, and SymPy is not star
 from __future__ import annotations
 
 import json
+import re
 from fractions import Fraction
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kousoku.codegen.graph import Node, Op
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.kernel import Kernel, Package
 from kousoku.model.errors import LoadError
+from kousoku.model.jsontext import to_text
 from kousoku.model.quantity import Quantity
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-FORMAT = 1
+FORMAT = 2
 GRAPH_FILE = "graph.json"
+#: Signs of the operations that stand between the ids of their operands, as in ``12*40``.
+SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
+_SIGNED = re.compile(r"(\d+)([-+*/])(\d+)")
+_INPUT = re.compile(r"(\w+)\[(\d+)\]")
 
 
 def dump(package: Package) -> str:
@@ -110,13 +112,19 @@ def _quantity_to_data(quantity: Quantity) -> dict[str, object]:
     }
 
 
-def _node_to_data(node: Node) -> list[object]:
+def _node_to_data(node: Node) -> str:
+    """Return ``=3/2`` for a number, ``p_i[0]`` for an input, ``12*40``, ``-7``, ``atan2 3 5``."""
     if node.op is Op.CONST:
-        return [node.op.value, str(node.value)]
+        return f"={node.value}"
     if node.op is Op.INPUT:
         assert node.symbol is not None
-        return [node.op.value, *node.symbol]
-    return [node.op.value, *node.args]
+        name, index = node.symbol
+        return f"{name}[{index}]"
+    if node.op in SIGNS:
+        return f"{node.args[0]}{SIGNS[node.op]}{node.args[1]}"
+    if node.op is Op.NEG:
+        return f"-{node.args[0]}"
+    return " ".join((node.op.value, *map(str, node.args)))
 
 
 def _kernel_from_data(data: dict[str, Any]) -> Kernel:
@@ -146,14 +154,20 @@ def _quantity_from_data(data: dict[str, Any]) -> Quantity:
     return Quantity(data["name"], tuple(data["shape"]), data["unit"], data["meaning"])
 
 
-def _node_from_data(item: Sequence[Any], position: int) -> Node:
-    op = Op(item[0])
-    if op is Op.CONST:
-        return Node(op, value=Fraction(item[1]))
-    if op is Op.INPUT:
-        name, index = item[1:]
-        return Node(op, symbol=(name, index))
-    return Node(op, args=tuple(_known_id(arg, position) for arg in item[1:]))
+def _node_from_data(text: str, position: int) -> Node:
+    if text.startswith("="):
+        return Node(Op.CONST, value=Fraction(text[1:]))
+    if found := _INPUT.fullmatch(text):
+        return Node(Op.INPUT, symbol=(found[1], int(found[2])))
+    if found := _SIGNED.fullmatch(text):
+        op = next(op for op, sign in SIGNS.items() if sign == found[2])
+        args = [found[1], found[3]]
+    elif text.startswith("-"):
+        op, args = Op.NEG, [text[1:]]
+    else:
+        word, *args = text.split(" ")
+        op = Op(word)
+    return Node(op, args=tuple(_known_id(int(arg), position) for arg in args))
 
 
 def _known_id(node: int, count: int) -> int:

@@ -7,6 +7,7 @@ import types
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
+from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
@@ -162,12 +163,12 @@ def read_manifest(folder: Path) -> Manifest:
 
 
 def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
-    """Return the files that a manifest lists, each compared with its digest.
+    """Return what the files hold that a manifest lists, each compared with its digest.
 
     Raises
     ------
     LoadError
-        Files are missing or edited; the message names each.
+        Files are missing, edited or damaged; the message names each.
     """
     import hashlib
 
@@ -177,9 +178,12 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
         if PLAIN.fullmatch(name) is None:
             raise LoadError(f"{folder / MANIFEST} lists {name!r}, which is not a plain file name")
         try:
-            files[name] = (folder / name).read_bytes()
+            files[name] = content(name, (folder / name).read_bytes())
         except OSError as error:
             problems.append(f"{folder / name} is missing ({error.strerror})")
+            continue
+        except ValueError as error:
+            problems.append(f"{folder / name} is damaged: {error}")
             continue
         if hashlib.sha256(files[name]).hexdigest() != digest:
             problems.append(f"{folder / name} was edited: its SHA-256 is not the manifest's")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -60,7 +61,8 @@ def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: P
 
 
 @pytest.mark.parametrize(
-    ("target", "suffixes"), [("c", {".c", ".h", ".json"}), ("numpy", {".py", ".json"})]
+    ("target", "suffixes"),
+    [("c", {".c", ".h", ".json", ".gz"}), ("numpy", {".py", ".json", ".gz"})],
 )
 def test_the_other_target_can_be_left_out(
     run: Run, tmp_path: Path, target: str, suffixes: set[str]
@@ -104,9 +106,9 @@ def test_verify_as_json_is_for_programs(run: Run) -> None:
 
 def test_verify_fails_on_an_edited_reference(run: Run, tmp_path: Path) -> None:
     run("generate", "n1", "--out", tmp_path)
-    reference = tmp_path / "n1" / "reference.json"
-    text = reference.read_text(encoding="utf-8")
-    reference.write_text(text.replace("1", "2", 1), encoding="utf-8")
+    reference = tmp_path / "n1" / "reference.json.gz"
+    text = gzip.decompress(reference.read_bytes())
+    reference.write_bytes(gzip.compress(text.replace(b"1", b"2", 1)))
     code, out, err = run("verify", tmp_path)
     assert code == 1
     assert "reference.json" in out + err

@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def folder(n1_package: Package) -> dict[str, str]:
-    return emit(n1_package, {"reference.json": "{}\n"})
+    return emit(n1_package, {"reference.json.gz": "{}\n"})
 
 
 def test_the_folder_has_the_files_that_the_house_names(folder: dict[str, str]) -> None:
@@ -41,7 +41,7 @@ def test_the_folder_has_the_files_that_the_house_names(folder: dict[str, str]) -
         "kernels.c",
         "kernels_batch.c",
         "kernels.h",
-        "reference.json",
+        "reference.json.gz",
         "manifest.json",
     ]
 
@@ -76,7 +76,7 @@ def test_c_has_no_pow_no_heap_and_no_globals(folder: dict[str, str]) -> None:
 
 
 def test_emitting_twice_gives_the_same_bytes(n1_package: Package, folder: dict[str, str]) -> None:
-    assert emit(n1_package, {"reference.json": "{}\n"}) == folder
+    assert emit(n1_package, {"reference.json.gz": "{}\n"}) == folder
 
 
 def test_another_graph_has_another_digest(n1_package: Package, folder: dict[str, str]) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from msgspec import structs
 
+from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.linkage import Program, generate_scene, specialise
@@ -41,9 +42,7 @@ def kernels(name: str) -> dict[str, Kernel]:
 
 
 def write(folder: Path, files: dict[str, str]) -> Path:
-    folder.mkdir(exist_ok=True)
-    for name, text in files.items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, files)
     return folder
 
 
@@ -104,7 +103,7 @@ def test_references_find_a_kernel_that_is_composed_wrong(tmp_path: Path) -> None
             results = tuple(tuple(node - 1 for node in result) for result in kernel.results)
             wrong[k] = replace(kernel, results=results)
     package = replace(made.package, kernels=tuple(wrong))
-    files = emit_scene(package, made.solver, {"reference.json": text})
+    files = emit_scene(package, made.solver, {"reference.json.gz": text})
     report = verify(write(tmp_path / "wrong", files), target="numpy")
     assert not report.ok
     assert {row.kernel for row in report.rows if row.worst > 4} == {"acceleration_2"}

@@ -10,6 +10,7 @@ import pytest
 from mpmath import MPContext
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.codegen.linkage import generate_scene
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
@@ -36,9 +37,7 @@ def folder_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene], Pat
         key = hash(repr(scene))
         if key not in known:
             known[key] = tmp_path_factory.mktemp("scene") / scene.name
-            known[key].mkdir()
-            for name, text in generate_scene(scene).items():
-                (known[key] / name).write_text(text, encoding="utf-8", newline="\n")
+            write_tree(known[key], generate_scene(scene))
         return known[key]
 
     return make

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import gzip
 import logging
 import shutil
 import subprocess
@@ -87,7 +88,7 @@ def test_kernels_are_found_by_name(tiny: Path) -> None:
 
 
 @pytest.mark.parametrize("target", ["auto", "c", "numpy"])
-@pytest.mark.parametrize("name", ["kernels.c", "kernels.h", "kernels.py", "reference.json"])
+@pytest.mark.parametrize("name", ["kernels.c", "kernels.h", "kernels.py"])
 def test_an_edited_file_is_named(tiny: Path, name: str, target: Targets) -> None:
     with (tiny / name).open("a", encoding="utf-8") as file:
         file.write("\n")
@@ -96,6 +97,26 @@ def test_an_edited_file_is_named(tiny: Path, name: str, target: Targets) -> None
     message = str(raised.value)
     assert f"{tiny / name} was edited" in message
     assert "generate the package again: kousoku generate tiny" in message
+
+
+def test_a_compressed_file_counts_by_what_it_holds(tiny: Path) -> None:
+    path = tiny / "reference.json.gz"
+    text = gzip.decompress(path.read_bytes())
+    path.write_bytes(gzip.compress(text, compresslevel=1, mtime=7))
+    assert load(tiny, target="numpy").kernels
+    path.write_bytes(gzip.compress(text + b"\n"))
+    with pytest.raises(LoadError, match=r"reference\.json\.gz was edited"):
+        load(tiny, target="numpy")
+
+
+@pytest.mark.parametrize("keep", [0, 5, 40, -1])
+def test_a_damaged_compressed_file_is_named(tiny: Path, keep: int) -> None:
+    path = tiny / "reference.json.gz"
+    path.write_bytes(path.read_bytes()[:keep])
+    with pytest.raises(LoadError) as raised:
+        load(tiny, target="numpy")
+    assert f"{path} is damaged: reference.json.gz cannot be decompressed" in str(raised.value)
+    assert "generate the package again: kousoku generate tiny" in str(raised.value)
 
 
 def test_all_edited_and_missing_files_are_named(tiny: Path) -> None:

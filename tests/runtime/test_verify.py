@@ -140,7 +140,7 @@ def test_a_negative_zero_is_not_a_zero_but_any_nan_is_a_nan(tmp_path: Path) -> N
     assert verify(nan).ok
 
 
-@pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h", "reference.json"])
+@pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h", "reference.json.gz"])
 def test_an_edited_file_is_named(tiny: Path, name: str) -> None:
     with (tiny / name).open("a", encoding="utf-8") as file:
         file.write(" ")
@@ -205,11 +205,11 @@ def test_the_compilers_refusal_is_shown_whole(
 def test_a_package_without_reference_values_is_not_verified(tiny: Path) -> None:
     manifest = tiny / "manifest.json"
     data = json.loads(manifest.read_text(encoding="utf-8"))
-    data["files"] = [entry for entry in data["files"] if entry[0] != "reference.json"]
+    data["files"] = [entry for entry in data["files"] if entry[0] != "reference.json.gz"]
     manifest.write_text(json.dumps(data), encoding="utf-8")
     report = verify(tiny)
     assert not report.ok
-    assert "lists no reference.json: nothing to verify" in report.problems[0]
+    assert "lists no reference.json.gz: nothing to verify" in report.problems[0]
 
 
 @pytest.mark.parametrize("folder", KINDS, ids=lambda folder: str(folder.name))
@@ -254,7 +254,7 @@ def test_a_flipped_sign_in_a_template_is_caught(
     right = generate_kind("norm")
     monkeypatch.setattr(emission._TEMPLATES, "get_source", flipped)
     tree = generate_kind("norm")
-    assert tree["reference.json"] == right["reference.json"]
+    assert tree["reference.json.gz"] == right["reference.json.gz"]
     write_tree(tmp_path / "norm", tree)
     report = verify(tmp_path / "norm")
     assert not report.ok

@@ -13,8 +13,8 @@ from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view
 from kousoku.codegen.emit import environment, manifest, template
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.kernel import Package
+from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from kousoku.codegen.jsontext import WIDTH, to_text
+from kousoku.model.jsontext import WIDTH, to_text
 
 VALUE = {
     "short": [1, 2, 3],
