@@ -17,7 +17,6 @@ import time
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from importlib.resources import files
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +26,7 @@ from p2 import N_IN, N_OUT, PACKAGE, SAMPLE, Judge, aligned, inputs
 from peers import MissingPeerError, heyoka_functions, lambdified, stacked
 
 from kousoku import runtime
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -275,7 +275,7 @@ def run_all(package: Path) -> Benchmark:
     # Arrays first: what ran before decides how much freed memory the C library has kept.
     for n in ARRAYS:
         arrays(benchmark, n, numpy_library["constraint"])
-    floats(benchmark, emitted_module(package / "kernels.py"))
+    floats(benchmark, emitted_module(package))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         single(benchmark, folder, package)
@@ -285,13 +285,10 @@ def run_all(package: Path) -> Benchmark:
     return benchmark
 
 
-def emitted_module(path: Path) -> ModuleType:
-    """Import an emitted file."""
-    spec = spec_from_file_location("emitted_kernels", path)
-    assert spec is not None and spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def emitted_module(package: Path) -> ModuleType:
+    """Import the emitted NumPy kernels of a folder."""
+    files = {path.name: path.read_bytes() for path in package.glob("*.py")}
+    return import_source(package, files, "kernels.py")
 
 
 def described() -> list[str]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from p2 import SIZES
 from peers import MissingPeerError, casadi_source, symforce_header
 
+from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -126,7 +127,9 @@ class Batch:
     def __init__(self, folder: Path, package: Path) -> None:
         library = folder / "batch.so"
         sources = [str(package / name) for name in ("kernels.c", "kernels_batch.c")]
-        subprocess.run(find_toolchain().compile_command(sources, str(library)), check=True)
+        include = f"-I{LANES.parent}"
+        command = find_toolchain().compile_command(sources, str(library), [include])
+        subprocess.run(command, check=True)
         exported = ctypes.CDLL(str(library))
         exported.kousoku_p2_z_lanes.restype = ctypes.c_size_t
         self.width = int(exported.kousoku_p2_z_lanes())

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from kousoku import __version__
 from kousoku.codegen.view import package_view
+from kousoku.codegen.view_lines import c_call, python_lines
 from kousoku.model.manifest import KernelManifest, Manifest
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Mapping
 
     from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.view_records import PackageView
@@ -24,16 +26,21 @@ FILES = {
     "kernels.py": "numpy/kernels.py.jinja",
     "kernels.c": "c/kernels.c.jinja",
     "kernels_batch.c": "c/kernels_batch.c.jinja",
+    "expressions.h": "c/expressions.h.jinja",
     "kernels.h": "c/kernels.h.jinja",
 }
 
 
+#: Files of the runtime that need nothing else of it: a copy goes along, so that a folder works on
+#: NumPy when it alone is copied out.
+ALONG = ("batch_numpy.py",)
+_RUNTIME = Path(__file__).parents[1] / "runtime"
 _TEMPLATES = PackageLoader("kousoku.codegen")
 
 
 def environment() -> Environment:
     """Return the one way templates are read and filled."""
-    return Environment(
+    filled = Environment(
         loader=_TEMPLATES,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -41,6 +48,13 @@ def environment() -> Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
+    filled.globals.update(c_call=c_call, python_lines=python_lines)
+    return filled
+
+
+def along(names: Iterable[str] = ALONG) -> dict[str, str]:
+    """Return files of the runtime that go along with generated ones."""
+    return {name: (_RUNTIME / name).read_text(encoding="utf-8") for name in names}
 
 
 def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
@@ -67,7 +81,7 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     signature = digest(package)
     view = package_view(package, __version__, signature)
     files = {name: render(templates, path, view) for name, path in FILES.items()}
-    files |= dict(sorted(data.items()))
+    files |= along() | dict(sorted(data.items()))
     return files | {"manifest.json": manifest(package, signature, files).to_json()}
 
 
@@ -86,6 +100,8 @@ def digest(package: Package, solver: object = None) -> str:
         if name.startswith("dynamics/") or (name.startswith("linkage/") and solver is None):
             continue  # not what this package is made of
         total.update(template(name).encode())
+    for name, text in along((*ALONG, "lanes.h")).items():
+        total.update(f"\n{name}\n{text}".encode())
     return total.hexdigest()
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.emit import FILES, digest, environment, manifest
+from kousoku.codegen.emit import FILES, along, digest, environment, manifest
 from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
@@ -47,5 +47,5 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()
     }
-    files |= dict(sorted(data.items()))
+    files |= along() | dict(sorted(data.items()))
     return files | {"manifest.json": manifest(package, signature, files).to_json()}

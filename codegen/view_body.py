@@ -60,6 +60,8 @@ class OutputText:
         The expressions of all elements.
     numbers : tuple of (int, str)
         Flat index and text of those that are numbers, zero left out.
+    others : tuple of (int, str)
+        Flat index and expression of those that are not identically zero.
     has_zeros : bool
         Whether some are identically zero.
     """
@@ -68,6 +70,7 @@ class OutputText:
     size: int
     elements: tuple[str, ...]
     numbers: tuple[tuple[int, str], ...]
+    others: tuple[tuple[int, str], ...]
     has_zeros: bool
 
 
@@ -82,6 +85,12 @@ def live_nodes(kernel: Kernel, outputs: Sequence[int]) -> list[int]:
             for arg in kernel.nodes[node].args:
                 needed[arg] = True
     return [node for node, is_needed in enumerate(needed) if is_needed]
+
+
+def count_operations(kernel: Kernel, outputs: Sequence[int]) -> int:
+    """Return how many operations some outputs need."""
+    live = live_nodes(kernel, outputs)
+    return sum(kernel.nodes[node].op not in {Op.CONST, Op.INPUT} for node in live)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +196,7 @@ def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, str]
         size=len(nodes),
         elements=tuple(texts[node] for node in nodes),
         numbers=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k]),
+        others=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k] != 0),
         has_zeros=any(value == 0 for value in values),
     )
 

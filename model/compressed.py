@@ -30,7 +30,12 @@ def content(name: str, data: bytes) -> bytes:
     """
     if not name.endswith(ENDING):
         return data
+    stream = zlib.decompressobj(_GZIP)
     try:
-        return zlib.decompress(data, _GZIP)
+        whole = stream.decompress(data)
     except zlib.error as error:
         raise ValueError(f"{name} cannot be decompressed: {error}") from error
+    if not stream.eof or stream.unused_data:
+        problem = "something follows its end" if stream.eof else "it is cut off"
+        raise ValueError(f"{name} cannot be decompressed: {problem}")
+    return whole

@@ -42,6 +42,14 @@ class KernelManifest:
     is_exact: bool
     operations: tuple[tuple[str, int], ...]
 
+    @property
+    def signature(self) -> str:
+        """Names and sizes of the arrays, as the compiled kernel tells them: ``r[3] -> C[1]``."""
+        inputs, outputs = (
+            " ".join(f"{q.name}[{q.size}]" for q in side) for side in (self.inputs, self.outputs)
+        )
+        return f"{inputs} -> {outputs}".lstrip()
+
 
 @dataclass(frozen=True, slots=True)
 class Manifest:

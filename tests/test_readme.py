@@ -47,10 +47,10 @@ def test_the_python_example_prints_what_stands_below_it() -> None:
 
 
 def program(folder: Path) -> tuple[Path, str]:
-    """Lay out the C program beside the solver's two files; return it and what it prints."""
+    """Lay out the C program beside the solver's files; return it and what it prints."""
     ((code, shown),) = blocks("c")
     assert len(code.splitlines()) <= 30
-    for name in ("kernels.c", "kernels.h"):
+    for name in ("kernels.c", "expressions.h", "kernels.h"):
         shutil.copy(LEVER / name, folder / name)
     main = folder / "main.c"
     main.write_text(code, encoding="utf-8")

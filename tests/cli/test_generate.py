@@ -15,7 +15,16 @@ if TYPE_CHECKING:
     Run = Callable[..., tuple[int, str, str]]
 
 LEVER = Path(__file__).parents[2] / "scenes" / "lever_crank.toml"
-FILES = {"__init__.py", "kernels.py", "kernels.c", "kernels_batch.c", "kernels.h", "manifest.json"}
+FILES = {
+    "__init__.py",
+    "kernels.py",
+    "batch_numpy.py",
+    "kernels.c",
+    "kernels_batch.c",
+    "expressions.h",
+    "kernels.h",
+    "manifest.json",
+}
 
 
 def names_in(folder: Path) -> set[str]:
@@ -48,13 +57,14 @@ def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: P
     check = ("generate", "n1", "--out", tmp_path, "--check")
     run("generate", "n1", "--out", tmp_path)
     assert run(*check)[0] == 0
-    kernels = tmp_path / "n1" / "kernels.c"
-    kernels.write_text(kernels.read_text(encoding="utf-8").replace("+", "-", 1), encoding="utf-8")
+    formulas = tmp_path / "n1" / "expressions.h"
+    text = formulas.read_text(encoding="utf-8")
+    formulas.write_text(text.replace("+", "-", 1), encoding="utf-8")
     (tmp_path / "n1" / "kernels.h").unlink()
     (tmp_path / "n1" / "old.c").write_text("", encoding="utf-8")
     code, _, err = run(*check)
     assert code == 1
-    for name in ("kernels.c", "kernels.h", "old.c"):
+    for name in ("expressions.h", "kernels.h", "old.c"):
         assert name in err
     assert not json.loads(run(*check, "--json")[1])["ok"]
     assert not (tmp_path / "n1" / "kernels.h").exists()

@@ -14,6 +14,8 @@ from kousoku.model.errors import DerivationError
 from kousoku.model.manifest import Manifest
 
 FILES = {
+    "batch_numpy.py",
+    "expressions.h",
     "__init__.py",
     "graph.json",
     "kernels.c",

@@ -57,7 +57,7 @@ def test_example_is_at_most_thirty_lines() -> None:
 def test_example_compiles_with_the_plain_command_and_solves(
     compiler: Toolchain, folder: Path, tmp_path: Path
 ) -> None:
-    for name in ("kernels.c", "kernels.h"):
+    for name in ("kernels.c", "expressions.h", "kernels.h"):
         shutil.copy(folder / name, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.c")
     compiled(compiler, tmp_path, "main.c", "kernels.c", "-lm", "-o", "program")
@@ -68,7 +68,7 @@ def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path
     cpp = shutil.which("c++") or shutil.which("g++") or shutil.which("clang++")
     if cpp is None:
         pytest.skip("no C++ compiler")
-    for name in ("kernels.c", "kernels.h"):
+    for name in ("kernels.c", "expressions.h", "kernels.h"):
         shutil.copy(folder / name, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.cpp")
     compiled(compiler, tmp_path, "-c", "kernels.c", "-o", "kernels.o")
@@ -82,7 +82,7 @@ def test_example_compiles_as_cpp_too(compiler: Toolchain, folder: Path, tmp_path
 def test_example_is_clean_under_sanitizers(
     compiler: Toolchain, folder: Path, tmp_path: Path
 ) -> None:
-    for name in ("kernels.c", "kernels.h"):
+    for name in ("kernels.c", "expressions.h", "kernels.h"):
         shutil.copy(folder / name, tmp_path)
     shutil.copy(EXAMPLE, tmp_path / "main.c")
     sanitizers = ("-g", "-O1", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
@@ -102,9 +102,10 @@ def test_solvers_compile_without_a_warning(
     compiler: Toolchain, folder_of: Callable[[Scene], Path], tmp_path: Path, name: str
 ) -> None:
     folder = folder_of(read_scene(ROOT / "scenes" / f"{name}.toml"))
+    include = f"-I{ROOT / 'runtime'}"
     for source in ("kernels.c", "kernels_batch.c"):
         output = str(tmp_path / "object.o")
-        compiled(compiler, folder, "-std=c99", "-O2", *STRICT, "-c", source, "-o", output)
+        compiled(compiler, folder, "-std=c99", "-O2", *STRICT, include, "-c", source, "-o", output)
 
 
 @pytest.mark.parametrize("name", SCENES)

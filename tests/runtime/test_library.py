@@ -104,6 +104,9 @@ def test_a_compressed_file_counts_by_what_it_holds(tiny: Path) -> None:
     text = gzip.decompress(path.read_bytes())
     path.write_bytes(gzip.compress(text, compresslevel=1, mtime=7))
     assert load(tiny, target="numpy").kernels
+    path.write_bytes(path.read_bytes() + b" ")
+    with pytest.raises(LoadError, match="something follows its end"):
+        load(tiny, target="numpy")
     path.write_bytes(gzip.compress(text + b"\n"))
     with pytest.raises(LoadError, match=r"reference\.json\.gz was edited"):
         load(tiny, target="numpy")
@@ -191,7 +194,7 @@ def load_path(folder: Path) -> Path:
         "from kousoku.runtime.build import *; from kousoku.runtime.toolchain import *\n"
         "from pathlib import Path; folder = Path(sys.argv[1]); manifest = read_manifest(folder)\n"
         "files = read_files(folder, manifest)\n"
-        "source = Source('tiny', tuple(f for f in files.items() if f[0][-2:] in {'.c', '.h'}))\n"
+        "source = Source('tiny', c_sources(files))\n"
         "print(build(source, find_toolchain()).path)\n"
     )
     run = subprocess.run(
@@ -206,9 +209,8 @@ def load_path(folder: Path) -> Path:
     [
         (DIGEST, "beef" * 16, f"it exports the digest {'beef' * 16}, the manifest wants {DIGEST}"),
         ("_tiny_digest", "_other_digest", "kousoku_tiny_digest"),
-        ("sphere_n_in(void) { return 2", "sphere_n_in(void) { return 1", "sphere has the inputs"),
-        ('? "C" : "C_q"', '? "C_q" : "C"', "sphere has the outputs"),
-        ("? 1 : 4", "? 1 : 3", "sphere has the outputs [('C', 1), ('C_q', 3)], the manifest wants"),
+        ("r[3] length[1] -> C", "r[3] size[1] -> C", "sphere has the signature r[3] size[1]"),
+        ('C_q[4]"', 'C_q[3]"', "-> C[1] C_q[3], the manifest wants r[3] length[1] -> C[1] C_q[4]"),
     ],
 )
 def test_a_foreign_or_stale_library_is_refused_with_a_sentence(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
@@ -12,7 +11,7 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view
-from kousoku.codegen.emit import environment, manifest, template
+from kousoku.codegen.emit import along, environment, manifest, template
 from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
 
@@ -37,7 +36,7 @@ TEMPLATES = {
     "alone.py": "dynamics/alone.py.jinja",
 }
 #: A module of the runtime that needs NumPy only goes along, for folders that are copied out.
-ALONG = Path(__file__).parents[3] / "runtime" / "body_tables.py"
+ALONG = ("body_tables.py",)
 PYTHON_FILE, PYTHON_TEMPLATE = "solver.py", "dynamics/solver.py.jinja"
 #: What the text is made of, for the digest.
 PARTS = (
@@ -84,15 +83,15 @@ def emit_dynamics(
     view = dynamics_view(program, system, length, parts)
     templates = environment()
     total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
-    along = ALONG.read_text(encoding="utf-8")
-    for text in (along, *map(template, PARTS)):
+    tables = along(ALONG)
+    for text in (*tables.values(), *map(template, PARTS)):
         total.update(text.encode())
     signature = total.hexdigest()
     given = {"view": view, "version": __version__, "digest": signature, "key": key_of(signature)}
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
     python = numpy_view(program, length)
     files[PYTHON_FILE] = templates.get_template(PYTHON_TEMPLATE).render(**given, python=python)
-    files[ALONG.name] = along
+    files |= tables
     files[MOTION_FILE] = to_text(motion_data(program, system, parts))
     files |= more or {}
     package = Package(
