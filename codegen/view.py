@@ -3,31 +3,24 @@
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import replace
 from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
 from kousoku.codegen.graph import Op
 from kousoku.codegen.passes.trace import without_sharing
-from kousoku.codegen.view_body import (
-    Layout,
-    count_operations,
-    layout,
-    output_text,
-    straight_line,
-    with_outputs,
-)
+from kousoku.codegen.view_body import count_operations
 from kousoku.codegen.view_calls import arguments_of, calls_of, unwanted_of
+from kousoku.codegen.view_choices import Bodies
 from kousoku.codegen.view_lines import ascii_of, plain
 from kousoku.codegen.view_names import Namer, checked
-from kousoku.codegen.view_records import ArgumentView, BodyText, BodyView, KernelView, PackageView
+from kousoku.codegen.view_records import ArgumentView, KernelView, PackageView
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.kernel import Kernel, Package
-    from kousoku.codegen.printers import Printer
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
@@ -49,34 +42,42 @@ def package_view(package: Package, version: str, digest: str) -> PackageView:
         regenerate=plain(package.regenerate),
         version=version,
         digest=digest,
-        kernels=tuple(kernel_view(kernel) for kernel in package.kernels),
+        kernels=tuple(
+            view for family in package.families for view in _kernel_views(family, package.choices)
+        ),
         has_calls=any(node.op in printers.FUNCTIONS for node in nodes),
+        has_choices=bool(package.choices),
     )
 
 
-def kernel_view(kernel: Kernel) -> KernelView:
-    """Return what the templates see of one kernel."""
-    namer = Namer()
+def _kernel_views(family: Sequence[Kernel], choices: Sequence[str]) -> Iterator[KernelView]:
+    """Yield what the templates see of kernels that differ in the choice of rows only."""
+    kernel, namer = family[0], Namer()
+    name = kernel.name.removesuffix(f"_{choices[0]}") if choices else kernel.name
     for quantity in (*kernel.inputs, *kernel.outputs):
         checked(quantity.name, f"argument of {kernel.name}")
     inputs = arguments_of(kernel.inputs, namer)
     outputs = arguments_of(kernel.outputs, namer)
-    alone = _cheap_alone(kernel)
     unwanted = unwanted_of(outputs, namer)
     into = _declared("", outputs)
     everything = tuple(range(len(outputs)))
-    bodies = (
-        _Choice(kernel, choice, (inputs, outputs)).body()
-        for choice in (everything, *((k,) for k in alone))
+    bodies = tuple(
+        Bodies(tuple(family), name, chosen, (inputs, outputs)).view()
+        for chosen in (everything, *((k,) for k in _cheap_alone(kernel)))
     )
-    formula, source = kernel.formula, f"({kernel.source})" if kernel.source else ""
-    return KernelView(
+    costs = {one.name: _cost(one) for one in family}
+    first = KernelView(
         name=checked(kernel.name, "kernel name"),
-        heading=_wrapped(ascii_of(f"{kernel.name}: {kernel.title}")),
+        family=name,
+        choice=("0",) if choices else (),
+        is_first=True,
+        names=", ".join(costs),
+        heading=_wrapped(ascii_of(f"{', '.join(costs)}: {kernel.title}")),
         summary=_summary(kernel),
-        about=(*_wrapped(formula), *_wrapped(source)),
-        about_ascii=(*_wrapped(ascii_of(formula)), *_wrapped(ascii_of(source))),
-        cost=_cost(kernel),
+        about=(*_wrapped(kernel.formula), *_wrapped(_source(kernel))),
+        about_ascii=(*_wrapped(ascii_of(kernel.formula)), *_wrapped(ascii_of(_source(kernel)))),
+        cost=costs[kernel.name],
+        family_cost=tuple(dict.fromkeys(line for cost in costs.values() for line in cost)),
         inputs=inputs,
         outputs=outputs,
         declared=_declared("const double *KOUSOKU_RESTRICT ", inputs)
@@ -89,9 +90,23 @@ def kernel_view(kernel: Kernel) -> KernelView:
         alone_calls=tuple(
             (*_declared("", inputs), *unwanted[:k], into[k], *unwanted[k + 1 :]) for k in everything
         ),
-        bodies=tuple(bodies),
+        bodies=bodies,
         is_polynomial=set(kernel.operations) <= _POLYNOMIAL,
     )
+    yield first
+    for number, other in enumerate(family[1:], 1):
+        yield replace(
+            first,
+            name=checked(other.name, "kernel name"),
+            choice=(str(number),),
+            is_first=False,
+            summary=_summary(other),
+            cost=costs[other.name],
+        )
+
+
+def _source(kernel: Kernel) -> str:
+    return f"({kernel.source})" if kernel.source else ""
 
 
 def _cheap_alone(kernel: Kernel) -> tuple[int, ...]:
@@ -112,72 +127,6 @@ def _declared(kind: str, arguments: tuple[ArgumentView, ...]) -> tuple[str, ...]
 
 #: Where a count of operations without sharing ends: it grows exponentially.
 _COUNTLESS = 10**6
-
-
-@dataclass(frozen=True, slots=True)
-class _Choice:
-    """One choice of the outputs of a kernel, before it is printed."""
-
-    kernel: Kernel
-    outputs: tuple[int, ...]
-    arguments: tuple[tuple[ArgumentView, ...], tuple[ArgumentView, ...]]
-
-    def body(self) -> BodyView:
-        """Return the text in C and in NumPy, line by line the same."""
-        kernel, (inputs, outputs) = self.kernel, self.arguments
-        elements = [(a, k) for a in inputs for k in range(a.size)]
-        in_c = {(a.name, k): f"{a.symbol}[{k}]" for a, k in elements}
-        plan = layout(kernel, self.outputs, in_c)
-        live = {kernel.nodes[node].symbol for node in plan.live}
-        namer = self._namer()
-        in_numpy = {
-            (a.name, k): namer.take(f"{a.symbol}_{k}") if (a.name, k) in live else "_"
-            for a, k in elements
-        }
-        written = tuple(outputs[k] for k in self.outputs)
-        is_all = len(written) == len(outputs)
-        return BodyView(
-            name="all" if is_all else written[0].name,
-            function=f"{kernel.name}_elements" if is_all else f"_{kernel.name}_{written[0].name}",
-            outputs=written,
-            c=self._text(plan, printers.C, in_c, self._namer()),
-            numpy=self._text(plan, printers.NUMPY, in_numpy, namer),
-        )
-
-    def _namer(self) -> Namer:
-        namer = Namer()
-        for side in self.arguments:
-            for argument in side:
-                namer.keep(argument.symbol)
-        return namer
-
-    def _text(
-        self,
-        plan: Layout,
-        printer: Printer,
-        leaves: Mapping[tuple[str, int], str],
-        namer: Namer,
-    ) -> BodyText:
-        kernel, (inputs, outputs) = self.kernel, self.arguments
-        statements, texts = straight_line(plan, printer, leaves, namer)
-        symbols = [kernel.nodes[node].symbol for node in texts]
-        reads = {symbol[0] for symbol in symbols if symbol is not None}
-        is_public = len(self.outputs) == len(outputs) and printer is printers.NUMPY
-        read = tuple(a for a in inputs if is_public or a.name in reads)
-        results = tuple(output_text(kernel, k, outputs[k].symbol, texts) for k in self.outputs)
-        first, statements = with_outputs(plan, statements, results)
-        return BodyText(
-            inputs=read,
-            components=tuple(
-                f"({leaves[a.name, 0]},)"
-                if a.size == 1
-                else ", ".join(leaves[a.name, k] for k in range(a.size))
-                for a in read
-            ),
-            first=first,
-            statements=statements,
-            results=results,
-        )
 
 
 def _summary(kernel: Kernel) -> str:

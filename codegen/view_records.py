@@ -74,16 +74,32 @@ class BodyText:
         What it reads.
     components : tuple of str
         For each input the names of its elements, where the target unpacks them.
+    head : tuple of Statement
+        The terms that all choices of rows have in common; none where there is no choice.
+    tails : tuple of TailText
+        The rest, for each choice.
+    """
+
+    inputs: tuple[ArgumentView, ...]
+    components: tuple[str, ...]
+    head: tuple[Statement, ...]
+    tails: tuple[TailText, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TailText:
+    """What one choice of rows computes and writes.
+
+    Parameters
+    ----------
     first : tuple of (str, str)
-        Elements of outputs that need no shared term, and their expressions.
+        Elements of outputs that need no term of its own, and their expressions.
     statements : tuple of Statement
         The shared terms.
     results : tuple of OutputText
         What is written, output by output.
     """
 
-    inputs: tuple[ArgumentView, ...]
-    components: tuple[str, ...]
     first: tuple[tuple[str, str], ...]
     statements: tuple[Statement, ...]
     results: tuple[OutputText, ...]
@@ -114,7 +130,8 @@ class BodyView:
     @property
     def python_parameters(self) -> tuple[str, ...]:
         """What its function in NumPy takes."""
-        return tuple(f"{a.symbol}: Sequence[Any]" for a in self.numpy.inputs)
+        choice = ("choice: int",) if len(self.c.tails) > 1 else ()
+        return (*choice, *(f"{a.symbol}: Sequence[Any]" for a in self.numpy.inputs))
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,16 +162,22 @@ class KernelView:
 
     Parameters
     ----------
-    name : str
-        As in the kernel.
+    name, family : str
+        As in the kernel, without and with what tells its choice of rows left out.
+    choice : tuple of str
+        Its number among the choices, as an argument; none where there is no choice.
+    is_first : bool
+        Whether it is the first of its family, with which the text of all stands.
+    names : str
+        Of the kernels of the family.
     heading : tuple of str
         Package, kernel and title, in lines that fit.
     summary : str
         First line of a docstring.
     about, about_ascii : tuple of str
         Lines of the formula and its source.
-    cost : tuple of str
-        Count of operations, and what it would be without sharing.
+    cost, family_cost : tuple of str
+        Count of operations, and what it would be without sharing; of each of the family.
     inputs, outputs : tuple of ArgumentView
         In the order of the arguments.
     declared, parameters, arguments : tuple of str
@@ -174,11 +197,16 @@ class KernelView:
     """
 
     name: str
+    family: str
+    choice: tuple[str, ...]
+    is_first: bool
+    names: str
     heading: tuple[str, ...]
     summary: str
     about: tuple[str, ...]
     about_ascii: tuple[str, ...]
     cost: tuple[str, ...]
+    family_cost: tuple[str, ...]
     inputs: tuple[ArgumentView, ...]
     outputs: tuple[ArgumentView, ...]
     declared: tuple[str, ...]
@@ -219,26 +247,43 @@ class KernelView:
 
     @property
     def flags_declared(self) -> tuple[str, ...]:
-        """The flags as parameters."""
-        return tuple(f"int {flag}" for flag in self.flags)
+        """The flags as parameters, and the choice of rows."""
+        return (*(f"int {flag}" for flag in self.flags), *self.choice_declared)
+
+    @property
+    def choice_declared(self) -> tuple[str, ...]:
+        """The choice of rows as a parameter."""
+        return ("int choice",) if self.choice else ()
+
+    @property
+    def choice_passed(self) -> tuple[str, ...]:
+        """The same as an argument."""
+        return ("choice",) if self.choice else ()
 
     @property
     def are_wanted(self) -> tuple[str, ...]:
-        """The flags of a single call."""
-        return tuple(f"{a.symbol} != NULL" for a in self.outputs)
+        """The flags of a single call, and the choice."""
+        return (*(f"{a.symbol} != NULL" for a in self.outputs), *self.choice)
 
     @property
     def are_wanted_batch(self) -> tuple[str, ...]:
-        """The flags of a batch."""
-        return tuple(f"out[{a.index}] != NULL" for a in self.outputs)
+        """The flags of a batch, and the choice."""
+        return (*(f"out[{a.index}] != NULL" for a in self.outputs), *self.choice)
 
     @property
     def python_alone(self) -> tuple[str, ...]:
         """The bodies of single outputs as entries of a dict of Python."""
         return tuple(
-            f'"{body.outputs[0].name}": ({body.function}, {[a.index for a in body.numpy.inputs]})'
+            f'"{body.outputs[0].name}": '
+            f"({self.python_body(body)}, {[a.index for a in body.numpy.inputs]})"
             for body in self.alone
         )
+
+    def python_body(self, body: BodyView) -> str:
+        """Return a body of the family as a function of NumPy, with the choice of this kernel."""
+        if len(body.c.tails) == 1:
+            return body.function
+        return f"partial({', '.join((body.function, *self.choice))})"
 
     @property
     def alone(self) -> tuple[BodyView, ...]:
@@ -256,8 +301,8 @@ class PackageView:
         As in the manifest.
     kernels : tuple of KernelView
         In the order of the text.
-    has_calls : bool
-        Whether they call functions of the math library.
+    has_calls, has_choices : bool
+        Whether they call functions of the math library, and whether rows are chosen.
     """
 
     name: str
@@ -268,6 +313,7 @@ class PackageView:
     digest: str
     kernels: tuple[KernelView, ...]
     has_calls: bool
+    has_choices: bool
 
     @property
     def quoted_kernels(self) -> tuple[str, ...]:

@@ -60,25 +60,49 @@ INLINE void store_rows(const vec *y, double *out, size_t i, size_t size)
 typedef double vec __attribute__((vector_size(8 * LANES), aligned(8), may_alias));
 #define NUMBER(x) ((vec){0} + (x))
 
-/* a function for one lane after the other. The lanes go through memory: taken apart in registers,
- * some of them leave the processor in a state in which the functions of a C library are slow */
-#define LANES_OF(x, a) \
-    double x[LANES]; \
-    *(vec *)x = (a); \
-    __asm__("" : "+m"(x))
-#define CALL(y, function, a) \
-    LANES_OF(first_of_##y, a); \
-    for (size_t lane = 0; lane < LANES; ++lane) { \
-        first_of_##y[lane] = function(first_of_##y[lane]); \
-    } \
-    const vec y = *(const vec *)first_of_##y
-#define CALL_2(y, function, a, b) \
-    LANES_OF(first_of_##y, a); \
-    LANES_OF(second_of_##y, b); \
-    for (size_t lane = 0; lane < LANES; ++lane) { \
-        first_of_##y[lane] = function(first_of_##y[lane], second_of_##y[lane]); \
-    } \
-    const vec y = *(const vec *)first_of_##y
+/* Functions for one lane after the other. What calls the C library stays apart, and takes the lanes
+ * from memory: where a compiler takes them apart in the registers of a kernel, some of those leave
+ * the processor in a state in which the library is slow. */
+#define CALL(y, function, a) const vec y = vec_##function(a)
+#define CALL_2(y, function, a, b) const vec y = vec_##function(a, b)
+#define LIBRARY static __attribute__((noinline, const, unused))
+#ifndef __clang__
+#pragma GCC diagnostic ignored "-Wpsabi" /* none of them is called from elsewhere */
+#endif
+#define OF_1(kind, LANES_ARE, function) \
+    kind vec vec_##function(vec a) \
+    { \
+        double x[LANES], y[LANES]; \
+        *(vec *)x = a; \
+        LANES_ARE(x) \
+        for (size_t lane = 0; lane < LANES; ++lane) { \
+            y[lane] = function(x[lane]); \
+        } \
+        return *(const vec *)y; \
+    }
+#define OF_2(kind, LANES_ARE, function) \
+    kind vec vec_##function(vec a, vec b) \
+    { \
+        double x[LANES], x_2[LANES], y[LANES]; \
+        *(vec *)x = a; \
+        *(vec *)x_2 = b; \
+        LANES_ARE(x) \
+        LANES_ARE(x_2) \
+        for (size_t lane = 0; lane < LANES; ++lane) { \
+            y[lane] = function(x[lane], x_2[lane]); \
+        } \
+        return *(const vec *)y; \
+    }
+#define ANYWHERE(x)
+#define IN_MEMORY(x) __asm__("" : "+m"(x));
+OF_1(INLINE, ANYWHERE, sqrt)
+OF_1(INLINE, ANYWHERE, fabs)
+OF_2(INLINE, ANYWHERE, fmax)
+OF_1(LIBRARY, IN_MEMORY, sin)
+OF_1(LIBRARY, IN_MEMORY, cos)
+OF_1(LIBRARY, IN_MEMORY, exp)
+OF_1(LIBRARY, IN_MEMORY, log)
+OF_2(LIBRARY, IN_MEMORY, atan2)
 
 #if LANES == 8
 #define EACH(PICK, k, e, s) PICK(k, e, s, 0), PICK(k, e, s, 1), PICK(k, e, s, 2), \
