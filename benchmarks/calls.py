@@ -21,7 +21,7 @@ from kousoku.runtime import load
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-PACKAGE = "p2_z"
+PACKAGE = "p2"
 ROUNDS = 15
 CALLS = 20_000
 #: Microseconds a call.
@@ -38,7 +38,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--check", action="store_true", help="exit 1 if a target is missed")
     arguments = parser.parse_args()
-    kernel = load(Path(str(files("kousoku.generated") / "kinds" / PACKAGE)), target="c").constraint
+    folder = Path(str(files("kousoku.generated") / "kinds" / PACKAGE))
+    kernel = load(folder, target="c").constraint_z
     rng = np.random.default_rng(1981)
     a, b, c, d, e, f, g = (rng.standard_normal(q.shape) for q in kernel.manifest.inputs)
     out = tuple(np.empty(q.shape) for q in kernel.manifest.outputs)

@@ -15,18 +15,19 @@ import sys
 import tempfile
 import time
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.metadata import version
 from importlib.resources import files
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from loops import Batch, casadi_loop, kousoku_loop, symforce_loop
-from p2 import N_IN, N_OUT, PACKAGE, SAMPLE, Judge, aligned, inputs
+from p2 import N_IN, N_OUT, SAMPLE, Judge, aligned, inputs
 from peers import MissingPeerError, heyoka_functions, lambdified, stacked
 
 from kousoku import runtime
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -240,7 +241,7 @@ def floats(benchmark: Benchmark, module: Any) -> None:
     """One evaluation on Python's floats; both functions return lists of floats."""
     lists = [[array[k].tolist() for array in inputs(SAMPLE)] for k in range(SAMPLE)]
     flat = [[x for numbers in point for x in numbers] for point in lists]
-    function, elements = lambdified(), module.constraint_elements
+    function, elements = lambdified(), partial(module.constraint_elements, 2)  # rows of a_z
 
     def by_function(k: int) -> list[float]:
         return list(function(*flat[k]))
@@ -274,8 +275,8 @@ def run_all(package: Path) -> Benchmark:
     benchmark = Benchmark(Judge())
     # Arrays first: what ran before decides how much freed memory the C library has kept.
     for n in ARRAYS:
-        arrays(benchmark, n, numpy_library["constraint"])
-    floats(benchmark, emitted_module(package / "kernels.py"))
+        arrays(benchmark, n, numpy_library["constraint_z"])
+    floats(benchmark, emitted_module(package))
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         single(benchmark, folder, package)
@@ -285,13 +286,10 @@ def run_all(package: Path) -> Benchmark:
     return benchmark
 
 
-def emitted_module(path: Path) -> ModuleType:
-    """Import an emitted file."""
-    spec = spec_from_file_location("emitted_kernels", path)
-    assert spec is not None and spec.loader is not None
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def emitted_module(package: Path) -> ModuleType:
+    """Import the emitted NumPy kernels of a folder."""
+    files = {path.name: path.read_bytes() for path in package.glob("*.py")}
+    return import_source(package, files, "kernels.py")
 
 
 def described() -> list[str]:
@@ -338,8 +336,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.partition("\n\n")[0])
     parser.add_argument("--check", action="store_true", help="exit 1 if a target is missed")
     parser.add_argument("--json", action="store_true", help="print for machines")
-    shipped = Path(str(files("kousoku.generated"))) / "kinds" / PACKAGE
-    parser.add_argument("--folder", type=Path, default=shipped, help="another emitted p2_z")
+    shipped = Path(str(files("kousoku.generated"))) / "kinds" / "p2"
+    parser.add_argument("--folder", type=Path, default=shipped, help="another emitted p2")
     options = parser.parse_args()
     try:
         benchmark = run_all(options.folder)

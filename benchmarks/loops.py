@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from p2 import SIZES
 from peers import MissingPeerError, casadi_source, symforce_header
 
+from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -56,7 +57,7 @@ class Loop:
 def kousoku_loop(folder: Path, package: Path) -> Loop:
     """Build the loop over the emitted C."""
     text = '#include "kernels.h"\n' + _LOOP.replace(
-        "BODY", f"kousoku_p2_z_constraint({', '.join([*_STEPS, *_OUT])});"
+        "BODY", f"kousoku_p2_constraint_z({', '.join([*_STEPS, *_OUT])});"
     )
     return _build(folder / "kousoku_loop.c", text, [package / "kernels.c"], [f"-I{package}"])
 
@@ -126,12 +127,14 @@ class Batch:
     def __init__(self, folder: Path, package: Path) -> None:
         library = folder / "batch.so"
         sources = [str(package / name) for name in ("kernels.c", "kernels_batch.c")]
-        subprocess.run(find_toolchain().compile_command(sources, str(library)), check=True)
+        include = f"-I{LANES.parent}"
+        command = find_toolchain().compile_command(sources, str(library), [include])
+        subprocess.run(command, check=True)
         exported = ctypes.CDLL(str(library))
-        exported.kousoku_p2_z_lanes.restype = ctypes.c_size_t
-        self.width = int(exported.kousoku_p2_z_lanes())
-        self._rows = exported.kousoku_p2_z_constraint_batch
-        self._lanes = exported.kousoku_p2_z_constraint_lanes
+        exported.kousoku_p2_lanes.restype = ctypes.c_size_t
+        self.width = int(exported.kousoku_p2_lanes())
+        self._rows = exported.kousoku_p2_constraint_z_batch
+        self._lanes = exported.kousoku_p2_constraint_z_lanes
 
     def rows(
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]

@@ -29,7 +29,6 @@ SOURCES = (
     "codegen/freeze.py",
     "codegen/graph.py",
     "codegen/interpret.py",
-    "codegen/jsontext.py",
     "codegen/kernel.py",
     "codegen/manifold.py",
     "codegen/passes/*.py",
@@ -39,6 +38,7 @@ SOURCES = (
     "codegen/store.py",
     "codegen/stream.py",
     "codegen/tape.py",
+    "model/jsontext.py",
     "model/quantity.py",
     "model/rows.py",
 )
@@ -54,7 +54,7 @@ class Derived:
     package : Package
         The frozen and optimised kernels.
     references : str
-        The text of ``reference.json``.
+        The text of ``reference.json.gz``.
     """
 
     package: Package

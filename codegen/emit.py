@@ -11,6 +11,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from kousoku import __version__
 from kousoku.codegen.view import package_view
+from kousoku.codegen.view_lines import c_call, python_lines
 from kousoku.model.manifest import KernelManifest, Manifest
 
 if TYPE_CHECKING:
@@ -25,17 +26,21 @@ FILES = {
     "kernels.py": "numpy/kernels.py.jinja",
     "kernels.c": "c/kernels.c.jinja",
     "kernels_batch.c": "c/kernels_batch.c.jinja",
+    "expressions.h": "c/expressions.h.jinja",
     "kernels.h": "c/kernels.h.jinja",
 }
 
 
+#: Files of the runtime that need nothing else of it: a copy goes along, so that a folder works on
+#: NumPy when it alone is copied out.
+LIBRARIES = ("batch_numpy.py",)
 _TEMPLATES = PackageLoader("kousoku.codegen")
 _RUNTIME = Path(__file__).parents[1] / "runtime"
 
 
 def environment() -> Environment:
     """Return the one way templates are read and filled."""
-    return Environment(
+    filled = Environment(
         loader=_TEMPLATES,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -43,6 +48,32 @@ def environment() -> Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
+    filled.globals.update(c_call=c_call, python_lines=python_lines)
+    return filled
+
+
+def along(*names: str) -> dict[str, str]:
+    """Return plain source of the runtime that goes along with what is generated.
+
+    Parameters
+    ----------
+    *names : str
+        Files, such as ``batch_numpy.py``, and folders, such as ``integrate``: their C headers and
+        Python modules.
+
+    Returns
+    -------
+    dict of str to str
+        Path in the generated folder and text, in order.
+    """
+    found = {}
+    for name in names:
+        place = _RUNTIME / name
+        for path in sorted(place.iterdir()) if place.is_dir() else [place]:
+            if path.suffix in {".h", ".py"}:
+                text = path.read_text(encoding="utf-8")
+                found[path.relative_to(_RUNTIME).as_posix()] = text
+    return found
 
 
 def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
@@ -69,7 +100,7 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     signature = digest(package)
     view = package_view(package, __version__, signature)
     files = {name: render(templates, path, view) for name, path in FILES.items()}
-    files |= dict(sorted(data.items()))
+    files |= along(*LIBRARIES) | dict(sorted(data.items()))
     return files | {"manifest.json": manifest(package, signature, files).to_json()}
 
 
@@ -88,6 +119,8 @@ def digest(package: Package, solver: object = None) -> str:
         if name.startswith("dynamics/") or (name.startswith("linkage/") and solver is None):
             continue  # not what this package is made of
         total.update(template(name).encode())
+    for name, text in along(*LIBRARIES, "lanes.h").items():
+        total.update(f"\n{name}\n{text}".encode())
     return total.hexdigest()
 
 
@@ -95,27 +128,6 @@ def template(name: str) -> str:
     """Return the name and the text of a template, as digests count them."""
     text, _, _ = _TEMPLATES.get_source(environment(), name)
     return f"\n{name}\n{text}"
-
-
-def library(folder: str) -> dict[str, str]:
-    """Return the plain source of a folder of the runtime, which generated folders take along.
-
-    Parameters
-    ----------
-    folder : str
-        Its name, such as ``kinematics``.
-
-    Returns
-    -------
-    dict of str to str
-        ``<folder>/<file>`` and text of the C headers and Python modules, by name.
-    """
-    paths = sorted((_RUNTIME / folder).iterdir())
-    return {
-        f"{folder}/{path.name}": path.read_text(encoding="utf-8")
-        for path in paths
-        if path.suffix in {".h", ".py"}
-    }
 
 
 def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:

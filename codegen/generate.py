@@ -3,30 +3,49 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.derived import freeze_derivation, recall_or_derive
+from kousoku.codegen.derived import Derived, freeze_derivation, recall_or_derive
 from kousoku.codegen.emit import emit
+from kousoku.codegen.kernel import Package
 from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
-from kousoku.symbolic.kinds import KINDS
+from kousoku.model.compressed import content, stored
+from kousoku.model.jsontext import to_text
+from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.symbolic.kinds import KINDS, packages_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
-    from kousoku.codegen.derived import Derived
+    from kousoku.codegen.kernel import Kernel
     from kousoku.symbolic.derivation import Derivation
 
     SourceTree = dict[str, str]
 
 MANIFEST_FILE = "manifest.json"
-REFERENCE_FILE = "reference.json"
 
 
 def package_names() -> tuple[str, ...]:
-    """Return the packages of all kinds, in the order of the list of kinds."""
-    return tuple(name for kind in KINDS.values() for name in kind.packages)
+    """Return the packages of all kinds, in the order of the list of kinds.
+
+    The choices of rows of a kind are one package, ``p2`` of ``p2_x``, ``p2_y`` and ``p2_z``.
+    """
+    return tuple(KINDS)
+
+
+def package_of(name: str) -> str:
+    """Return the package that holds a kind or one choice of its rows: ``p2`` for ``p2_z``.
+
+    Raises
+    ------
+    DerivationError
+        No kind has this name.
+    """
+    packages = packages_of(name)
+    return next(kind for kind, entry in KINDS.items() if packages[0] in entry.packages)
 
 
 def generate_kind(name: str) -> SourceTree:
@@ -35,7 +54,7 @@ def generate_kind(name: str) -> SourceTree:
     Parameters
     ----------
     name : str
-        A package, such as ``p2_z``; see :func:`package_names`.
+        A package, such as ``p2``, or a choice of its rows, ``p2_z``; see :func:`package_of`.
 
     Returns
     -------
@@ -47,7 +66,23 @@ def generate_kind(name: str) -> SourceTree:
     DerivationError
         No kind has this package.
     """
-    return _emitted(recall_or_derive(name))
+    package = package_of(name)
+    found = [recall_or_derive(choice) for choice in KINDS[package].packages]
+    return _emitted(found[0] if len(found) == 1 else _together(package, found))
+
+
+def _together(name: str, found: Sequence[Derived]) -> Derived:
+    """Return the choices of the rows of a kind as one package, ``rates_x`` of ``rates``."""
+    choices = tuple(one.package.name.removeprefix(f"{name}_") for one in found)
+    kernels: list[Kernel] = []
+    points: list[dict[str, object]] = []
+    for choice, one in zip(choices, found, strict=True):
+        kernels += [replace(k, name=f"{k.name}_{choice}") for k in one.package.kernels]
+        data = json.loads(one.references)
+        points += [kernel | {"name": f"{kernel['name']}_{choice}"} for kernel in data["kernels"]]
+    first = found[0].package
+    package = Package(name, first.title, f"kousoku generate {name}", tuple(kernels), choices)
+    return Derived(package, to_text(data | {"package": name, "kernels": points}))
 
 
 def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
@@ -97,6 +132,7 @@ def _emitted(derived: Derived) -> SourceTree:
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     """Write a folder, each file whole or not at all, and remove what an older version left.
 
+    What ends in ``.gz`` is compressed, and is written where what it holds changes.
     Only files that the folder's own manifest lists are removed. The manifest is written last, so
     that a folder that was written half is recognised by its digests.
 
@@ -114,7 +150,7 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     changed = [name for name, text in tree.items() if _read(folder / name) != text]
     for name in changed:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(folder / name, tree[name].encode())
+        write_atomically(folder / name, stored(name, tree[name]))
     for name in stale:
         (folder / name).unlink(missing_ok=True)
     return changed + stale
@@ -130,7 +166,8 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     for name, text in tree.items():
         found = _read(folder / name)
         if found is None:
-            differences.append(f"{folder / name} is missing")
+            is_there = (folder / name).exists()
+            differences.append(f"{folder / name} {'is damaged' if is_there else 'is missing'}")
         elif found != text:
             differences.append(f"{folder / name} differs {_where(found, text)}")
     beside = {name.partition("/")[0] for name in tree if "/" in name}
@@ -146,9 +183,10 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
 
 def _read(path: Path) -> str | None:
+    """Return what a file holds, None where it is missing or damaged."""
     try:
-        return path.read_bytes().decode()
-    except (FileNotFoundError, UnicodeDecodeError):
+        return content(path.name, path.read_bytes()).decode()
+    except (FileNotFoundError, ValueError):
         return None
 
 

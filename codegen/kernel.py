@@ -79,9 +79,21 @@ class Package:
         The command that makes the folder again.
     kernels : tuple of Kernel
         In the order of the text.
+    choices : tuple of str
+        Of a kind with several choices of its rows: what the names of its kernels end in, such as
+        ``x`` of ``constraint_x``; they have the same arguments, and share what they compute alike.
     """
 
     name: str
     title: str
     regenerate: str
     kernels: tuple[Kernel, ...]
+    choices: tuple[str, ...] = ()
+
+    @property
+    def families(self) -> tuple[tuple[Kernel, ...], ...]:
+        """The kernels, those that differ in the choice of rows only together."""
+        if not self.choices:
+            return tuple((kernel,) for kernel in self.kernels)
+        count = len(self.kernels) // len(self.choices)
+        return tuple(self.kernels[k::count] for k in range(count))

@@ -17,12 +17,12 @@ from kousoku.codegen.linkage_solution import places, solution
 from kousoku.codegen.linkage_view import SolverView, solver_view
 from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
+from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
     from kousoku.model.assemble import System
     from kousoku.model.scene import Scene
 
-REFERENCE_FILE = "reference.json"
 SOLUTION_FILE = "solution.json"
 
 

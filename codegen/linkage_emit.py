@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.emit import FILES, digest, environment, library, manifest
+from kousoku.codegen.emit import FILES, LIBRARIES, along, digest, environment, manifest
 from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
@@ -43,12 +43,12 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
         File name and text, the manifest last.
     """
     templates = environment()
-    along = library(LIBRARY)
-    signature = digest(package, (solver, along))
+    analysis = along(LIBRARY)
+    signature = digest(package, (solver, analysis))
     view = package_view(package, __version__, signature)
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()
     }
-    files |= along | dict(sorted(data.items()))
+    files |= along(*LIBRARIES) | analysis | dict(sorted(data.items()))
     return files | {"manifest.json": manifest(package, signature, files).to_json()}

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.linkage_dual import DUAL, Dual, variable
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
 from kousoku.codegen.unit import columns
+from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -53,7 +53,7 @@ class Point:
 
 
 def references(package: Package, layout: Layout, found: Sequence[Place]) -> str:
-    """Return the text of ``reference.json``, in the format of the kinds.
+    """Return the text of the reference values, in the format of the kinds.
 
     Values come from :class:`kousoku.codegen.linkage_exact.Exact` in 50 digits. Constants of the
     scene count as inputs in the unit of error: they were inputs before they were bound.

@@ -7,9 +7,9 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.model.directions import HALF_TURN
+from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -13,7 +13,6 @@ import math
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.interpret import HIGH_CONTEXT
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
     Point,
@@ -26,6 +25,7 @@ from kousoku.codegen.stream import Stream
 from kousoku.codegen.tape import record, run
 from kousoku.codegen.unit import columns
 from kousoku.model.errors import DerivationError
+from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Function
 
 FORMAT = 1
-REFERENCE_FILE = "reference.json"
 #: From how many points the way to the constraint manifold is tried.
 MOST_STARTS = 8
 #: The output that a manifold is the zero of.
@@ -53,7 +52,7 @@ MOST_NUMBERS_OF_ALL_TURNS = 2400
 def references(
     package: Package, functions: Sequence[Function], *, is_thorough: bool = False
 ) -> str:
-    """Return the text of ``reference.json``.
+    """Return the text of the reference values.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Frozen kernels as text: the file ``graph.json`` of a generated package, and back.
+"""Frozen kernels as text: the file ``graph.json.gz`` of a generated package, and back.
 
 With it a scene is composed of the kinds that are shipped, and SymPy is not started.
 """
@@ -6,31 +6,37 @@ With it a scene is composed of the kinds that are shipped, and SymPy is not star
 from __future__ import annotations
 
 import json
+import re
+from dataclasses import replace
 from fractions import Fraction
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from kousoku.codegen.graph import Node, Op
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.kernel import Kernel, Package
+from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
+from kousoku.model.jsontext import to_text
 from kousoku.model.quantity import Quantity
+from kousoku.symbolic.kinds import KINDS
 
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-FORMAT = 1
-GRAPH_FILE = "graph.json"
+FORMAT = 2
+GRAPH_FILE = "graph.json.gz"
+#: Signs of the operations that stand between the ids of their operands, as in ``12*40``.
+SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
+_SIGNED = re.compile(r"(\d+)([-+*/])(\d+)")
+_INPUT = re.compile(r"(\w+)\[(\d+)\]")
 
 
 def dump(package: Package) -> str:
-    """Return the text of ``graph.json``; equal packages give equal bytes."""
+    """Return what ``graph.json.gz`` holds; equal packages give equal bytes."""
     return to_text(
         {
             "format": FORMAT,
             "name": package.name,
             "title": package.title,
             "regenerate": package.regenerate,
+            **({"choices": package.choices} if package.choices else {}),
             "kernels": [_kernel_to_data(kernel) for kernel in package.kernels],
         }
     )
@@ -49,7 +55,8 @@ def parse(text: str) -> Package:
         if data["format"] != FORMAT:
             raise ValueError(f"format {data['format']} instead of {FORMAT}")
         kernels = tuple(_kernel_from_data(kernel) for kernel in data["kernels"])
-        return Package(data["name"], data["title"], data["regenerate"], kernels)
+        choices = tuple(data.get("choices", ()))
+        return Package(data["name"], data["title"], data["regenerate"], kernels, choices)
     except (ValueError, KeyError, TypeError, IndexError, ZeroDivisionError) as problem:
         raise LoadError(
             f"this {GRAPH_FILE} cannot be read: {type(problem).__name__}: {problem};"
@@ -58,13 +65,26 @@ def parse(text: str) -> Package:
 
 
 def shipped_kinds() -> tuple[str, ...]:
-    """Return the names of the packages of kinds that are shipped, in order."""
+    """Return the kinds that are shipped, each choice of rows by itself, in order."""
     folder = resources.files("kousoku.generated.kinds")
-    return tuple(sorted(x.name for x in folder.iterdir() if (x / GRAPH_FILE).is_file()))
+    there = {x.name for x in folder.iterdir() if (x / GRAPH_FILE).is_file()}
+    chosen = ((name, KINDS[name].packages if name in KINDS else (name,)) for name in there)
+    return tuple(sorted(package for _, packages in chosen for package in packages))
+
+
+def chosen(package: Package, choice: str) -> Package:
+    """Return a package with one choice of rows, ``p2_z`` of ``p2``."""
+    name, ending = f"{package.name}_{choice}", f"_{choice}"
+    kernels = tuple(
+        replace(kernel, name=kernel.name.removesuffix(ending))
+        for kernel in package.kernels
+        if kernel.name.endswith(ending)
+    )
+    return Package(name, package.title, f"kousoku generate {name}", kernels)
 
 
 def load_frozen(name: str) -> Package:
-    """Return the frozen kernels of a kind that is shipped, such as ``p2_z``.
+    """Return the frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
 
     Raises
     ------
@@ -72,8 +92,11 @@ def load_frozen(name: str) -> Package:
         No such kind is shipped, or its file is damaged.
     """
     kinds = resources.files("kousoku.generated").joinpath("kinds")
+    kind, _, choice = name.partition("_")
+    if kind in KINDS and name in KINDS[kind].packages and name != kind:
+        return chosen(load_frozen(kind), choice)
     try:
-        text = kinds.joinpath(name, GRAPH_FILE).read_text(encoding="utf-8")
+        data = kinds.joinpath(name, GRAPH_FILE).read_bytes()
     except OSError as problem:
         known = sorted(
             folder.name
@@ -84,7 +107,10 @@ def load_frozen(name: str) -> Package:
             f"no kind {name} is shipped; there are {', '.join(known) or 'none'};"
             f" make it with: kousoku generate {name}"
         ) from problem
-    return parse(text)
+    try:
+        return parse(content(GRAPH_FILE, data).decode())
+    except ValueError as problem:
+        raise LoadError(f"{name}: {problem}; make it again with: kousoku generate {name}") from None
 
 
 def _kernel_to_data(kernel: Kernel) -> dict[str, object]:
@@ -110,13 +136,19 @@ def _quantity_to_data(quantity: Quantity) -> dict[str, object]:
     }
 
 
-def _node_to_data(node: Node) -> list[object]:
+def _node_to_data(node: Node) -> str:
+    """Return ``=3/2`` for a number, ``p_i[0]`` for an input, ``12*40``, ``-7``, ``atan2 3 5``."""
     if node.op is Op.CONST:
-        return [node.op.value, str(node.value)]
+        return f"={node.value}"
     if node.op is Op.INPUT:
         assert node.symbol is not None
-        return [node.op.value, *node.symbol]
-    return [node.op.value, *node.args]
+        name, index = node.symbol
+        return f"{name}[{index}]"
+    if node.op in SIGNS:
+        return f"{node.args[0]}{SIGNS[node.op]}{node.args[1]}"
+    if node.op is Op.NEG:
+        return f"-{node.args[0]}"
+    return " ".join((node.op.value, *map(str, node.args)))
 
 
 def _kernel_from_data(data: dict[str, Any]) -> Kernel:
@@ -146,14 +178,20 @@ def _quantity_from_data(data: dict[str, Any]) -> Quantity:
     return Quantity(data["name"], tuple(data["shape"]), data["unit"], data["meaning"])
 
 
-def _node_from_data(item: Sequence[Any], position: int) -> Node:
-    op = Op(item[0])
-    if op is Op.CONST:
-        return Node(op, value=Fraction(item[1]))
-    if op is Op.INPUT:
-        name, index = item[1:]
-        return Node(op, symbol=(name, index))
-    return Node(op, args=tuple(_known_id(arg, position) for arg in item[1:]))
+def _node_from_data(text: str, position: int) -> Node:
+    if text.startswith("="):
+        return Node(Op.CONST, value=Fraction(text[1:]))
+    if found := _INPUT.fullmatch(text):
+        return Node(Op.INPUT, symbol=(found[1], int(found[2])))
+    if found := _SIGNED.fullmatch(text):
+        op = next(op for op, sign in SIGNS.items() if sign == found[2])
+        args = [found[1], found[3]]
+    elif text.startswith("-"):
+        op, args = Op.NEG, [text[1:]]
+    else:
+        word, *args = text.split(" ")
+        op = Op(word)
+    return Node(op, args=tuple(_known_id(int(arg), position) for arg in args))
 
 
 def _known_id(node: int, count: int) -> int:

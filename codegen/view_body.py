@@ -60,6 +60,8 @@ class OutputText:
         The expressions of all elements.
     numbers : tuple of (int, str)
         Flat index and text of those that are numbers, zero left out.
+    others : tuple of (int, str)
+        Flat index and expression of those that are not identically zero.
     has_zeros : bool
         Whether some are identically zero.
     """
@@ -68,6 +70,7 @@ class OutputText:
     size: int
     elements: tuple[str, ...]
     numbers: tuple[tuple[int, str], ...]
+    others: tuple[tuple[int, str], ...]
     has_zeros: bool
 
 
@@ -84,6 +87,12 @@ def live_nodes(kernel: Kernel, outputs: Sequence[int]) -> list[int]:
     return [node for node, is_needed in enumerate(needed) if is_needed]
 
 
+def count_operations(kernel: Kernel, outputs: Sequence[int]) -> int:
+    """Return how many operations some outputs need."""
+    live = live_nodes(kernel, outputs)
+    return sum(kernel.nodes[node].op not in {Op.CONST, Op.INPUT} for node in live)
+
+
 @dataclass(frozen=True, slots=True)
 class Layout:
     """What is computed for some outputs, and where lines begin: the same in every language.
@@ -93,36 +102,63 @@ class Layout:
     kernel : Kernel
         The whole kernel.
     outputs : tuple of int
-        Those that are asked for.
+        Those that are written.
+    before : frozenset of int
+        The nodes that are known already.
     live : tuple of int
-        The nodes that they need, in topological order.
+        The others that they need, in topological order.
     lines : tuple of int
         The nodes that get a line of their own, in the order of the lines.
     """
 
     kernel: Kernel
     outputs: tuple[int, ...]
+    before: frozenset[int]
     live: tuple[int, ...]
     lines: tuple[int, ...]
 
 
 def layout(
-    kernel: Kernel, outputs: tuple[int, ...], leaves: Mapping[tuple[str, int], str]
+    kernel: Kernel,
+    outputs: tuple[int, ...],
+    leaves: Mapping[tuple[str, int], str],
+    *,
+    live: Sequence[int] | None = None,
+    before: frozenset[int] = frozenset(),
+    used_later: frozenset[int] = frozenset(),
 ) -> Layout:
     """Decide what gets a line of its own.
 
     What is used once is written where it is used, as long as the line stays short; what has a
-    name, and what is called or is an operand of a call, stands alone.
+    name, what is used later, and what is called or is an operand of a call, stands alone.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        The whole kernel.
+    outputs : tuple of int
+        Those that are written.
+    leaves : mapping
+        The text of each element of the inputs.
+    live : sequence of int, optional
+        The nodes to compute, in topological order; what the outputs need by default.
+    before, used_later : frozenset of int
+        The nodes that are known already, and those to compute that others will need.
     """
-    live = live_nodes(kernel, outputs)
+    live = live_nodes(kernel, outputs) if live is None else live
     uses = Counter(arg for node in live for arg in kernel.nodes[node].args)
     uses.update(node for output in outputs for node in kernel.results[output])
     names = dict(kernel.names)
-    alone = set(names)
+    alone = set(names) | used_later
     for node in live:
         if kernel.nodes[node].op in FUNCTIONS:
             alone.update((node, *kernel.nodes[node].args))
-    texts: dict[int, Text] = {}
+    texts = {
+        node: Text(names.get(node, "t000"))
+        if kernel.nodes[node].args
+        else _text(kernel, node, C, leaves, {})
+        for node in before
+    }
     order: list[int] = []
 
     def settle(node: int) -> None:
@@ -135,20 +171,25 @@ def layout(
         while len(texts[node].text) + len(names.get(node, "t000")) > WIDTH:
             settle(max(args, key=lambda arg: len(texts[arg].text)))
             texts[node] = _text(kernel, node, C, leaves, texts)
-        if op is not Op.INPUT and (node in alone or (args and uses[node] > 1)):
+        is_leaf = op is Op.INPUT or (op is Op.CONST and node in used_later)
+        if not is_leaf and (node in alone or (args and uses[node] > 1)):
             settle(node)
-    return Layout(kernel, outputs, tuple(live), tuple(order))
+    return Layout(kernel, outputs, before, tuple(live), tuple(order))
 
 
 def straight_line(
-    plan: Layout, printer: Printer, leaves: Mapping[tuple[str, int], str], namer: Namer
-) -> tuple[tuple[Statement, ...], dict[int, str]]:
-    """Return the statements of a layout in one language, and the text of every live node."""
+    plan: Layout,
+    printer: Printer,
+    leaves: Mapping[tuple[str, int], str],
+    namer: Namer,
+    known: Mapping[int, Text] | None = None,
+) -> tuple[tuple[Statement, ...], dict[int, Text]]:
+    """Return the statements of a layout in one language, and the text of every node so far."""
     kernel, names = plan.kernel, dict(plan.kernel.names)
     symbols = {
         node: namer.take(names[node]) if node in names else namer.temporary() for node in plan.lines
     }
-    texts: dict[int, Text] = {}
+    texts = dict(known or {})
     lines: dict[int, Statement] = {}
     for node in plan.live:
         op, args = kernel.nodes[node].op, kernel.nodes[node].args
@@ -160,7 +201,7 @@ def straight_line(
                 symbols[node], texts[node].text, call, operands, texts[node].is_number
             )
             texts[node] = Text(symbols[node])
-    return tuple(lines[node] for node in plan.lines), {node: t.text for node, t in texts.items()}
+    return tuple(lines[node] for node in plan.lines), texts
 
 
 def _text(
@@ -178,15 +219,16 @@ def _text(
     return printer.apply(item.op, [texts[arg] for arg in item.args])
 
 
-def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, str]) -> OutputText:
+def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, Text]) -> OutputText:
     """Return what is written into one output, given the texts of :func:`straight_line`."""
     nodes = kernel.results[output]
     values = [kernel.nodes[node].value for node in nodes]
     return OutputText(
         name=name,
         size=len(nodes),
-        elements=tuple(texts[node] for node in nodes),
-        numbers=tuple((k, texts[n]) for k, n in enumerate(nodes) if values[k]),
+        elements=tuple(texts[node].text for node in nodes),
+        numbers=tuple((k, texts[n].text) for k, n in enumerate(nodes) if values[k]),
+        others=tuple((k, texts[n].text) for k, n in enumerate(nodes) if values[k] != 0),
         has_zeros=any(value == 0 for value in values),
     )
 
@@ -202,7 +244,7 @@ def with_outputs(
     """
     kernel = plan.kernel
     line = {node: k for k, node in enumerate(plan.lines)}
-    known: dict[int, int] = {}
+    known = dict.fromkeys(plan.before, -1)
     for node in plan.live:
         args = kernel.nodes[node].args
         known[node] = line.get(node, max((known[arg] for arg in args), default=-1))

@@ -32,8 +32,9 @@ _LIBM = (
     "signbit signgam significand sin sincos sinh sqrt tan tanh tgamma trunc y0 y1 yn"
 )
 _OURS = (
-    "NULL abs calloc exit free index int8_t linux main malloc memcpy memset printf size_t unix "
-    "at block element i in lane load n np out outputs self store stride vec"
+    "CALL CALL_2 INLINE LANES NULL NUMBER abs calloc exit free index int8_t linux main malloc "
+    "memcpy memset printf size_t unix "
+    "at block element evaluate i in in_array lane n np out out_array outputs real self stride vec"
 )
 #: Fixed here, and not asked of the running Python, so that every version emits the same text.
 RESERVED = frozenset(" ".join((_C, _CPP, _PYTHON, _LIBM, _OURS)).split())

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from kousoku.codegen.view_body import OutputText, Statement
-    from kousoku.codegen.view_shuffles import RowsView
+
+#: Rows of this size are at least as long as any vector.
+LONGEST = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,8 +32,6 @@ class ArgumentView:
         Of what, in which frame.
     rows : tuple of str
         Of the argument table: symbol, shape, unit, meaning.
-    is_used : bool
-        Whether any output depends on it.
     """
 
     name: str
@@ -42,12 +42,72 @@ class ArgumentView:
     batched: str
     meaning: str
     rows: tuple[str, ...]
-    is_used: bool
+
+    @property
+    def load(self) -> str:
+        """What makes lanes of the rows of an input."""
+        at = f"in[{self.index}], i, stride[{self.index}]"
+        if self.size >= LONGEST:
+            return f"load_rows({at}, {self.size}, {self.symbol})"
+        return f"load_{self.size}({at}, {self.symbol})"
+
+    @property
+    def store(self) -> str:
+        """What makes rows of the lanes of an output."""
+        if self.size >= LONGEST:
+            return f"store_rows({self.symbol}, out[{self.index}], i, {self.size})"
+        return f"store_{self.size}({self.symbol}, out[{self.index}], i)"
+
+    @property
+    def block(self) -> str:
+        """Where an output goes in the lanes layout."""
+        return f"out[{self.index}] ? (vec *)out[{self.index}] + block * {self.size} : NULL"
+
+
+@dataclass(frozen=True, slots=True)
+class BodyText:
+    """The straight-line code of one choice of outputs, in one language.
+
+    Parameters
+    ----------
+    inputs : tuple of ArgumentView
+        What it reads.
+    components : tuple of str
+        For each input the names of its elements, where the target unpacks them.
+    head : tuple of Statement
+        The terms that all choices of rows have in common; none where there is no choice.
+    tails : tuple of TailText
+        The rest, for each choice.
+    """
+
+    inputs: tuple[ArgumentView, ...]
+    components: tuple[str, ...]
+    head: tuple[Statement, ...]
+    tails: tuple[TailText, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class TailText:
+    """What one choice of rows computes and writes.
+
+    Parameters
+    ----------
+    first : tuple of (str, str)
+        Elements of outputs that need no term of its own, and their expressions.
+    statements : tuple of Statement
+        The shared terms.
+    results : tuple of OutputText
+        What is written, output by output.
+    """
+
+    first: tuple[tuple[str, str], ...]
+    statements: tuple[Statement, ...]
+    results: tuple[OutputText, ...]
 
 
 @dataclass(frozen=True, slots=True)
 class BodyView:
-    """The straight-line code of one choice of outputs.
+    """One choice of outputs: all of them, or one that alone costs at most half.
 
     Parameters
     ----------
@@ -55,32 +115,23 @@ class BodyView:
         ``all``, or the output.
     function : str
         Name of the function in NumPy.
-    inputs, outputs : tuple of ArgumentView
-        What it reads and writes.
-    is_wanted : str
-        The condition under which a batch runs it.
-    arguments : str
-        The symbols of both, as a call of C passes them.
-    components : tuple of str
-        For each input the names of its elements, where the target unpacks them.
-    first : tuple of (str, str)
-        Elements of outputs that need no shared term, and their expressions.
-    statements : tuple of Statement
-        The shared terms.
-    results : tuple of OutputText
-        What is written, output by output.
+    outputs : tuple of ArgumentView
+        What it writes.
+    c, numpy : BodyText
+        The code, line by line the same.
     """
 
     name: str
     function: str
-    inputs: tuple[ArgumentView, ...]
     outputs: tuple[ArgumentView, ...]
-    is_wanted: str
-    arguments: str
-    components: tuple[str, ...]
-    first: tuple[tuple[str, str], ...]
-    statements: tuple[Statement, ...]
-    results: tuple[OutputText, ...]
+    c: BodyText
+    numpy: BodyText
+
+    @property
+    def python_parameters(self) -> tuple[str, ...]:
+        """What its function in NumPy takes."""
+        choice = ("choice: int",) if len(self.c.tails) > 1 else ()
+        return (*choice, *(f"{a.symbol}: Sequence[Any]" for a in self.numpy.inputs))
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,24 +140,20 @@ class CallsView:
 
     Parameters
     ----------
-    symbols : str
-        By their own names.
-    pointers : str
+    pointers : tuple of str
         Elements of the arrays of pointers ``in`` and ``out``.
-    single : str
+    single : tuple of str
         Evaluation ``i`` of the arrays.
-    lanes : str
-        Block ``block`` of the lanes layout.
-    names_in, names_out : str
-        The names as strings.
+    arrays : str
+        Declarations of the lanes of one block of evaluations.
+    signature : str
+        Names and sizes, as strings of C.
     """
 
-    symbols: str
-    pointers: str
-    single: str
-    lanes: str
-    names_in: str
-    names_out: str
+    pointers: tuple[str, ...]
+    single: tuple[str, ...]
+    arrays: str
+    signature: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,37 +162,133 @@ class KernelView:
 
     Parameters
     ----------
-    name : str
-        As in the kernel.
+    name, family : str
+        As in the kernel, without and with what tells its choice of rows left out.
+    choice : tuple of str
+        Its number among the choices, as an argument; none where there is no choice.
+    is_first : bool
+        Whether it is the first of its family, with which the text of all stands.
+    names : str
+        Of the kernels of the family.
     heading : tuple of str
         Package, kernel and title, in lines that fit.
     summary : str
         First line of a docstring.
-    about : tuple of str
+    about, about_ascii : tuple of str
         Lines of the formula and its source.
-    cost : tuple of str
-        Count of operations, and what it would be without sharing.
+    cost, family_cost : tuple of str
+        Count of operations, and what it would be without sharing; of each of the family.
     inputs, outputs : tuple of ArgumentView
         In the order of the arguments.
+    declared, parameters, arguments : tuple of str
+        Them as C declares them, in the header and where it is defined, and passes them.
     calls : CallsView
         Arguments that differ only in where they come from.
-    c, numpy : tuple of BodyView
-        The code for all outputs first, then, if there are several, for each alone.
+    flags : tuple of str
+        What tells which outputs are wanted.
+    unwanted : str
+        Declarations of what outputs are computed into where they are not wanted.
+    alone_calls : tuple of tuple of str
+        For each output the arguments that compute it alone.
+    bodies : tuple of BodyView
+        That for all outputs first, then, in NumPy, those of single outputs.
     is_polynomial : bool
         Whether Python's floats give what arrays give.
     """
 
     name: str
+    family: str
+    choice: tuple[str, ...]
+    is_first: bool
+    names: str
     heading: tuple[str, ...]
     summary: str
     about: tuple[str, ...]
+    about_ascii: tuple[str, ...]
     cost: tuple[str, ...]
+    family_cost: tuple[str, ...]
     inputs: tuple[ArgumentView, ...]
     outputs: tuple[ArgumentView, ...]
+    declared: tuple[str, ...]
+    parameters: tuple[str, ...]
+    arguments: tuple[str, ...]
     calls: CallsView
-    c: tuple[BodyView, ...]
-    numpy: tuple[BodyView, ...]
+    flags: tuple[str, ...]
+    unwanted: str
+    alone_calls: tuple[tuple[str, ...], ...]
+    bodies: tuple[BodyView, ...]
     is_polynomial: bool
+
+    @property
+    def python_parameters(self) -> tuple[str, ...]:
+        """What its function in NumPy takes."""
+        inputs = (f"{a.symbol}: ArrayLike" for a in self.inputs)
+        return (*inputs, "*", "out: Out = None", "outputs: Sequence[str] | None = None")
+
+    @property
+    def shapes_in(self) -> tuple[str, ...]:
+        """The inputs as entries of a dict of Python."""
+        return tuple(f'"{a.name}": {a.shape}' for a in self.inputs)
+
+    @property
+    def shapes_out(self) -> tuple[str, ...]:
+        """The outputs as entries of a dict of Python."""
+        return tuple(f'"{a.name}": {a.shape}' for a in self.outputs)
+
+    @property
+    def body(self) -> BodyView:
+        """The body for all outputs."""
+        return self.bodies[0]
+
+    @property
+    def unread(self) -> tuple[str, ...]:
+        """The inputs that no output depends on."""
+        return tuple(a.symbol for a in self.inputs if a not in self.body.c.inputs)
+
+    @property
+    def flags_declared(self) -> tuple[str, ...]:
+        """The flags as parameters, and the choice of rows."""
+        return (*(f"int {flag}" for flag in self.flags), *self.choice_declared)
+
+    @property
+    def choice_declared(self) -> tuple[str, ...]:
+        """The choice of rows as a parameter."""
+        return ("int choice",) if self.choice else ()
+
+    @property
+    def choice_passed(self) -> tuple[str, ...]:
+        """The same as an argument."""
+        return ("choice",) if self.choice else ()
+
+    @property
+    def are_wanted(self) -> tuple[str, ...]:
+        """The flags of a single call, and the choice."""
+        return (*(f"{a.symbol} != NULL" for a in self.outputs), *self.choice)
+
+    @property
+    def are_wanted_batch(self) -> tuple[str, ...]:
+        """The flags of a batch, and the choice."""
+        return (*(f"out[{a.index}] != NULL" for a in self.outputs), *self.choice)
+
+    @property
+    def python_alone(self) -> tuple[str, ...]:
+        """The bodies of single outputs as entries of a dict of Python."""
+        return tuple(
+            f'"{body.outputs[0].name}": '
+            f"({self.python_body(body)}, {[a.index for a in body.numpy.inputs]})"
+            for body in self.alone
+        )
+
+    def python_body(self, body: BodyView) -> str:
+        """Return a body of the family as a function of NumPy, with the choice of this kernel."""
+        if len(body.c.tails) == 1:
+            return body.function
+        return f"partial({', '.join((body.function, *self.choice))})"
+
+    @property
+    def alone(self) -> tuple[BodyView, ...]:
+        """The bodies of single outputs."""
+        return self.bodies[1:]
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,22 +297,25 @@ class PackageView:
 
     Parameters
     ----------
-    name, title, regenerate, version, digest : str
+    name, title, title_ascii, regenerate, version, digest : str
         As in the manifest.
     kernels : tuple of KernelView
         In the order of the text.
-    loads, stores : tuple of RowsView
-        How rows of each size of the inputs become lanes, and lanes rows of the outputs.
-    functions : tuple of (str, int)
-        C name and count of operands of each function that the kernels call.
+    has_calls, has_choices : bool
+        Whether they call functions of the math library, and whether rows are chosen.
     """
 
     name: str
     title: str
+    title_ascii: str
     regenerate: str
     version: str
     digest: str
     kernels: tuple[KernelView, ...]
-    loads: tuple[RowsView, ...]
-    stores: tuple[RowsView, ...]
-    functions: tuple[tuple[str, int], ...]
+    has_calls: bool
+    has_choices: bool
+
+    @property
+    def quoted_kernels(self) -> tuple[str, ...]:
+        """The names of the kernels as strings of Python."""
+        return tuple(f'"{kernel.name}"' for kernel in self.kernels)

@@ -6,9 +6,12 @@ import json
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from kousoku.model.jsontext import to_text
 from kousoku.model.quantity import Quantity
 
 FORMAT = 1
+#: File of the reference values, compressed as :mod:`kousoku.model.compressed` does.
+REFERENCE_FILE = "reference.json.gz"
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +42,14 @@ class KernelManifest:
     is_exact: bool
     operations: tuple[tuple[str, int], ...]
 
+    @property
+    def signature(self) -> str:
+        """Names and sizes of the arrays, as the compiled kernel tells them: ``r[3] -> C[1]``."""
+        inputs, outputs = (
+            " ".join(f"{q.name}[{q.size}]" for q in side) for side in (self.inputs, self.outputs)
+        )
+        return f"{inputs} -> {outputs}".lstrip()
+
 
 @dataclass(frozen=True, slots=True)
 class Manifest:
@@ -53,7 +64,8 @@ class Manifest:
     digest : str
         SHA-256 over graphs, signatures, templates and version; the compiled library exports it.
     files : tuple of (str, str)
-        File name and SHA-256 of its bytes, the manifest itself left out.
+        File name and SHA-256 of its content, the manifest itself left out. What is kept compressed
+        counts as it is before.
     kernels : tuple of KernelManifest
         In the order of the text.
     """
@@ -68,7 +80,7 @@ class Manifest:
 
     def to_json(self) -> str:
         """Return the text of ``manifest.json``; the same manifest gives the same bytes."""
-        return json.dumps({"format": FORMAT, **asdict(self)}, indent=1, ensure_ascii=False) + "\n"
+        return to_text({"format": FORMAT, **asdict(self)})
 
     @classmethod
     def from_json(cls, text: str) -> Manifest:

@@ -1,6 +1,6 @@
 """Check the solver of a scene of bodies: against 50 digits at a few states, and target by target.
 
-At each state of ``reference.json`` all that the solver computes is computed again, by C and by
+At each state of ``reference.json.gz`` all that the solver computes is computed again, by C and by
 NumPy, and its error is told in units of what rounding can do there. Then both make the same few
 steps: a scene without sines or logarithms must give the same bits.
 """
@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
+from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
-from kousoku.runtime.reference import REFERENCE_FILE, Expected
+from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Report, Row
 from kousoku.runtime.run_stop import key_of
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import types
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
@@ -19,13 +21,14 @@ from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_libra
 if TYPE_CHECKING:
     import ctypes
     from collections.abc import Callable, Mapping
-    from pathlib import Path
 
     from kousoku.runtime.build import Built
     from kousoku.runtime.toolchain import Toolchain
 
 MANIFEST = "manifest.json"
-NUMPY_SOURCE, C_SOURCE = "kernels.py", "kernels.c"
+NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
+#: What batches of all packages include.
+LANES = Path(__file__).with_name("lanes.h")
 #: A file of a package: in its folder, or in one folder of that, such as ``integrate/state.h``.
 PLAIN = re.compile(r"(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
 
@@ -162,12 +165,12 @@ def read_manifest(folder: Path) -> Manifest:
 
 
 def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
-    """Return the files that a manifest lists, each compared with its digest.
+    """Return what the files hold that a manifest lists, each compared with its digest.
 
     Raises
     ------
     LoadError
-        Files are missing or edited; the message names each.
+        Files are missing, edited or damaged; the message names each.
     """
     import hashlib
 
@@ -177,9 +180,12 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
         if PLAIN.fullmatch(name) is None:
             raise LoadError(f"{folder / MANIFEST} lists {name!r}, which is not a plain file name")
         try:
-            files[name] = (folder / name).read_bytes()
+            files[name] = content(name, (folder / name).read_bytes())
         except OSError as error:
             problems.append(f"{folder / name} is missing ({error.strerror})")
+            continue
+        except ValueError as error:
+            problems.append(f"{folder / name} is damaged: {error}")
             continue
         if hashlib.sha256(files[name]).hexdigest() != digest:
             problems.append(f"{folder / name} was edited: its SHA-256 is not the manifest's")
@@ -206,14 +212,21 @@ def _load_numpy(
     return Library(folder, manifest, "numpy", types.MappingProxyType(kernels))
 
 
+def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
+    """Return the sources of C among the files of a package, and what its batches include."""
+    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
+    if BATCH_SOURCE in files and LANES.name not in files:
+        sources += ((LANES.name, LANES.read_bytes()),)
+    return sources
+
+
 def compiled(
     manifest: Manifest, files: Mapping[str, bytes], toolchain: Toolchain
 ) -> tuple[ctypes.CDLL, Built]:
     """Build the sources of a package, or find them built, and open the library."""
     from kousoku.runtime.build import Source, build
 
-    sources = tuple(item for item in files.items() if item[0].endswith((".c", ".h")))
-    built = build(Source(manifest.package, sources), toolchain)
+    built = build(Source(manifest.package, c_sources(files)), toolchain)
     if built.damage:
         say_once(f"{built.damage}; it was built again")
     return open_library(built.path, manifest), built

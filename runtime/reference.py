@@ -9,15 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import VerifyError
+from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from kousoku.model.manifest import KernelManifest, Manifest
     from kousoku.model.quantity import Quantity
     from kousoku.runtime.arguments import Floats
 
-REFERENCE_FILE = "reference.json"
 FORMAT = 1
 
 
@@ -81,8 +82,19 @@ class Reference:
         )
 
 
-def read_references(folder: Path, manifest: Manifest) -> dict[str, Reference]:
+def read_references(
+    folder: Path, manifest: Manifest, files: Mapping[str, bytes]
+) -> dict[str, Reference]:
     """Return the reference values of every kernel of a package.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the package lies.
+    manifest : Manifest
+        What it promises.
+    files : mapping of str to bytes
+        What its files hold, as :func:`kousoku.runtime.library.read_files` gives it.
 
     Raises
     ------
@@ -90,19 +102,19 @@ def read_references(folder: Path, manifest: Manifest) -> dict[str, Reference]:
         There are none, or they are not those of this package.
     """
     path = folder / REFERENCE_FILE
-    if REFERENCE_FILE not in dict(manifest.files):
+    if REFERENCE_FILE not in files:
         raise VerifyError(
             f"{folder / 'manifest.json'} lists no {REFERENCE_FILE}: nothing to verify"
         )
     try:
-        data = json.loads(path.read_text(encoding="utf-8"))
+        data = json.loads(files[REFERENCE_FILE])
         if data["format"] != FORMAT:
             raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
         points = {kernel["name"]: kernel["points"] for kernel in data["kernels"]}
         if not all(points[k.name] for k in manifest.kernels):
             raise VerifyError(f"{path}: a kernel has no points: nothing to verify")
         return {k.name: _reference(k, points[k.name]) for k in manifest.kernels}
-    except (OSError, ValueError, KeyError, TypeError, IndexError) as error:
+    except (ValueError, KeyError, TypeError, IndexError) as error:
         raise VerifyError(f"{path} does not fit the manifest beside it: {error!r}") from None
 
 

@@ -147,7 +147,7 @@ def _problem(library: ctypes.CDLL, manifest: Manifest) -> str:
     """Say how a library differs from what a manifest promises, ``""`` if it does not."""
     prefix = f"kousoku_{manifest.package}"
     try:
-        digest = _text(library, f"{prefix}_digest")()
+        digest = _text(library, f"{prefix}_digest")
         if digest != manifest.digest:
             return f"it exports the digest {digest}, the manifest wants {manifest.digest}"
         return _difference(library, prefix, manifest.kernels)
@@ -157,37 +157,23 @@ def _problem(library: ctypes.CDLL, manifest: Manifest) -> str:
 
 def lane_width(library: ctypes.CDLL, package: str) -> int:
     """Return the count of lanes of a block in a library."""
-    return int(_count(library, f"kousoku_{package}_lanes")())
+    function = library[f"kousoku_{package}_lanes"]
+    function.restype = ctypes.c_size_t
+    function.argtypes = ()
+    return int(function())
 
 
 def _difference(library: ctypes.CDLL, package: str, kernels: Sequence[KernelManifest]) -> str:
     """Say how the exported signatures differ from the manifest's, ``""`` if they do not."""
     for kernel in kernels:
-        prefix = f"{package}_{kernel.name}"
-        for side, quantities in (("in", kernel.inputs), ("out", kernel.outputs)):
-            count = _count(library, f"{prefix}_n_{side}")()
-            name = _text(library, f"{prefix}_name_{side}", ctypes.c_size_t)
-            size = _count(library, f"{prefix}_size_{side}", ctypes.c_size_t)
-            got = [(name(k), size(k)) for k in range(count)]
-            wanted = [(q.name, q.size) for q in quantities]
-            if got != wanted:
-                return f"{kernel.name} has the {side}puts {got}, the manifest wants {wanted}"
+        got = _text(library, f"{package}_{kernel.name}_signature")
+        if got != kernel.signature:
+            return f"{kernel.name} has the signature {got}, the manifest wants {kernel.signature}"
     return ""
 
 
-def _text(library: ctypes.CDLL, name: str, *argtypes: Any) -> Callable[..., str]:
+def _text(library: ctypes.CDLL, name: str) -> str:
     function = library[name]
     function.restype = ctypes.c_char_p
-    function.argtypes = argtypes
-
-    def call(*arguments: int) -> str:
-        return (function(*arguments) or b"").decode(errors="replace")
-
-    return call
-
-
-def _count(library: ctypes.CDLL, name: str, *argtypes: Any) -> Callable[..., int]:
-    function = library[name]
-    function.restype = ctypes.c_size_t
-    function.argtypes = argtypes
-    return function
+    function.argtypes = ()
+    return (function() or b"").decode(errors="replace")

@@ -1,8 +1,8 @@
 """`verify`: recompute the reference values of a package on this machine.
 
-Every kernel runs at every point of ``reference.json`` in every way it can be called, with all its
-outputs and with each output alone, and its error is told in the units that stand there. Kernels
-that use only + − × ÷ √ must also give the same bits in C and in NumPy.
+Every kernel runs at every point of ``reference.json.gz`` in every way it can be called, with all
+its outputs and with each output alone, and its error is told in the units that stand there.
+Kernels that use only + − × ÷ √ must also give the same bits in C and in NumPy.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def verify(
         files = read_files(folder, manifest)
         if MOTION_FILE in files:
             return verify_solver(folder, manifest, files, target)
-        references = read_references(folder, manifest)
+        references = read_references(folder, manifest, files)
     except (LoadError, VerifyError) as error:
         return Report(folder.name, str(folder), (), (str(error),))
     problems: list[str] = []

@@ -52,7 +52,7 @@ def program(folder: Path) -> tuple[Path, str]:
     """Lay out the C program beside the solver's files; return it and what it prints."""
     ((code, shown),) = blocks("c")
     assert len(code.splitlines()) <= 30
-    for name in ("kernels.c", "kernels.h"):
+    for name in ("kernels.c", "expressions.h", "kernels.h"):
         shutil.copy(LEVER / name, folder / name)
     shutil.copytree(LEVER / "kinematics", folder / "kinematics")
     main = folder / "main.c"

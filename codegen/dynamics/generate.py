@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.reference import REFERENCE_FILE, solver_references
+from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.bodies import thickened
 from kousoku.codegen.dynamics.composition.compose import compose
@@ -21,6 +21,7 @@ from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.dynamics.simplification.weights import require_driven, weighted
 from kousoku.model.errors import SceneError
 from kousoku.model.held import require_kept, without_held
+from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.model.system import system_of
 from kousoku.model.varying import fixed_system
 

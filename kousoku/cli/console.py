@@ -13,7 +13,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from kousoku.model.errors import DerivationError, LoadError
-from kousoku.symbolic import packages_of
+from kousoku.symbolic import KINDS, packages_of
 
 #: Exit codes: emitted code disagrees with what was derived; bad input.
 DISAGREEMENT, BAD_INPUT = 1, 2
@@ -72,7 +72,8 @@ def find_packages(name: str = "") -> list[Path]:
             return inside
         raise LoadError(f"{name}: holds no manifest.json; kousoku did not generate it")
     try:
-        return [known[package] for package in packages_of(name)]
+        packages = packages_of(name)
+        return [known[kind] for kind, entry in KINDS.items() if packages[0] in entry.packages]
     except (DerivationError, KeyError):
         names = ", ".join(known)
         raise LoadError(f"{name}: no such package, kind or folder; known: {names}") from None

@@ -112,8 +112,7 @@ def _only(tree: SourceTree, target: Emitted) -> SourceTree:
 def _orders(name: str, out: Path | None) -> list[Order]:
     """Return the packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
-    from kousoku.codegen.generate import generate_kind, package_names
-    from kousoku.symbolic import packages_of
+    from kousoku.codegen.generate import generate_kind, package_names, package_of
 
     scenes = {path.stem: path for path in committed_scenes()}
     is_file = name.endswith(".toml")
@@ -121,7 +120,7 @@ def _orders(name: str, out: Path | None) -> list[Order]:
         return [_scene_order(Path(name), out)]
     if name.removesuffix(".toml") in scenes:  # as the head of its files says
         return [_scene_order(scenes[name.removesuffix(".toml")], out)]
-    packages = packages_of(name) if name else package_names()
+    packages = (package_of(name),) if name else package_names()
     kinds = _kinds_folder() if out is None else out
     orders = [Order(kinds / package, partial(generate_kind, package)) for package in packages]
     return orders if name else orders + [_scene_order(path, out) for path in scenes.values()]

@@ -22,7 +22,7 @@ def list_names(as_json: AsJson = False) -> None:
 
 def _row(folder: Path) -> dict[str, Any]:
     manifest = Manifest.from_json((folder / "manifest.json").read_text(encoding="utf-8"))
-    kinds = [(name, kind) for name, kind in KINDS.items() if manifest.package in kind.packages]
+    kinds = [(name, kind) for name, kind in KINDS.items() if manifest.package == name]
     is_kind = folder.parent.name == "kinds" and bool(kinds)
     return {
         "name": manifest.package,

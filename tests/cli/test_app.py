@@ -33,20 +33,19 @@ def test_an_unknown_command_is_bad_input(run: Run) -> None:
     assert "simulat" in err
 
 
-def test_the_list_names_every_package_of_every_kind(run: Run) -> None:
+def test_the_list_names_every_kind(run: Run) -> None:
     code, out, _ = run("list", "--json")
     listed = {row["name"]: row for row in json.loads(out)}
     assert code == 0
     for name, kind in KINDS.items():
-        for package in kind.packages:
-            assert listed[package]["kind"] == name
-            assert listed[package]["kernels"]
+        assert listed[name]["kind"] == name
+        assert len(listed[name]["kernels"]) >= len(kind.packages)
 
 
 def test_the_list_is_a_table_for_people(run: Run) -> None:
     code, out, _ = run("list")
     assert code == 0
-    assert any("p2_z" in line and "inline" in line for line in out.splitlines())
+    assert any("constraint_z" in line and "inline" in line for line in out.splitlines())
 
 
 @pytest.mark.parametrize("name", ["n2", "INPLANE", "dot-2"])

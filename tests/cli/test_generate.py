@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +15,16 @@ if TYPE_CHECKING:
     Run = Callable[..., tuple[int, str, str]]
 
 LEVER = Path(__file__).parents[2] / "scenes" / "lever_crank.toml"
-FILES = {"__init__.py", "kernels.py", "kernels.c", "kernels_batch.c", "kernels.h", "manifest.json"}
+FILES = {
+    "__init__.py",
+    "kernels.py",
+    "batch_numpy.py",
+    "kernels.c",
+    "kernels_batch.c",
+    "expressions.h",
+    "kernels.h",
+    "manifest.json",
+}
 
 
 def names_in(folder: Path) -> set[str]:
@@ -31,9 +41,13 @@ def test_kinds_and_scenes_go_into_folders_of_their_names(run: Run, tmp_path: Pat
     assert "unchanged" in run("generate", "n2", "--out", tmp_path)[1]
 
 
-def test_a_kind_with_variants_gives_all_of_them(run: Run, tmp_path: Path) -> None:
-    answer = json.loads(run("generate", "p1", "--out", tmp_path, "--json")[1])
-    assert [Path(row["folder"]).name for row in answer] == ["p1_x", "p1_y", "p1_z"]
+@pytest.mark.parametrize("name", ["p2", "p2_y"])
+def test_a_kind_with_choices_of_rows_is_one_package(run: Run, tmp_path: Path, name: str) -> None:
+    answer = json.loads(run("generate", name, "--out", tmp_path, "--json")[1])
+    assert [Path(row["folder"]).name for row in answer] == ["p2"]
+    manifest = json.loads((tmp_path / "p2" / "manifest.json").read_text(encoding="utf-8"))
+    names = [kernel["name"] for kernel in manifest["kernels"]]
+    assert names[:3] == ["constraint_x", "rates_x", "reaction_x"] and len(names) == 9
 
 
 def test_the_command_in_the_head_of_a_shipped_scene_works(run: Run, tmp_path: Path) -> None:
@@ -47,20 +61,22 @@ def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: P
     check = ("generate", "n1", "--out", tmp_path, "--check")
     run("generate", "n1", "--out", tmp_path)
     assert run(*check)[0] == 0
-    kernels = tmp_path / "n1" / "kernels.c"
-    kernels.write_text(kernels.read_text(encoding="utf-8").replace("+", "-", 1), encoding="utf-8")
+    formulas = tmp_path / "n1" / "expressions.h"
+    text = formulas.read_text(encoding="utf-8")
+    formulas.write_text(text.replace("+", "-", 1), encoding="utf-8")
     (tmp_path / "n1" / "kernels.h").unlink()
     (tmp_path / "n1" / "old.c").write_text("", encoding="utf-8")
     code, _, err = run(*check)
     assert code == 1
-    for name in ("kernels.c", "kernels.h", "old.c"):
+    for name in ("expressions.h", "kernels.h", "old.c"):
         assert name in err
     assert not json.loads(run(*check, "--json")[1])["ok"]
     assert not (tmp_path / "n1" / "kernels.h").exists()
 
 
 @pytest.mark.parametrize(
-    ("target", "suffixes"), [("c", {".c", ".h", ".json"}), ("numpy", {".py", ".json"})]
+    ("target", "suffixes"),
+    [("c", {".c", ".h", ".json", ".gz"}), ("numpy", {".py", ".json", ".gz"})],
 )
 def test_the_other_target_can_be_left_out(
     run: Run, tmp_path: Path, target: str, suffixes: set[str]
@@ -104,9 +120,9 @@ def test_verify_as_json_is_for_programs(run: Run) -> None:
 
 def test_verify_fails_on_an_edited_reference(run: Run, tmp_path: Path) -> None:
     run("generate", "n1", "--out", tmp_path)
-    reference = tmp_path / "n1" / "reference.json"
-    text = reference.read_text(encoding="utf-8")
-    reference.write_text(text.replace("1", "2", 1), encoding="utf-8")
+    reference = tmp_path / "n1" / "reference.json.gz"
+    text = gzip.decompress(reference.read_bytes())
+    reference.write_bytes(gzip.compress(text.replace(b"1", b"2", 1)))
     code, out, err = run("verify", tmp_path)
     assert code == 1
     assert "reference.json" in out + err

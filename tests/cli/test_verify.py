@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import hashlib
 import json
 from dataclasses import replace
@@ -49,17 +50,18 @@ def test_folder_of_a_scene_that_computes_something_else_is_a_disagreement(
     assert run("generate", SCENES / "pendulum.toml", "--out", tmp_path).code == 0
     folder = tmp_path / "pendulum"
     assert run("verify", folder, "--target", "numpy").code == 0
-    path = folder / "reference.json"
-    data = json.loads(path.read_text(encoding="utf-8"))
+    path = folder / "reference.json.gz"
+    data = json.loads(gzip.decompress(path.read_bytes()))
     data["points"][1]["outputs"]["v_dot"]["high"][0] += 1e-13
-    path.write_text(json.dumps(data), encoding="utf-8")
+    text = json.dumps(data).encode()
+    path.write_bytes(gzip.compress(text))
     code, out, _ = run("verify", folder, "--target", "numpy")
     assert code == 1
     assert "reference.json" in out
     manifest_path = folder / "manifest.json"
     manifest = Manifest.from_json(manifest_path.read_text(encoding="utf-8"))
-    digest = hashlib.sha256(path.read_bytes()).hexdigest()
-    files = tuple((n, digest if n == "reference.json" else d) for n, d in manifest.files)
+    digest = hashlib.sha256(text).hexdigest()
+    files = tuple((n, digest if n == "reference.json.gz" else d) for n, d in manifest.files)
     manifest_path.write_text(replace(manifest, files=files).to_json(), encoding="utf-8")
     code, out, _ = run("verify", folder, "--target", "numpy")
     assert code == 1

@@ -68,7 +68,7 @@ def test_what_old_code_derives_is_not_kept_for_edited_sources(
     "damage",
     [
         lambda data: data[: len(data) // 2],
-        lambda data: data.replace(rb"[\"mul", rb"[\"add", 1),
+        lambda data: data.replace(b"*", b"+", 1),
         lambda data: b"\xff\xfe",
         lambda data: b"",
         lambda data: b"[]",

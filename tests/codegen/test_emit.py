@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import json
 import shutil
 import subprocess
@@ -20,6 +19,8 @@ from kousoku.codegen.emit import emit
 from kousoku.codegen.kernel import Package
 from kousoku.model.errors import EmitError
 from kousoku.model.manifest import Manifest
+from kousoku.runtime.batch_numpy import BLOCK
+from kousoku.runtime.importing import import_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,7 +32,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture
 def folder(n1_package: Package) -> dict[str, str]:
-    return emit(n1_package, {"reference.json": "{}\n"})
+    return emit(n1_package, {"reference.json.gz": "{}\n"})
 
 
 def test_the_folder_has_the_files_that_the_house_names(folder: dict[str, str]) -> None:
@@ -40,8 +41,10 @@ def test_the_folder_has_the_files_that_the_house_names(folder: dict[str, str]) -
         "kernels.py",
         "kernels.c",
         "kernels_batch.c",
+        "expressions.h",
         "kernels.h",
-        "reference.json",
+        "batch_numpy.py",
+        "reference.json.gz",
         "manifest.json",
     ]
 
@@ -69,14 +72,15 @@ def test_no_line_is_long_or_ends_in_a_blank_and_every_file_ends_in_one_newline(
             assert len(line) <= 100 or name == "manifest.json", (name, line)
 
 
-def test_c_has_no_pow_no_heap_and_no_globals(folder: dict[str, str]) -> None:
-    for name in ("kernels.c", "kernels_batch.c", "kernels.h"):
+def test_c_is_ascii_and_has_no_pow_no_heap_and_no_globals(folder: dict[str, str]) -> None:
+    for name in ("kernels.c", "kernels_batch.c", "expressions.h", "kernels.h"):
+        assert folder[name].isascii()
         for word in ("pow(", "malloc", "calloc", "alloca"):
             assert word not in folder[name]
 
 
 def test_emitting_twice_gives_the_same_bytes(n1_package: Package, folder: dict[str, str]) -> None:
-    assert emit(n1_package, {"reference.json": "{}\n"}) == folder
+    assert emit(n1_package, {"reference.json.gz": "{}\n"}) == folder
 
 
 def test_another_graph_has_another_digest(n1_package: Package, folder: dict[str, str]) -> None:
@@ -107,7 +111,9 @@ def test_generated_python_is_formatted_and_clean(folder: dict[str, str], tmp_pat
         assert done.returncode == 0, done.stdout + done.stderr
 
 
-@pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h"])
+@pytest.mark.parametrize(
+    "name", ["kernels.c", "kernels_batch.c", "expressions.h", "kernels.py", "kernels.h"]
+)
 def test_text_of_n1(folder: dict[str, str], golden: Callable[[str], None], name: str) -> None:
     digest = json.loads(folder["manifest.json"])["digest"]
     golden(folder[name].replace(digest, "DIGEST").replace(digest[:16], "DIGEST"))
@@ -115,24 +121,17 @@ def test_text_of_n1(folder: dict[str, str], golden: Callable[[str], None], name:
 
 def load_module(folder: dict[str, str], tmp_path: Path) -> Any:
     """Return the emitted NumPy module."""
-    path = tmp_path / "kernels.py"
-    path.write_text(folder["kernels.py"], encoding="utf-8")
-    spec = importlib.util.spec_from_file_location("emitted_kernels", path)
-    assert spec is not None and spec.loader is not None
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return import_source(tmp_path, {n: t.encode() for n, t in folder.items()}, "kernels.py")
 
 
 def test_numpy_batches_equal_single_evaluations_bit_for_bit(
     folder: dict[str, str], tmp_path: Path, rng: np.random.Generator
 ) -> None:
     module = load_module(folder, tmp_path)
-    n = 2 * module.BLOCK + 3
+    n = 2 * BLOCK + 3
     inputs = [rng.normal(size=(n, k)) for k in (4, 3, 4, 3)]
     values, vectors = module.constraint(*inputs)
-    for k in (0, 1, module.BLOCK - 1, module.BLOCK, n - 1):
+    for k in (0, 1, BLOCK - 1, BLOCK, n - 1):
         value, vector = module.constraint(*[x[k].tolist() for x in inputs])
         assert value.tobytes() == values[k].tobytes()
         assert vector.tobytes() == vectors[k].tobytes()

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import ctypes
-import importlib.util
 import itertools
 import shutil
 import subprocess
 from fractions import Fraction
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,10 +18,10 @@ from kousoku.codegen.emit import emit
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel, Package
 from kousoku.model.quantity import Quantity
+from kousoku.runtime.importing import import_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -30,6 +30,8 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Wanted = tuple[int, ...]
 
+#: Where batches find lanes.h.
+RUNTIME = f"-I{Path(__file__).parents[2] / 'runtime'}"
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 24)
 LANES = (1, 2, 4, 8)
@@ -108,11 +110,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def module(folder: Path) -> Any:
     """Return the emitted NumPy module."""
-    spec = importlib.util.spec_from_file_location("emitted_mix", folder / "kernels.py")
-    assert spec is not None and spec.loader is not None
-    loaded = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(loaded)
-    return loaded
+    files = {path.name: path.read_bytes() for path in folder.glob("*.py")}
+    return import_source(folder, files, "kernels.py")
 
 
 def build(
@@ -120,7 +119,7 @@ def build(
 ) -> subprocess.CompletedProcess[str]:
     """Compile the folder with all warnings as errors."""
     sources = [str(folder / "kernels.c"), str(folder / "kernels_batch.c")]
-    command = compiler.compile_command(sources, str(folder / name), [*STRICT, *extra])
+    command = compiler.compile_command(sources, str(folder / name), [*STRICT, RUNTIME, *extra])
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
@@ -289,14 +288,12 @@ def test_infinite_subnormal_and_signed_zero_inputs_agree_bit_for_bit(
 
 
 def test_the_library_tells_its_signature(library: ctypes.CDLL) -> None:
-    name = library.kousoku_mix_mixed_name_in
-    name.restype = ctypes.c_char_p
-    assert library.kousoku_mix_mixed_n_in() == library.kousoku_mix_mixed_n_out() == len(SIZES)
-    for k, q in enumerate(KERNELS["mixed"].inputs):
-        assert name(ctypes.c_size_t(k)).decode() == q.name
-        assert library.kousoku_mix_mixed_size_out(ctypes.c_size_t(k)) == q.size
-    assert name(ctypes.c_size_t(len(SIZES))) is None
-    assert library.kousoku_mix_mixed_size_in(ctypes.c_size_t(len(SIZES))) == 0
+    for kernel in PACKAGE.kernels:
+        signature = library[f"kousoku_mix_{kernel.name}_signature"]
+        signature.restype = ctypes.c_char_p
+        inputs = [f"{q.name}[{q.size}]" for q in kernel.inputs]
+        outputs = [f"{q.name}[{q.size}]" for q in kernel.outputs]
+        assert signature().decode() == " ".join([*inputs, "->", *outputs])
 
 
 @pytest.mark.parametrize(
@@ -334,18 +331,19 @@ static double *numbers(size_t count)
 
 int main(void)
 {
+    static const size_t size_in[] = {SIZES_IN}, size_out[] = {SIZES_OUT};
     for (size_t n = 0; n < 20; ++n) {
         for (size_t only = 0; only <= N_OUT; ++only) {
             for (size_t shared = 0; shared < 2; ++shared) {
                 double *in[N_IN], *out[N_OUT];
                 size_t stride[N_IN];
                 for (size_t k = 0; k < N_IN; ++k) {
-                    const size_t size = SIZE_IN(k);
+                    const size_t size = size_in[k];
                     stride[k] = shared && k % 2 ? 0 : size;
                     in[k] = numbers(stride[k] ? n * size : size);
                 }
                 for (size_t k = 0; k < N_OUT; ++k) {
-                    out[k] = only == N_OUT || only == k ? numbers(n * SIZE_OUT(k)) : NULL;
+                    out[k] = only == N_OUT || only == k ? numbers(n * size_out[k]) : NULL;
                 }
                 BATCH(n, (const double *const *)in, stride, out);
                 for (size_t k = 0; k < N_IN; ++k) free(in[k]);
@@ -373,8 +371,9 @@ def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(
         *("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
         *(f"-DKOUSOKU_LANES={lanes}", f"-DN_IN={len(kernel.inputs)}"),
         *(f"-DN_OUT={len(kernel.outputs)}", f"-DBATCH={prefix}_batch"),
-        *(f"-DSIZE_IN={prefix}_size_in", f"-DSIZE_OUT={prefix}_size_out"),
-        *("main.c", "kernels.c", "kernels_batch.c", "-lm", "-o", str(program)),
+        f"-DSIZES_IN={','.join(str(q.size) for q in kernel.inputs)}",
+        f"-DSIZES_OUT={','.join(str(q.size) for q in kernel.outputs)}",
+        *(RUNTIME, "main.c", "kernels.c", "kernels_batch.c", "-lm", "-o", str(program)),
     ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if "sanitize" in done.stderr:

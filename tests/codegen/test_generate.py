@@ -1,5 +1,6 @@
 """The pipeline of a kind, and the folders that are written."""
 
+import gzip
 import json
 import subprocess
 import sys
@@ -13,14 +14,16 @@ from kousoku.model.errors import DerivationError
 from kousoku.model.manifest import Manifest
 
 FILES = {
+    "batch_numpy.py",
+    "expressions.h",
     "__init__.py",
-    "graph.json",
+    "graph.json.gz",
     "kernels.c",
     "kernels.h",
     "kernels.py",
     "kernels_batch.c",
     "manifest.json",
-    "reference.json",
+    "reference.json.gz",
 }
 
 
@@ -36,14 +39,14 @@ def test_a_kind_becomes_a_folder_whose_manifest_lists_it(cache: Path) -> None:
     assert list(tree)[-1] == "manifest.json"
     manifest = Manifest.from_json(tree["manifest.json"])
     assert {name for name, _ in manifest.files} == FILES - {"manifest.json"}
-    assert parse(tree["graph.json"]).name == manifest.package == "n1"
+    assert parse(tree["graph.json.gz"]).name == manifest.package == "n1"
     assert manifest.regenerate == "kousoku generate n1"
 
 
 def test_all_packages_of_all_kinds_have_names() -> None:
     names = package_names()
     assert len(names) == len(set(names))
-    assert {"rotation", "n1", "p1_x", "p2_z", "link", "mass_points", "rigid_body"} <= set(names)
+    assert {"rotation", "n1", "p1", "p2", "link", "mass_points", "rigid_body"} <= set(names)
 
 
 def test_an_unknown_kind_is_an_error(cache: Path) -> None:
@@ -83,6 +86,23 @@ def test_differences_name_the_file_and_the_line(tmp_path: Path) -> None:
     assert differs.endswith("a.c differs from line 2 on: 'TWO' instead of 'two'")
     assert missing.endswith("b.py is missing")
     assert extra.endswith("c.txt is not generated any more")
+
+
+def test_what_is_kept_compressed_counts_as_it_is_before(tmp_path: Path) -> None:
+    tree = tree_with(a_json_gz="one\n")
+    write_tree(tmp_path, tree)
+    path = tmp_path / "a.json.gz"
+    assert gzip.decompress(path.read_bytes()) == b"one\n"
+    path.write_bytes(gzip.compress(b"one\n", compresslevel=1, mtime=7))
+    assert check_tree(tmp_path, tree) == []
+    assert write_tree(tmp_path, tree) == []
+    path.write_bytes(gzip.compress(b"two\n"))
+    (differs,) = check_tree(tmp_path, tree)
+    assert differs.endswith("a.json.gz differs from line 1 on: 'two' instead of 'one'")
+    path.write_bytes(path.read_bytes()[:-3])
+    (damaged,) = check_tree(tmp_path, tree)
+    assert damaged.endswith("a.json.gz is damaged")
+    assert write_tree(tmp_path, tree) == ["a.json.gz"]
 
 
 def test_line_ends_are_bytes_too(tmp_path: Path) -> None:

@@ -12,9 +12,17 @@ from kousoku.codegen.generate import package_names
 from kousoku.codegen.interpret import ARRAY, evaluate
 from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.store import load_frozen
+from kousoku.model.compressed import content
+from kousoku.model.manifest import REFERENCE_FILE
 
 LIMIT = 4
 KINDS = resources.files("kousoku.generated").joinpath("kinds")
+
+
+def read(name: str) -> Any:
+    """Return the references of a package."""
+    data = KINDS.joinpath(name, REFERENCE_FILE).read_bytes()
+    return json.loads(content(REFERENCE_FILE, data))
 
 
 def errors(kernel: Kernel, point: Any) -> list[float]:
@@ -39,7 +47,7 @@ def errors(kernel: Kernel, point: Any) -> list[float]:
 
 @pytest.mark.parametrize("name", package_names())
 def test_every_kernel_is_within_the_limit_at_every_point(name: str) -> None:
-    references = json.loads(KINDS.joinpath(name, "reference.json").read_text(encoding="utf-8"))
+    references = read(name)
     package = load_frozen(name)
     assert [kernel["name"] for kernel in references["kernels"]] == [k.name for k in package.kernels]
     for kernel, referred in zip(package.kernels, references["kernels"], strict=True):
@@ -54,7 +62,7 @@ ALL_CURVED = ("norm", "rotation", "angle", "length")
 
 @pytest.mark.parametrize("name", package_names())
 def test_every_kernel_meets_a_number_that_is_not_one(name: str) -> None:
-    references = json.loads(KINDS.joinpath(name, "reference.json").read_text(encoding="utf-8"))
+    references = read(name)
     for kernel in references["kernels"]:
         labels = [point["label"] for point in kernel["points"]]
         assert any(label.endswith(" is nan") for label in labels)

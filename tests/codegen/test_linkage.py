@@ -110,7 +110,7 @@ def test_references_find_a_kernel_that_is_composed_wrong(tmp_path: Path) -> None
             results = tuple(tuple(node - 1 for node in result) for result in kernel.results)
             wrong[k] = replace(kernel, results=results)
     package = replace(made.package, kernels=tuple(wrong))
-    files = emit_scene(package, made.solver, {"reference.json": text})
+    files = emit_scene(package, made.solver, {"reference.json.gz": text})
     report = verify(write(tmp_path / "wrong", files), target="numpy")
     assert not report.ok
     assert {row.kernel for row in report.rows if row.worst > 4} == {"acceleration_2"}

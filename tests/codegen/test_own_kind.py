@@ -92,7 +92,7 @@ def test_an_own_kind_is_emitted_and_verified(
 def test_references_of_an_own_kind_hold_its_own_input_and_all_sorts_of_points(
     tree: dict[str, str],
 ) -> None:
-    text = tree["reference.json"]
+    text = tree["reference.json.gz"]
     for label in (
         *("ordinary", "badly scaled arrays", "badly scaled elements", "nearly coincident"),
         *("near half a turn, near an axis", "on the manifold", "near the manifold"),

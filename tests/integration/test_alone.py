@@ -18,6 +18,7 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
 from kousoku.generated import lever_crank, piston_crank
 from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.runtime import load
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
@@ -66,6 +67,28 @@ def test_copied_folder_solves_with_numpy_alone(tmp_path: Path, method: str) -> N
     np.testing.assert_allclose(positions, wanted.positions["O3"], rtol=0, atol=4e-13)
     np.testing.assert_array_equal(alpha, wanted.alpha)
     np.testing.assert_array_equal(iterations, wanted.iterations)
+
+
+@pytest.mark.parametrize("name", ["n1", "p2"])
+def test_copied_kind_evaluates_with_numpy_alone(tmp_path: Path, name: str) -> None:
+    shutil.copytree(GENERATED / "kinds" / name, tmp_path / "mine")
+    kernel = {"n1": "constraint", "p2": "constraint_y"}[name]
+    wanted = load(GENERATED / "kinds" / name, target="numpy")[kernel]
+    points = [
+        np.linspace(0.1, 1.7, 5 * q.size).reshape(5, *q.shape) for q in wanted.manifest.inputs
+    ]
+    got = run(
+        "import mine\n"
+        f"points = json.loads({json.dumps([x.tolist() for x in points])!r})\n"
+        f"print(json.dumps([[x.tolist() for x in mine.{kernel}(*points)],"
+        f" [x.tolist() for x in mine.{kernel}(*[x[3] for x in points], outputs=['C'])]]))",
+        tmp_path,
+    )
+    assert got.returncode == 0, got.stderr
+    batch, (single,) = json.loads(got.stdout)
+    for array, right in zip(batch, wanted(*points), strict=True):
+        assert array == right.tolist()
+    assert single == batch[0][3]
 
 
 def test_copied_folder_says_where_it_stops(

@@ -34,7 +34,7 @@ def folder(folder_of: Callable[[Scene], Path]) -> Path:
 
 def copy_sources(folder: Path, place: Path) -> None:
     """Copy what a program of C needs of a folder."""
-    for name in ("kernels.c", "kernels.h"):
+    for name in ("kernels.c", "expressions.h", "kernels.h"):
         shutil.copy(folder / name, place)
     shutil.copytree(folder / "kinematics", place / "kinematics")
 
@@ -111,9 +111,10 @@ def test_solvers_compile_without_a_warning(
     compiler: Toolchain, folder_of: Callable[[Scene], Path], tmp_path: Path, name: str
 ) -> None:
     folder = folder_of(read_scene(ROOT / "scenes" / f"{name}.toml"))
+    include = f"-I{ROOT / 'runtime'}"
     for source in ("kernels.c", "kernels_batch.c"):
         output = str(tmp_path / "object.o")
-        compiled(compiler, folder, "-std=c99", "-O2", *STRICT, "-c", source, "-o", output)
+        compiled(compiler, folder, "-std=c99", "-O2", *STRICT, include, "-c", source, "-o", output)
 
 
 @pytest.mark.parametrize("name", SCENES)

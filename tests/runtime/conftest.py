@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.model.manifest import KernelManifest, Manifest
+from kousoku.model.compressed import stored
+from kousoku.model.manifest import REFERENCE_FILE, KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
 from kousoku.runtime import load, notice, plan, toolchain
 
@@ -107,8 +108,9 @@ def write_tiny(
         data = edit(name, text.replace("DIGEST", digest)).encode()
         (folder / name).write_bytes(data)
         files.append((name, sha256(data)))
-    (folder / "reference.json").write_text(json.dumps(reference()), encoding="utf-8")
-    files.append(("reference.json", sha256((folder / "reference.json").read_bytes())))
+    numbers = json.dumps(reference())
+    (folder / REFERENCE_FILE).write_bytes(stored(REFERENCE_FILE, numbers))
+    files.append((REFERENCE_FILE, sha256(numbers.encode())))
     manifest = Manifest(
         "tiny", "Tiny", "kousoku generate tiny", "0", digest, tuple(files), (SPHERE,)
     )

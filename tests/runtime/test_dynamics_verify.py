@@ -16,6 +16,7 @@ import pytest
 from kousoku.codegen.dynamics.checking import reference
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
+from kousoku.model.compressed import content, stored
 from kousoku.model.errors import SolveError
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene
@@ -48,10 +49,10 @@ def folder(whole: Path, tmp_path: Path) -> Path:
 
 def spoil(folder: Path, name: str, change: Callable[[str], str], *, honest: bool = True) -> None:
     """Change a file, and the digests in the manifest so that only its numbers tell."""
-    text = (folder / name).read_text(encoding="utf-8")
+    text = content(name, (folder / name).read_bytes()).decode()
     changed = change(text)
     assert changed != text
-    (folder / name).write_text(changed, encoding="utf-8")
+    (folder / name).write_bytes(stored(name, changed))
     if not honest:
         return
     path = folder / "manifest.json"
@@ -157,9 +158,9 @@ def test_a_program_that_is_too_large_gets_none_and_says_so(
 
 
 def test_a_reference_that_cannot_be_read_is_named(folder: Path) -> None:
-    spoil(folder, "reference.json", lambda text: text.replace('"points"', '"dots"'))
+    spoil(folder, "reference.json.gz", lambda text: text.replace('"points"', '"dots"'))
     (problem,) = verify(folder, target="numpy").problems
-    assert "reference.json cannot be read: KeyError('points')" in problem
+    assert "reference.json.gz cannot be read: KeyError('points')" in problem
 
 
 @pytest.mark.usefixtures("numpy_solver")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import gzip
 import logging
 import shutil
 import subprocess
@@ -87,7 +88,7 @@ def test_kernels_are_found_by_name(tiny: Path) -> None:
 
 
 @pytest.mark.parametrize("target", ["auto", "c", "numpy"])
-@pytest.mark.parametrize("name", ["kernels.c", "kernels.h", "kernels.py", "reference.json"])
+@pytest.mark.parametrize("name", ["kernels.c", "kernels.h", "kernels.py"])
 def test_an_edited_file_is_named(tiny: Path, name: str, target: Targets) -> None:
     with (tiny / name).open("a", encoding="utf-8") as file:
         file.write("\n")
@@ -96,6 +97,29 @@ def test_an_edited_file_is_named(tiny: Path, name: str, target: Targets) -> None
     message = str(raised.value)
     assert f"{tiny / name} was edited" in message
     assert "generate the package again: kousoku generate tiny" in message
+
+
+def test_a_compressed_file_counts_by_what_it_holds(tiny: Path) -> None:
+    path = tiny / "reference.json.gz"
+    text = gzip.decompress(path.read_bytes())
+    path.write_bytes(gzip.compress(text, compresslevel=1, mtime=7))
+    assert load(tiny, target="numpy").kernels
+    path.write_bytes(path.read_bytes() + b" ")
+    with pytest.raises(LoadError, match="something follows its end"):
+        load(tiny, target="numpy")
+    path.write_bytes(gzip.compress(text + b"\n"))
+    with pytest.raises(LoadError, match=r"reference\.json\.gz was edited"):
+        load(tiny, target="numpy")
+
+
+@pytest.mark.parametrize("keep", [0, 5, 40, -1])
+def test_a_damaged_compressed_file_is_named(tiny: Path, keep: int) -> None:
+    path = tiny / "reference.json.gz"
+    path.write_bytes(path.read_bytes()[:keep])
+    with pytest.raises(LoadError) as raised:
+        load(tiny, target="numpy")
+    assert f"{path} is damaged: reference.json.gz cannot be decompressed" in str(raised.value)
+    assert "generate the package again: kousoku generate tiny" in str(raised.value)
 
 
 def test_all_edited_and_missing_files_are_named(tiny: Path) -> None:
@@ -170,7 +194,7 @@ def load_path(folder: Path) -> Path:
         "from kousoku.runtime.build import *; from kousoku.runtime.toolchain import *\n"
         "from pathlib import Path; folder = Path(sys.argv[1]); manifest = read_manifest(folder)\n"
         "files = read_files(folder, manifest)\n"
-        "source = Source('tiny', tuple(f for f in files.items() if f[0][-2:] in {'.c', '.h'}))\n"
+        "source = Source('tiny', c_sources(files))\n"
         "print(build(source, find_toolchain()).path)\n"
     )
     run = subprocess.run(
@@ -185,9 +209,8 @@ def load_path(folder: Path) -> Path:
     [
         (DIGEST, "beef" * 16, f"it exports the digest {'beef' * 16}, the manifest wants {DIGEST}"),
         ("_tiny_digest", "_other_digest", "kousoku_tiny_digest"),
-        ("sphere_n_in(void) { return 2", "sphere_n_in(void) { return 1", "sphere has the inputs"),
-        ('? "C" : "C_q"', '? "C_q" : "C"', "sphere has the outputs"),
-        ("? 1 : 4", "? 1 : 3", "sphere has the outputs [('C', 1), ('C_q', 3)], the manifest wants"),
+        ("r[3] length[1] -> C", "r[3] size[1] -> C", "sphere has the signature r[3] size[1]"),
+        ('C_q[4]"', 'C_q[3]"', "-> C[1] C_q[3], the manifest wants r[3] length[1] -> C[1] C_q[4]"),
     ],
 )
 def test_a_foreign_or_stale_library_is_refused_with_a_sentence(

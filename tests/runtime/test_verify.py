@@ -13,7 +13,10 @@ import pytest
 from kousoku.codegen import emit as emission
 from kousoku.codegen.generate import generate_kind, write_tree
 from kousoku.model.errors import VerifyError
+from kousoku.runtime import evaluate as evaluation
 from kousoku.runtime import load, verify
+from kousoku.runtime.library import read_files
+from kousoku.runtime.reference import read_references
 from tests.runtime.conftest import write_tiny
 
 if TYPE_CHECKING:
@@ -22,6 +25,7 @@ if TYPE_CHECKING:
 pytestmark = pytest.mark.usefixtures("warm_cache")
 
 ALL_WAYS = {"C", "C batch", "C lanes", "NumPy", "NumPy batch"}
+TARGETS: tuple[Literal["c", "numpy"], ...] = ("c", "numpy")
 KINDS = sorted(path.parent for path in (Path(__file__).parents[2] / "generated").glob("kinds/*/m*"))
 #: Kinds that are compiled with all other tests, and every one for a release: one with few
 #: operations, with angles, with quotients and roots, and with a matrix.
@@ -144,7 +148,7 @@ def test_a_negative_zero_is_not_a_zero_but_any_nan_is_a_nan(tmp_path: Path) -> N
     assert verify(nan).ok
 
 
-@pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h", "reference.json"])
+@pytest.mark.parametrize("name", ["kernels.c", "kernels.py", "kernels.h"])
 def test_an_edited_file_is_named(tiny: Path, name: str) -> None:
     with (tiny / name).open("a", encoding="utf-8") as file:
         file.write(" ")
@@ -209,17 +213,38 @@ def test_the_compilers_refusal_is_shown_whole(
 def test_a_package_without_reference_values_is_not_verified(tiny: Path) -> None:
     manifest = tiny / "manifest.json"
     data = json.loads(manifest.read_text(encoding="utf-8"))
-    data["files"] = [entry for entry in data["files"] if entry[0] != "reference.json"]
+    data["files"] = [entry for entry in data["files"] if entry[0] != "reference.json.gz"]
     manifest.write_text(json.dumps(data), encoding="utf-8")
     report = verify(tiny)
     assert not report.ok
-    assert "lists no reference.json: nothing to verify" in report.problems[0]
+    assert "lists no reference.json.gz: nothing to verify" in report.problems[0]
 
 
 @pytest.mark.parametrize("folder", KINDS, ids=lambda folder: str(folder.name))
 def test_committed_numpy_kernels_are_verified(folder: Path) -> None:
     report = verify(folder, target="numpy")
     assert report.ok, str(report)
+
+
+@pytest.mark.usefixtures("shipped_flags")
+@pytest.mark.usefixtures("compiler")
+@pytest.mark.parametrize(
+    "folder",
+    [x if x.name in ALWAYS else pytest.param(x, marks=pytest.mark.release) for x in KINDS],
+    ids=lambda folder: str(folder.name),
+)
+def test_each_output_alone_has_the_bits_that_it_has_beside_the_others(folder: Path) -> None:
+    for target in TARGETS:
+        library = load(folder, target=target)
+        references = read_references(folder, library.manifest, read_files(folder, library.manifest))
+        for name, kernel in library.kernels.items():
+            for way in evaluation.ways(target):
+                found = list(evaluation.evaluate(kernel, references[name], way))
+                together = {one.output: one.values for one in found if not one.is_alone}
+                for one in found:
+                    a, b = one.values, together[one.output]
+                    same = (a.view(np.int64) == b.view(np.int64)) | (np.isnan(a) & np.isnan(b))
+                    assert same.all(), (name, one.output, way)
 
 
 @pytest.mark.usefixtures("shipped_flags")
@@ -239,8 +264,8 @@ def test_committed_kernels_are_verified_in_every_way(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("template", "old", "new", "wrong"),
     [
-        ("c/_macros.jinja", "{{ line.text }};", "-({{ line.text }});", "C"),
-        ("numpy/_body.jinja", "        {{ element }},", "        -({{ element }}),", "NumPy"),
+        ("c/_lines.jinja", "{{ line.text }};", "-({{ line.text }});", "C"),
+        ("numpy/_body.jinja", "= {{ line.text }}", "= -({{ line.text }})", "NumPy"),
     ],
 )
 def test_a_flipped_sign_in_a_template_is_caught(
@@ -262,7 +287,7 @@ def test_a_flipped_sign_in_a_template_is_caught(
     right = generate_kind("norm")
     monkeypatch.setattr(emission._TEMPLATES, "get_source", flipped)
     tree = generate_kind("norm")
-    assert tree["reference.json"] == right["reference.json"]
+    assert tree["reference.json.gz"] == right["reference.json.gz"]
     write_tree(tmp_path / "norm", tree)
     report = verify(tmp_path / "norm")
     assert not report.ok

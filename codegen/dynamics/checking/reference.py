@@ -20,8 +20,8 @@ from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
 from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.graph import EXACT_OPS, Op
 from kousoku.codegen.interpret import HIGH
-from kousoku.codegen.jsontext import to_text
 from kousoku.codegen.stream import Stream
+from kousoku.model.jsontext import to_text
 from kousoku.model.traced import other_value
 
 if TYPE_CHECKING:
@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import System
 
-REFERENCE_FILE = "reference.json"
 FORMAT = 1
 #: Programs with more operations get no reference values: they would take minutes.
 MOST_OPERATIONS = 100_000
@@ -64,7 +63,7 @@ class State:
 
 
 def solver_references(program: Program, system: System) -> str:
-    """Return the text of ``reference.json`` of a scene of bodies.
+    """Return the text of the reference values of a scene of bodies.
 
     Parameters
     ----------

@@ -11,9 +11,9 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
-from kousoku.codegen.emit import environment, library, manifest, template
-from kousoku.codegen.jsontext import to_text
+from kousoku.codegen.emit import along, environment, manifest, template
 from kousoku.codegen.kernel import Package
+from kousoku.model.jsontext import to_text
 from kousoku.runtime.integrate.methods import METHODS
 
 if TYPE_CHECKING:
@@ -68,9 +68,9 @@ def emit_dynamics(
     length = characteristic_length(system)
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     view = dynamics_view(program, system, length, parts)
-    along = library("integrate")
+    integrator = along("integrate")
     total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
-    for text in (*along.values(), *map(template, PARTS)):
+    for text in (*integrator.values(), *map(template, PARTS)):
         total.update(text.encode())
     signature = total.hexdigest()
     given = {
@@ -83,7 +83,7 @@ def emit_dynamics(
     }
     templates = environment()
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
-    files |= along
+    files |= integrator
     files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state))
     files |= more or {}
     package = Package(

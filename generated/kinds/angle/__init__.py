@@ -14,11 +14,7 @@ if TYPE_CHECKING:
     from .kernels import rates as rates
     from .kernels import reaction as reaction
 
-__all__ = [
-    "constraint",
-    "rates",
-    "reaction",
-]
+__all__ = ["constraint", "rates", "reaction"]
 
 
 def __getattr__(name: str) -> Any:

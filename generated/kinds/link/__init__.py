@@ -13,10 +13,7 @@ if TYPE_CHECKING:
     from .kernels import deformation as deformation
     from .kernels import rate as rate
 
-__all__ = [
-    "deformation",
-    "rate",
-]
+__all__ = ["deformation", "rate"]
 
 
 def __getattr__(name: str) -> Any:

@@ -14,11 +14,7 @@ if TYPE_CHECKING:
     from .kernels import resultant as resultant
     from .kernels import newton_euler as newton_euler
 
-__all__ = [
-    "inertia",
-    "resultant",
-    "newton_euler",
-]
+__all__ = ["inertia", "resultant", "newton_euler"]
 
 
 def __getattr__(name: str) -> Any:

@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .kernels import newton_euler as newton_euler
 
-__all__ = [
-    "newton_euler",
-]
+__all__ = ["newton_euler"]
 
 
 def __getattr__(name: str) -> Any:

@@ -14,11 +14,7 @@ if TYPE_CHECKING:
     from .kernels import law as law
     from .kernels import force as force
 
-__all__ = [
-    "length",
-    "law",
-    "force",
-]
+__all__ = ["length", "law", "force"]
 
 
 def __getattr__(name: str) -> Any:

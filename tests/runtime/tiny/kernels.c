@@ -25,9 +25,4 @@ void kousoku_tiny_sphere_call(const double *const *in, double *const *out)
 }
 
 const char *kousoku_tiny_digest(void) { return "DIGEST"; }
-size_t kousoku_tiny_sphere_n_in(void) { return 2; }
-size_t kousoku_tiny_sphere_n_out(void) { return 2; }
-const char *kousoku_tiny_sphere_name_in(size_t k) { return k == 0 ? "r" : "length"; }
-const char *kousoku_tiny_sphere_name_out(size_t k) { return k == 0 ? "C" : "C_q"; }
-size_t kousoku_tiny_sphere_size_in(size_t k) { return k == 0 ? 3 : 1; }
-size_t kousoku_tiny_sphere_size_out(size_t k) { return k == 0 ? 1 : 4; }
+const char *kousoku_tiny_sphere_signature(void) { return "r[3] length[1] -> C[1] C_q[4]"; }

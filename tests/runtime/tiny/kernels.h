@@ -18,12 +18,7 @@ void kousoku_tiny_sphere_batch(size_t n, const double *const *in, const size_t *
 void kousoku_tiny_sphere_lanes(size_t n_blocks, const double *const *in, double *const *out);
 const char *kousoku_tiny_digest(void);
 size_t kousoku_tiny_lanes(void);
-size_t kousoku_tiny_sphere_n_in(void);
-size_t kousoku_tiny_sphere_n_out(void);
-const char *kousoku_tiny_sphere_name_in(size_t k);
-const char *kousoku_tiny_sphere_name_out(size_t k);
-size_t kousoku_tiny_sphere_size_in(size_t k);
-size_t kousoku_tiny_sphere_size_out(size_t k);
+const char *kousoku_tiny_sphere_signature(void);
 
 #ifdef __cplusplus
 }

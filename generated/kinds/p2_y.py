@@ -1,0 +1,21 @@
+"""p2_y: the kernels of p2 with the rows that hold a′_y, under the names of any constraint."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from . import p2
+
+if TYPE_CHECKING:
+    from .p2.kernels import constraint_y as constraint
+    from .p2.kernels import rates_y as rates
+    from .p2.kernels import reaction_y as reaction
+
+__all__ = ["constraint", "rates", "reaction"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = function = getattr(p2, f"{name}_y")
+    return function

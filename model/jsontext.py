@@ -1,0 +1,66 @@
+"""JSON that a reader can follow and a diff can show: a record on a line, long lists wrapped."""
+
+from __future__ import annotations
+
+import json
+
+WIDTH = 100
+
+
+def to_text(value: object) -> str:
+    """Return ``value`` as JSON; equal values give equal bytes, and doubles all their digits.
+
+    Raises
+    ------
+    ValueError
+        A number is not finite; JSON has no word for it.
+    """
+    return "\n".join(_lines(value, "", 0)) + "\n"
+
+
+def _lines(value: object, indent: str, before: int) -> list[str]:
+    """Return the lines of ``value``, all but the first indented.
+
+    Parameters
+    ----------
+    value : object
+        What is written.
+    indent : str
+        Of the lines that follow.
+    before : int
+        Count of characters on the first line before it.
+    """
+    line = _one_line(value)
+    if len(indent) + before + len(line) < WIDTH or not isinstance(value, dict | list | tuple):
+        return [line]
+    inner = indent + " "
+    if isinstance(value, dict):
+        heads, items = [f"{_one_line(key)}: " for key in value], list(value.values())
+    else:
+        heads, items = [""] * len(value), list(value)
+    lines, packed = [], ""
+    for k, (head, item) in enumerate(zip(heads, items, strict=True)):
+        first, *rest = _lines(item, inner, len(head))
+        own = [inner + head + first, *rest]
+        own[-1] += "," if k < len(items) - 1 else ""
+        is_packed = not rest and _is_flat(item)
+        if packed and (not is_packed or len(packed) + len(own[0]) - len(indent) > WIDTH):
+            lines.append(packed)
+            packed = ""
+        if not is_packed:
+            lines += own
+        else:
+            packed = f"{packed} {own[0].lstrip()}" if packed else own[0]
+    lines += [packed] if packed else []
+    return ["{", *lines, f"{indent}}}"] if isinstance(value, dict) else ["[", *lines, f"{indent}]"]
+
+
+def _one_line(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+
+
+def _is_flat(value: object) -> bool:
+    """Return whether a value is a number, a string, or a list of these."""
+    if isinstance(value, list | tuple):
+        return not any(isinstance(item, dict | list | tuple) for item in value)
+    return not isinstance(value, dict)
