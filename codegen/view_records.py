@@ -271,6 +271,20 @@ class KernelView:
         return (*(f"out[{a.index}] != NULL" for a in self.outputs), *self.choice)
 
     @property
+    def are_given(self) -> tuple[str, ...]:
+        """The pointers of a batch that tell which outputs are wanted."""
+        return tuple(f"out[{a.index}]" for a in self.outputs)
+
+    @property
+    def all_wanted(self) -> tuple[str, ...]:
+        """The flags of all outputs, and the choice."""
+        return ("1",) * len(self.outputs) + self.choice
+
+    def one_wanted(self, output: int) -> tuple[str, ...]:
+        """Return the flags of one output, and the choice."""
+        return (*("1" if k == output else "0" for k in range(len(self.outputs))), *self.choice)
+
+    @property
     def python_alone(self) -> tuple[str, ...]:
         """The bodies of single outputs as entries of a dict of Python."""
         return tuple(

@@ -25,9 +25,6 @@
 #else
 #define INLINE static inline
 #endif
-#if defined(__GNUC__) && !defined(__clang__) /* which does not see what is not stored unless set */
-#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
-#endif
 
 #if LANES == 1
 typedef double vec;
@@ -44,7 +41,7 @@ INLINE void load_rows(const double *in, size_t i, size_t stride, size_t size, ve
 
 INLINE void store_rows(const vec *y, double *out, size_t i, size_t size)
 {
-    for (size_t element = 0; out && element < size; ++element) {
+    for (size_t element = 0; element < size; ++element) {
         out[i * size + element] = y[element];
     }
 }
@@ -280,10 +277,10 @@ INLINE void load_rows(const double *in, size_t i, size_t stride, size_t size, ve
     }
 }
 
-/* vectors to LANES rows of `size` numbers end to end; nothing where the output is not wanted */
+/* vectors to LANES rows of `size` numbers end to end */
 INLINE void store_rows(const vec *y, double *out, size_t i, size_t size)
 {
-    for (size_t at = 0; out && at < size; at += LANES) {
+    for (size_t at = 0; at < size; at += LANES) {
         const size_t first = at + LANES < size ? at : size - LANES;
         store_square(y + first, out + i * size + first, size);
     }
@@ -312,7 +309,7 @@ INLINE void store_rows(const vec *y, double *out, size_t i, size_t size)
     { \
         if (LANES <= k) { \
             store_rows(y, out, i, k); \
-        } else if (out) { \
+        } else { \
             join_##k(y, (vec *)(out + i * k)); \
         } \
     }

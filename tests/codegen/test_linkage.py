@@ -14,6 +14,7 @@ import pytest
 from msgspec import structs
 
 from kousoku.codegen import linkage_emit
+from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
@@ -161,7 +162,8 @@ def test_folders_take_the_analysis_along_as_it_is() -> None:
 def test_digest_covers_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:
     made = program("piston_crank")
     before = emit_scene(made.package, made.solver, {})["manifest.json"]
-    monkeypatch.setattr(linkage_emit, "library", lambda folder: {f"{folder}/new.h": "\n"})
+    more = {"kinematics/new.h": "\n"}
+    monkeypatch.setattr(linkage_emit, "along", lambda *names: along(*names) | more)
     after = emit_scene(made.package, made.solver, {})["manifest.json"]
     assert Manifest.from_json(before).digest != Manifest.from_json(after).digest
 

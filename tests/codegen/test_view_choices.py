@@ -49,6 +49,7 @@ def test_what_the_choices_share_stands_once() -> None:
     assert len(text.head) > 2 * max(len(tail.statements) for tail in text.tails)
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize(("kind", "axis"), list(itertools.product(("p1", "p2"), "xyz")))
 def test_a_choice_of_rows_has_its_name(kind: str, axis: str) -> None:
     module = import_module(f"kousoku.generated.kinds.{kind}_{axis}")
