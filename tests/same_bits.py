@@ -35,7 +35,7 @@ from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
@@ -283,11 +283,16 @@ def _job(name: str) -> tuple[str, Items, float]:
     return name, items, time.perf_counter() - begin
 
 
-def _again(name: str) -> Items:
-    """Return what is computed for a scene once more: a run that is not repeatable is told so."""
+def _results(names: Sequence[str]) -> Iterator[tuple[str, Items, float]]:
+    """Yield what is computed for scenes, each in a process of its own.
+
+    What was generated before in a process shall change nothing, and if it does, two records are
+    still of the same.
+    """
     with tempfile.TemporaryDirectory() as cache:
         os.environ["KOUSOKU_CACHE"] = cache
-        return _job(name)[1]
+        with multiprocessing.get_context("fork").Pool(2, maxtasksperchild=1) as pool:
+            yield from pool.imap_unordered(_job, names)
 
 
 def record(only: str) -> dict[str, Items]:
@@ -300,13 +305,10 @@ def record(only: str) -> dict[str, Items]:
     """
     names = [name for name in scenes() if only in name]
     results: dict[str, Items] = {}
-    with tempfile.TemporaryDirectory() as cache:
-        os.environ["KOUSOKU_CACHE"] = cache
-        with multiprocessing.Pool(2) as pool:
-            for name, items, seconds in pool.imap_unordered(_job, names):
-                results[name] = items
-                text = f"{len(results)}/{len(names)} {name}: {len(items)} items, {seconds:.1f} s"
-                print(text, items.get("refused", "")[:300], file=sys.stderr, flush=True)
+    for name, items, seconds in _results(names):
+        results[name] = items
+        text = f"{len(results)}/{len(names)} {name}: {len(items)} items, {seconds:.1f} s"
+        print(text, items.get("refused", "")[:300], file=sys.stderr, flush=True)
     return {name: results[name] for name in names}
 
 
@@ -334,7 +336,7 @@ def main() -> int:
             text = "only in one of the two"
         else:
             text = difference(was[name], now[name])
-            if text and not difference(was[name], _again(name)):
+            if text and not difference(was[name], next(_results([name]))[1]):
                 text = f"differs, and not when it is computed again: {text}"
         differ += bool(text)
         print(f"{name}: {text or f'same, {len(was[name])} items'}")
