@@ -35,7 +35,7 @@ from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
@@ -216,19 +216,27 @@ def difference(was: Items, now: Items) -> str:
 
     More numbers that the second one tells in a ledger or of a state are no difference.
     """
-    for key, value in now.items():
-        if key not in was and "/ledger." not in key and "evaluate" not in key:
-            return f"{key}: is new, {shown(value)}"
+    found = [*differences(was, now)]
+    if not found:
+        return ""
+    others = ", ".join(key for key, _ in found[1:5])
+    more = f"; so do {len(found) - 1} more items: {others}" if others else ""
+    return f"{found[0][0]}{found[0][1]}{more}"
+
+
+def differences(was: Items, now: Items) -> Iterator[tuple[str, str]]:
+    """Yield the items that differ, and how."""
     for key, value in was.items():
         if key not in now:
-            return f"{key}: is not there any more, was {shown(value)}"
-        other = now[key]
-        if is_array(value) and is_array(other):
-            if value["sha256"] != other["sha256"] and (text := _first(key, value, other)):
-                return text
-        elif json.dumps(value) != json.dumps(other):
-            return f"{key}: {shown(other)}, was {shown(value)}"
-    return ""
+            yield key, f": is not there any more, was {shown(value)}"
+        elif is_array(value) and is_array(now[key]):
+            if value["sha256"] != now[key]["sha256"] and (text := _first(key, value, now[key])):
+                yield key, text
+        elif json.dumps(value) != json.dumps(now[key]):
+            yield key, f": {shown(now[key])}, was {shown(value)}"
+    for key, value in now.items():
+        if key not in was and "/ledger." not in key and "evaluate" not in key:
+            yield key, f": is new, {shown(value)}"
 
 
 def shown(value: Any) -> str:
@@ -244,18 +252,18 @@ def is_array(value: Any) -> bool:
 def _first(key: str, was: Items, now: Items) -> str:
     """Say where two arrays differ first; a state counts by its content, wherever its key ends."""
     if not was["data"]:
-        return f"{key}: differ, and the rows that they are made of do not"
+        return ": differ, and the rows that they are made of do not"
     a, b = numbers_of(was), numbers_of(now)
     if a.shape != b.shape and key.endswith("/state"):
         size = min(a.size, b.size)
         if any(a[cut].tobytes() == b[other].tobytes() for cut, other in _ends(size)):
             return ""
     if a.shape != b.shape:
-        return f"{key}: has the shape {b.shape}, was {a.shape}"
+        return f": has the shape {b.shape}, was {a.shape}"
     places = np.argwhere(a.view(np.int64) != b.view(np.int64))
     place = tuple(int(k) for k in places[0]) if len(places) else ()
     count = f"{len(places)} of {a.size} differ"
-    return f"{key}{list(place)}: {float(b[place])!r}, was {float(a[place])!r}; {count}"
+    return f"{list(place)}: {float(b[place])!r}, was {float(a[place])!r}; {count}"
 
 
 def _ends(size: int) -> tuple[tuple[slice, slice], ...]:
@@ -275,6 +283,18 @@ def _job(name: str) -> tuple[str, Items, float]:
     return name, items, time.perf_counter() - begin
 
 
+def _results(names: Sequence[str]) -> Iterator[tuple[str, Items, float]]:
+    """Yield what is computed for scenes, each in a process of its own.
+
+    What was generated before in a process shall change nothing, and if it does, two records are
+    still of the same.
+    """
+    with tempfile.TemporaryDirectory() as cache:
+        os.environ["KOUSOKU_CACHE"] = cache
+        with multiprocessing.get_context("fork").Pool(2, maxtasksperchild=1) as pool:
+            yield from pool.imap_unordered(_job, names)
+
+
 def record(only: str) -> dict[str, Items]:
     """Return what this version computes, and tell on stderr how far it is.
 
@@ -285,13 +305,10 @@ def record(only: str) -> dict[str, Items]:
     """
     names = [name for name in scenes() if only in name]
     results: dict[str, Items] = {}
-    with tempfile.TemporaryDirectory() as cache:
-        os.environ["KOUSOKU_CACHE"] = cache
-        with multiprocessing.Pool(2) as pool:
-            for name, items, seconds in pool.imap_unordered(_job, names):
-                results[name] = items
-                text = f"{len(results)}/{len(names)} {name}: {len(items)} items, {seconds:.1f} s"
-                print(text, items.get("refused", "")[:300], file=sys.stderr, flush=True)
+    for name, items, seconds in _results(names):
+        results[name] = items
+        text = f"{len(results)}/{len(names)} {name}: {len(items)} items, {seconds:.1f} s"
+        print(text, items.get("refused", "")[:300], file=sys.stderr, flush=True)
     return {name: results[name] for name in names}
 
 
@@ -319,6 +336,8 @@ def main() -> int:
             text = "only in one of the two"
         else:
             text = difference(was[name], now[name])
+            if text and not difference(was[name], next(_results([name]))[1]):
+                text = f"differs, and not when it is computed again: {text}"
         differ += bool(text)
         print(f"{name}: {text or f'same, {len(was[name])} items'}")
     print(f"{differ} of {len(now)} scenes differ")
