@@ -144,7 +144,11 @@ class Traced:
         return bool(self.value >= at_scene(other))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Traced) and self.key == other.key
+        # Two scenes may have the same formula and other parameters: what was found for one is not
+        # that of the other. A value that is not a number makes them differ, which costs time only.
+        return self is other or (
+            isinstance(other, Traced) and self.key == other.key and self.values == other.values
+        )
 
     def __hash__(self) -> int:
         return hash(self.key)

@@ -10,6 +10,7 @@ from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.mass import MassProperties, mass_properties
 from kousoku.model.read import scene_from_dict
+from kousoku.model.system import system_of
 
 Tree = dict[str, Any]
 
@@ -172,3 +173,14 @@ def test_a_point_has_a_mass_only(key: str) -> None:
         "spheres": [{"mass": 1, "radius": 1}],
     }
     refused(key, "a point has a mass only", point=True, mass=1, **{key: values[key]})
+
+
+def test_scenes_with_the_same_formulas_and_other_parameters_have_masses_of_their_own() -> None:
+    """What is computed once for equal bodies is looked up by their numbers, not by their texts."""
+
+    def mass(p: float) -> float:
+        body = {"position": [0, 0, 0], "mass": "p", "inertia": {"xx": 1, "yy": 1, "zz": 1}}
+        tree = {"name": "one", "unit": "m", "parameters": {"p": p}, "bodies": {"b": body}}
+        return float(system_of(scene_from_dict(tree), ()).bodies[0].mass)
+
+    assert [mass(2.0), mass(7.0), mass(2.0)] == [2.0, 7.0, 2.0]
