@@ -60,15 +60,15 @@ def import_source(folder: Path, files: Mapping[str, bytes], name: str) -> types.
     folder : Path
         Where the files lie: they are not read again, tracebacks name them.
     files : mapping of str to bytes
-        Path in the folder and content. What is in no folder of it is its top, whose own
-        ``__init__.py`` does not run.
+        Path in the folder and content. The folder becomes a package of a name of its own, whose
+        ``__init__.py`` is not run.
     name : str
         Path of the module in the folder, such as ``solver.py``.
 
     Returns
     -------
     module
-        The same one for the same folder and bytes.
+        The same one for the same bytes, wherever they lie: tracebacks name the first folder.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def import_source(folder: Path, files: Mapping[str, bytes], name: str) -> types.
         The folder lacks a module.
     """
     sources = {path: data for path, data in files.items() if path.endswith(".py")}
-    total = hashlib.sha256(str(folder).encode())
+    total = hashlib.sha256()
     for path, data in sources.items():
         total.update(b"%d %s%d " % (len(path), path.encode(), len(data)))
         total.update(data)

@@ -6,6 +6,14 @@
 #ifndef KOUSOKU_LANES_H
 #define KOUSOKU_LANES_H
 
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || \
+    defined(__NO_SIGNED_ZEROS__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "kousoku: verified numbers need IEEE arithmetic; compile without -ffast-math and its parts"
+#endif
+
+/* what kernels_batch.c was written for: one more with each change that it could notice */
+#define KOUSOKU_LANES_VERSION 1
+
 #include <stddef.h>
 
 #if defined(KOUSOKU_LANES)

@@ -254,9 +254,9 @@ def _first(key: str, was: Items, now: Items) -> str:
     if not was["data"]:
         return ": differ, and the rows that they are made of do not"
     a, b = numbers_of(was), numbers_of(now)
-    if a.shape != b.shape and key.endswith("/state"):
-        if a[a != 0.0].tobytes() == b[b != 0.0].tobytes():
-            return ""  # empty fields may take a place
+    is_longer = a.shape != b.shape and key.endswith("/state")
+    if is_longer and a[a != 0.0].tobytes() == b[b != 0.0].tobytes():
+        return ""  # empty fields may take a place
     if a.shape != b.shape:
         return f": has the shape {b.shape}, was {a.shape}"
     places = np.argwhere(a.view(np.int64) != b.view(np.int64))

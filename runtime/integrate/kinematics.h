@@ -28,8 +28,8 @@ static int predict_and_correct(
     displace(w, NULL);
     memcpy(to.y, w + W_Q, NQ * sizeof *w);
     if (!project(t, 0.0, to.y, NULL, to.f, work, s, drift)) return 0;
-    for (size_t k = COUNTED; FITS && k != COUNTED_END;
-        ++k) { /* nothing predicts how far drivers turn */
+    /* no prediction tells how far drivers turn */
+    for (size_t k = COUNTED; FITS && k != COUNTED_END; ++k) {
         if (!(fabs(to.y[k] - from.y[k]) < COUNTABLE)) return 0;
     }
     return 1;
@@ -62,7 +62,7 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     if (in_halves) {
         if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
         if (!is_smooth(h, first, start, half, change)) return 0;
-        if (pivot_ratio(work, s) < WEAK * s->best_growth) return 0;
+        if (pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
     }
     const Position before = in_halves ? half : start;
     if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
@@ -134,7 +134,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -0.2)));
         const double ratio = pivot_ratio(work, s);
-        if (ratio < WEAK * s->best_growth && part < FURTHEST) {
+        if (ratio < WEAK * s->largest_pivot_ratio && part < FURTHEST) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
             continue;
@@ -146,8 +146,9 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             continue;
         }
         note_pivot_ratio(ratio, end, s);
-        s->best_growth = ratio < WEAK * s->best_growth ? ratio / WEAK
-                                                       : larger(s->best_growth, ratio);
+        s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio
+                                     ? ratio / WEAK
+                                     : larger(s->largest_pivot_ratio, ratio);
         note_largest_pivot(work, s);
         s->drift = larger(s->drift, drift);
         s->step_size = is_last ? larger(s->step_size, factor * longest) : factor * longest;

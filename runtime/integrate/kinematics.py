@@ -99,7 +99,7 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
         first = predict_and_correct(state.time + h, h, start, half, work, state)
         if not is_smooth(h, first, start, half, work):
             return -1.0
-        if pivot_ratio(work, state) < WEAK * state.best_growth:
+        if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
             return -1.0
         before = half
     second = predict_and_correct(end, h, before, last, work, state)
@@ -172,7 +172,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> int:
             error = work_error(s, 0.5 * (end - state.time), state, work)
         factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error**-0.2))
         ratio = pivot_ratio(work, state)
-        is_weak = ratio < WEAK * state.best_growth
+        is_weak = ratio < WEAK * state.largest_pivot_ratio
         if is_weak and part < FURTHEST:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
@@ -182,7 +182,9 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> int:
         else:
             break
     note_pivot_ratio(ratio, end, state)
-    state.best_growth = ratio / WEAK if is_weak else larger(state.best_growth, ratio)
+    state.largest_pivot_ratio = (
+        ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)
+    )
     note_largest_pivot(work, state)
     state.drift = larger(state.drift, drift)
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest

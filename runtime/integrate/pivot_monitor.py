@@ -52,6 +52,6 @@ def note_largest_pivot(work: Work, state: State) -> None:
 
 def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
     """Keep the smallest pivot ratio, and when that was."""
-    if ratio < state.growth:
-        state.growth = ratio
-        state.growth_time = t
+    if ratio < state.least_pivot_ratio:
+        state.least_pivot_ratio = ratio
+        state.least_pivot_ratio_time = t

@@ -45,8 +45,8 @@ static void accelerate(Work *work, State *s)
     if (has_all) accelerate_all_rows(work);
     else acceleration(work->w);
     if (!HAS_REFINEMENT) return;
-    s->ratio = pivot_ratio(work, s);
-    if (s->ratio < REFINE * s->best_growth) {
+    s->pivot_ratio = pivot_ratio(work, s);
+    if (s->pivot_ratio < REFINE * s->largest_pivot_ratio) {
         s->refinements += 1;
         if (has_all) refine_all_rows(work);
         else refine(work->w);
@@ -57,7 +57,7 @@ static void accelerate(Work *work, State *s)
 /* the pivot ratio where accelerations were found last */
 static double last_ratio(const Work *work, const State *s)
 {
-    return HAS_REFINEMENT ? s->ratio : pivot_ratio(work, s);
+    return HAS_REFINEMENT ? s->pivot_ratio : pivot_ratio(work, s);
 }
 
 /* Newton on C(q) = 0, from the q in the workspace, until what is left is rounding, or enough: it is

@@ -221,7 +221,9 @@ def find_geometry(work: Work, state: State) -> None:
         return
     work.all.is_on = False
     ratio = pivot_ratio(work, state)
-    if ratio < FALL_BACK * state.best_growth and are_all_rows_better(ratio, work.all, work, state):
+    if ratio < FALL_BACK * state.largest_pivot_ratio and are_all_rows_better(
+        ratio, work.all, work, state
+    ):
         work.all.is_on = True
         state.fallbacks += 1
         state.fallback_time = work.w.t[0]
@@ -241,4 +243,4 @@ def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
     ratio = pivot_ratio(work, state)
     write_jacobian(all_rows, work)
     every = factorise_rows(all_rows, work, state)
-    state.best_growth = every if ratio < FALL_BACK * every else ratio
+    state.largest_pivot_ratio = every if ratio < FALL_BACK * every else ratio

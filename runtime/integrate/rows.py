@@ -58,7 +58,7 @@ def interpolate_position(m: Method, t: float, x: float, y: Array, work: Work, st
     work.w.v[:] = y[nq:]
     ratio = ratio_at(y[:nq], work, state)
     y[:nq] = work.w.q
-    return ratio < WEAK * state.best_growth
+    return ratio < WEAK * state.largest_pivot_ratio
 
 
 def interpolate_accelerations(
@@ -84,7 +84,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
     else:
         x = (t - state.time_before) / h
         interpolate(m, x, state, y)
-        vague = (VAGUE if s.method < len(METHODS) else WEAK) * state.best_growth
+        vague = (VAGUE if s.method < len(METHODS) else WEAK) * state.largest_pivot_ratio
         can = project(t, 0.0, y, None, None, work, state) >= 0.0
         is_passed = not can or pivot_ratio(work, state) < vague
         if is_passed and not interpolate_position(m, t, x, y, work, state) and not can:

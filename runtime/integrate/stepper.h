@@ -120,7 +120,7 @@ static void accept(
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
-    s->best_growth = larger(s->best_growth, trial->last_ratio);
+    s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
@@ -156,10 +156,10 @@ static int step(
         if (HAS_DRIVERS && !is_fixed && trial.drift > NEAR) good = 0;
         if (is_fixed && !good) { /* Newton may have gone far away from where it began */
             const double there = smaller(trial.least_ratio, ratio_at(work->y, work, s));
-            if (!(there < weak * s->best_growth)) return NOT_PROJECTED;
+            if (!(there < weak * s->largest_pivot_ratio)) return NOT_PROJECTED;
             trial.least_ratio = 0.0;
         }
-        if (trial.is_last && trial.least_ratio < weak * s->best_growth) {
+        if (trial.is_last && trial.least_ratio < weak * s->largest_pivot_ratio) {
             /* the end may be no place to stop at: let it lie inside of a longer step */
             is_beyond = 1;
             s->avoided += 1;
@@ -171,10 +171,10 @@ static int step(
         if (good && trial.error <= 1.0 && asked < (trial.is_last ? end : s->time + h)) {
             is_whole = make_dense_stages(m, &trial, work, s);
         }
-        if ((good || is_fixed) && trial.least_ratio < weak * s->best_growth) {
-            if (trial.least_ratio > 0.0 && trial.most_ratio < weak * s->best_growth) {
+        if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
+            if (trial.least_ratio > 0.0 && trial.most_ratio < weak * s->largest_pivot_ratio) {
                 /* it is so everywhere: shorter steps stay there */
-                s->best_growth = trial.least_ratio / weak;
+                s->largest_pivot_ratio = trial.least_ratio / weak;
             } else if (avoided <= PATIENCE) {
                 /* rounding is large there: other stages lie elsewhere */
                 if (trial.least_ratio > best) {

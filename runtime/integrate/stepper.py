@@ -166,7 +166,7 @@ def accept(
         state.step_size = following
     state.error = larger(error, 1e-4)
     state.drift = larger(state.drift, trial.drift)
-    state.best_growth = larger(state.best_growth, trial.last_ratio)
+    state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
     note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
     state.time_before = state.time
     state.time = end if trial.is_last else state.time + h
@@ -205,10 +205,10 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if is_fixed and not is_good:
             # Newton may have gone far away from where it began
             there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
-            if not there < weak * state.best_growth:
+            if not there < weak * state.largest_pivot_ratio:
                 return NOT_PROJECTED  # the step is too long
             trial.least_ratio = 0.0
-        if is_last and trial.least_ratio < weak * state.best_growth:
+        if is_last and trial.least_ratio < weak * state.largest_pivot_ratio:
             # the end may be no place to stop at: let it lie inside of a longer step
             is_beyond = True
             state.avoided += 1
@@ -220,10 +220,10 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         is_whole = is_good
         if is_good and trial.error <= 1.0 and asked < (end if is_last else state.time + trial.h):
             is_whole = make_dense_stages(m, trial, work, state)
-        if (is_good or is_fixed) and trial.least_ratio < weak * state.best_growth:
-            if trial.least_ratio > 0.0 and trial.most_ratio < weak * state.best_growth:
+        if (is_good or is_fixed) and trial.least_ratio < weak * state.largest_pivot_ratio:
+            if trial.least_ratio > 0.0 and trial.most_ratio < weak * state.largest_pivot_ratio:
                 # it is so everywhere: shorter steps stay there
-                state.best_growth = trial.least_ratio / weak
+                state.largest_pivot_ratio = trial.least_ratio / weak
             elif avoided <= PATIENCE:  # rounding is large there: other stages lie elsewhere
                 if trial.least_ratio > best:
                     best, best_h = trial.least_ratio, trial.h

@@ -77,7 +77,7 @@ def test_ledger_notes_where_the_rank_nearly_dropped_and_how_it_was_passed(load: 
 def test_steps_are_not_made_shorter_where_small_pivots_are_the_rule(load: Load) -> None:
     usual = load(chain(3)).simulate(1.0, samples=3).ledger
     run = load(chain(3)).begin([0.0, 0.5, 1.0])
-    best = run.solver.state["best_growth"].view(run.state)
+    best = run.solver.state["largest_pivot_ratio"].view(run.state)
     best[...] = 1e30
     ledger = run.finish().ledger
     assert best < 1e8

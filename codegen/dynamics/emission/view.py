@@ -137,8 +137,9 @@ class DynamicsView:
     ----------
     name : str
         The scene; names begin with ``kousoku_<name>``.
-    sizes, switches, places : str
-        Enumerators, in lines: counts, what the scene has, and where its regions are.
+    sizes, switches, places, absent_places : str
+        Enumerators, in lines: counts, what the scene has, where its regions are, and zeros for
+        those that it lacks.
     state : tuple of Field
         The layout of the state.
     kernels : tuple of KernelText
@@ -168,6 +169,7 @@ class DynamicsView:
     sizes: str
     switches: str
     places: str
+    absent_places: str
     state: tuple[Field, ...]
     kernels: tuple[KernelText, ...]
     segments: tuple[SegmentText, ...]
@@ -333,8 +335,9 @@ def dynamics_view(
     counts = sizes(program) | {name.upper(): len(found[name]) for name in counted}
     row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
     bases = {region.name: region.base for region in program.regions}
-    places = {f"W_{name.upper()}": bases.get(name, 0) for name in REGIONS}
+    places = {f"W_{name.upper()}": base for name, base in bases.items()}
     places |= {f"W_{SCRATCH.upper()}": slots.bases[-1], "W_SIZE": program.size}
+    absent = {f"W_{name.upper()}": 0 for name in REGIONS if name not in bases}
     kernels = () if program.is_inlined else program.kernels
     state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
     return DynamicsView(
@@ -342,6 +345,7 @@ def dynamics_view(
         sizes=_enumerators(counts | {"ROW_SIZE": row}),
         switches=_enumerators(_switches(program, system, found)),
         places=_enumerators(places),
+        absent_places=_enumerators(absent),
         state=fields(state),
         kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(kernels)),
         segments=tuple(_segment(program, segment, slots) for segment in segments),

@@ -314,7 +314,7 @@ SEGMENTS = {
     "check": "v, v_dot, t -> C_left_out, C_dot, C_ddot",
 }
 
-#: What a run calls where the growth check finds that much or all was lost; no evaluation does.
+#: What a run calls where the pivot monitor finds that much or all was lost; no evaluation does.
 ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
     "wrench": "all_lam -> wrenches, reactions",

@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     Call: TypeAlias = tuple[np.ufunc, tuple[Any, ...], "_Symbol"]
     Inputs: TypeAlias = Sequence[tuple[Array, tuple[int, ...]]]
     Out: TypeAlias = Sequence[Array | None] | None
-    #: For each output of a body the array to fill, None where it is not wanted.
-    Results: TypeAlias = Sequence[Array | None]
+    Results: TypeAlias = Sequence[Array | None]  # None where an output is not wanted
 
 #: Evaluations at a time.
 BLOCK = 2048
@@ -36,10 +35,8 @@ class NumpyKernel(NamedTuple):
 
     Parameters
     ----------
-    name : str
-        For messages.
-    inputs, outputs : mapping of str to tuple of int
-        Names and shapes.
+    name, inputs, outputs : str, mapping of str to tuple of int, the same
+        Its name, for messages; names and shapes of what it takes and gives.
     body : callable
         Takes the elements of all inputs, floats or arrays alike, and gives those of all outputs.
     alone : mapping of str to (callable, sequence of int)
@@ -57,10 +54,7 @@ class NumpyKernel(NamedTuple):
 
 
 def evaluate(
-    kernel: NumpyKernel,
-    arguments: Sequence[npt.ArrayLike],
-    out: Out,
-    outputs: Sequence[str] | None,
+    kernel: NumpyKernel, arguments: Sequence[npt.ArrayLike], out: Out, outputs: Sequence[str] | None
 ) -> tuple[Array, ...]:
     """Evaluate a kernel once, or over all leading axes, broadcast; only what is asked for.
 

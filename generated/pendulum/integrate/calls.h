@@ -27,15 +27,15 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->key = -KEY; /* not started */
     s->time = s->time_before = time;
     s->error = 1e-4;
-    s->growth_time = time;
+    s->least_pivot_ratio_time = time;
     memcpy(s->y, q, NQ * sizeof *q);
     memcpy(s->y + NQ, v, NV * sizeof *v);
     if (HAS_ROW_SWITCH) note_usual_ratio(work, s);
     if (HAS_CONTINUATION && !continue_parameters(s, work)) return NOT_ASSEMBLED;
     if (!project(time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_ASSEMBLED;
     note_largest_pivot(work, s);
-    s->growth = pivot_ratio(work, s);
-    s->best_growth = larger(s->best_growth, s->growth);
+    s->least_pivot_ratio = pivot_ratio(work, s);
+    s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
     energy(work->w);
     s->energy = energy_balance(work->w, s);
     if (MOMENTA > 0) {

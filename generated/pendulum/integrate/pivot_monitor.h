@@ -14,8 +14,8 @@ static int inverse_pivots(const double *w, double *least, double *most)
     double sum[4] = { 0.0, 0.0, 0.0, 0.0 }; /* not finite if one is not; comparisons forget a NaN */
     const double *inverse = w + W_PIVOTS;
     enum { WHOLE = NC / 4 * 4 };
-    for (size_t k = 0; k != WHOLE;
-        k += 4) { /* four at a time: a comparison waits for the one before */
+    /* four at a time: a comparison waits for the one before */
+    for (size_t k = 0; k != WHOLE; k += 4) {
         for (size_t j = 0; j < 4; ++j) {
             low[j] = smaller(low[j], inverse[k + j]);
             high[j] = larger(high[j], inverse[k + j]);
@@ -55,7 +55,7 @@ static void note_largest_pivot(const Work *work, State *s)
 /* keeps the smallest pivot ratio, and when that was */
 static void note_pivot_ratio(double ratio, double t, State *s)
 {
-    if (!(ratio < s->growth)) return;
-    s->growth = ratio;
-    s->growth_time = t;
+    if (!(ratio < s->least_pivot_ratio)) return;
+    s->least_pivot_ratio = ratio;
+    s->least_pivot_ratio_time = t;
 }

@@ -68,8 +68,8 @@ def accelerate(work: Work, state: State) -> None:
         accelerate_all_rows(all_rows, work)
     if not work.scene.has_refinement:
         return
-    state.ratio = pivot_ratio(work, state)
-    if state.ratio < REFINE * state.best_growth:
+    state.pivot_ratio = pivot_ratio(work, state)
+    if state.pivot_ratio < REFINE * state.largest_pivot_ratio:
         state.refinements += 1
         if all_rows is None:
             refine(work)
@@ -81,7 +81,7 @@ def accelerate(work: Work, state: State) -> None:
 
 def last_ratio(work: Work, state: State) -> float:
     """Return the pivot ratio where accelerations were found last."""
-    return state.ratio if work.scene.has_refinement else pivot_ratio(work, state)
+    return state.pivot_ratio if work.scene.has_refinement else pivot_ratio(work, state)
 
 
 def project_position(enough: float, work: Work, low: Array | None, state: State) -> float:

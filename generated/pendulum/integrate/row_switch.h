@@ -256,7 +256,8 @@ static void find_geometry(Work *work, State *s)
     if (!HAS_ROW_SWITCH) return;
     work->all.is_on = 0.0;
     const double ratio = pivot_ratio(work, s);
-    if (!(ratio < FALL_BACK * s->best_growth && are_all_rows_better(ratio, work, s))) return;
+    if (!(ratio < FALL_BACK * s->largest_pivot_ratio && are_all_rows_better(ratio, work, s)))
+        return;
     work->all.is_on = 1.0;
     s->fallbacks += 1;
     s->fallback_time = work->w[W_T];
@@ -275,5 +276,5 @@ static void note_usual_ratio(Work *work, State *s)
     const double ratio = pivot_ratio(work, s);
     write_jacobian(work);
     const double all = factorise_rows(work, s);
-    s->best_growth = ratio < FALL_BACK * all ? all : ratio;
+    s->largest_pivot_ratio = ratio < FALL_BACK * all ? all : ratio;
 }

@@ -38,7 +38,7 @@ static int interpolate_position(
     memcpy(w + W_V, y + NQ, NV * sizeof *w);
     const double ratio = ratio_at(y, work, s);
     memcpy(y, w + W_Q, NQ * sizeof *w);
-    return ratio < WEAK * s->best_growth;
+    return ratio < WEAK * s->largest_pivot_ratio;
 }
 
 /* takes the accelerations of a row from the polynomial; the forces of joints are unknown */
@@ -69,7 +69,7 @@ static int write_row(
         if (ACCELERATES || settings->checks) find_geometry(work, s);
     } else {
         interpolate(m, x, s, y);
-        const double vague = (is_driven ? WEAK : VAGUE) * s->best_growth;
+        const double vague = (is_driven ? WEAK : VAGUE) * s->largest_pivot_ratio;
         const int can = project(t, 0.0, y, NULL, NULL, work, s, NULL);
         is_passed = !can || pivot_ratio(work, s) < vague;
         if (is_passed && !interpolate_position(m, t, x, y, work, s) && !can) return NOT_PROJECTED;

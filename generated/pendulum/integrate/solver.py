@@ -92,7 +92,7 @@ class Solver:
 
     def _start(self, time: float, s: State, work: Work) -> int:
         s.key = -self.scene.key  # not started
-        s.time = s.time_before = s.growth_time = time
+        s.time = s.time_before = s.least_pivot_ratio_time = time
         s.error = 1e-4
         if work.all is not None:
             note_usual_ratio(work.all, work, s)
@@ -101,8 +101,8 @@ class Solver:
         if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:
             return NOT_ASSEMBLED
         note_largest_pivot(work, s)
-        s.growth = pivot_ratio(work, s)
-        s.best_growth = larger(s.best_growth, s.growth)
+        s.least_pivot_ratio = pivot_ratio(work, s)
+        s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work, s)
         work.w.run("momentum")
