@@ -169,3 +169,11 @@ def test_every_file_that_the_pipeline_names_is_there() -> None:
     named = re.findall(r"`(\w+/[\w/]*\.py)`", text)
     assert named
     assert [name for name in named if not (ROOT / name).is_file()] == []
+
+
+def test_the_list_of_slow_tests_names_tests_that_are_there() -> None:
+    names = (ROOT / "tests" / "slow.txt").read_text(encoding="utf-8").split()
+    assert names == sorted(names)
+    for name in names:
+        path, _, function = name.partition("::")
+        assert re.search(rf"def {function}\(", (ROOT / path).read_text(encoding="utf-8")), name
