@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.families import chain
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import composed, rotated
@@ -231,8 +232,7 @@ def difference(got: tuple[np.ndarray, np.ndarray], wanted: tuple[np.ndarray, np.
 def kousoku_accelerations(count: int, folder: Path) -> Accelerations:
     """Generate the solver of a chain, and a loop over the two segments that accelerations take."""
     files = generate_dynamics(chain(count))
-    for name, text in (files | {"driver.c": _DRIVER}).items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, files | {"driver.c": _DRIVER})
     library = folder / f"chain_{count}.so"
     command = find_toolchain().compile_command([str(folder / "driver.c")], str(library))
     subprocess.run(command, check=True)

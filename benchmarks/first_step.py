@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.families import chain
 from kousoku.runtime.dynamics import load_dynamics
 
@@ -72,8 +73,7 @@ def main() -> None:
     """Generate, compile, load, make one step, tell, and time more when asked."""
     count = int(sys.argv[1])
     with tempfile.TemporaryDirectory() as name:
-        for file, text in generate_dynamics(chain(count)).items():
-            (Path(name) / file).write_text(text, encoding="utf-8", newline="\n")
+        write_tree(Path(name), generate_dynamics(chain(count)))
         solver = load_dynamics(name)
 
         def timed(end: float) -> tuple[float, int]:

@@ -12,6 +12,7 @@ import numpy as np
 from peers import required
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.generate import write_tree
 from kousoku.model.families import n_four_bar
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.motion import rotated
@@ -63,8 +64,7 @@ class Reached:
 
 def load(folder: Path, count: int = COUNT) -> DynamicsSolver:
     """Generate, compile and load the solver."""
-    for name, text in generate_dynamics(n_four_bar(count)).items():
-        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    write_tree(folder, generate_dynamics(n_four_bar(count)))
     return load_dynamics(folder)
 
 
