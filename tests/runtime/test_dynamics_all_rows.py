@@ -170,17 +170,21 @@ def test_motion_and_forces_are_those_of_a_good_choice_and_of_least_squares(
     assert np.abs(other.torque["motor"]).max() > 10.0
 
 
+@pytest.mark.usefixtures("compiler", "numpy_solver")
 def test_run_that_begins_where_rows_fail_takes_all_from_the_start(
-    folders: dict[str, Path], system: System, good: Program, backend: str
+    folders: dict[str, Path], system: System, good: Program
 ) -> None:
-    target: Any = backend
-    solver = load_dynamics(folders["bad"], target=target)
-    run = solver.begin([0.0, 0.01], tolerance=1e-10, parameters={"phase": FAILS})
-    assert run.finish().ledger.fallbacks > 0
-    for row in run.save().rows:
+    targets: tuple[Any, Any] = ("c", "numpy")
+    solvers = [load_dynamics(folders["bad"], target=target) for target in targets]
+    how: dict[str, Any] = {"tolerance": 1e-10, "parameters": {"phase": FAILS}}
+    one, other = (solver.begin([0.0, 0.01], **how) for solver in solvers)
+    assert one.finish().ledger.fallbacks > 0
+    for row in one.save().rows:
         v_dot, _ = dense(good, system, row, phase=FAILS)
-        first = 1 + len(solver.q) + len(v_dot)
+        first = 1 + len(solvers[0].q) + len(v_dot)
         np.testing.assert_allclose(row[first : first + len(v_dot)], v_dot, rtol=0, atol=1e-10)
+    other.finish()
+    np.testing.assert_array_equal(one.state, other.state)
 
 
 def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Path]) -> None:
