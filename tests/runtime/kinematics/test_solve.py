@@ -146,6 +146,14 @@ def test_dead_centre_on_the_way_keeps_the_good_rows(analysed: Analysed, method: 
     assert_links_hold(STOPS, rows)
 
 
+def test_where_it_stops_is_written_also_into_the_last_row(analysed: Analysed) -> None:
+    whole = analysed(STOPS, divisions=60, rows=61)
+    last = analysed(STOPS, divisions=60, rows=whole.done + 1)
+    assert (last.status, last.done) == (Status.DEAD_CENTRE, whole.done)
+    assert last.alpha[-1, 0] == whole.reached[0]
+    assert math.isinf(last.residual[-1])
+
+
 @methods
 @pytest.mark.parametrize("divisions", [1, 7, 12, 61])
 def test_change_point_is_not_stepped_over(analysed: Analysed, method: int, divisions: int) -> None:
