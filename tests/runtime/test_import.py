@@ -37,3 +37,13 @@ def test_import_adds_little_to_numpy() -> None:
     assert "kousoku.runtime.library" in added
     assert not added & LATE
     assert len(added) < 60
+
+
+def test_a_compiled_solver_loads_no_integrator_in_python() -> None:
+    code = (
+        "import sys, kousoku.runtime.dynamics, kousoku.runtime.dynamics_targets\n"
+        "print(*(name for name in sys.modules if name.startswith('kousoku.runtime.integrate.')))"
+    )
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    loaded = {name.rpartition(".")[2] for name in run.stdout.split()}
+    assert loaded == {"body_tables", "settings", "state"}

@@ -9,8 +9,3 @@ bits: ``pivot_monitor``, ``row_switch``, ``projection``, ``dense_output``, ``ste
 ``kinematics``, ``rows``, ``continuation``. It goes along with each generated solver, and needs
 NumPy only.
 """
-
-from .scene import Scene
-from .solver import Solver
-
-__all__ = ["Scene", "Solver"]
