@@ -42,6 +42,17 @@ def read_scene(path: str | Path) -> Scene:
         The file cannot be read, is not TOML, or does not describe a mechanism that can be solved;
         the message names the file, the key, the reason and what was wanted.
     """
+    return scene_from_toml(text_of(path), file=str(path))
+
+
+def text_of(path: str | Path) -> str:
+    """Return the text of a scene file.
+
+    Raises
+    ------
+    SceneError
+        It cannot be read, is too large, or is no text.
+    """
     file = str(path)
     try:
         with Path(path).open("rb") as stream:
@@ -57,7 +68,7 @@ def read_scene(path: str | Path) -> Scene:
     if len(data) > LARGEST_FILE:
         limit = LARGEST_FILE // 2**20
         raise SceneError(f"is too large: a scene file has at most {limit} MiB", file=file)
-    return scene_from_toml(text, file=file)
+    return text
 
 
 def scene_from_toml(text: str, *, file: str = "") -> Scene:

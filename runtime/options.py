@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 
@@ -26,6 +26,18 @@ METHODS = (*RUNGE_KUTTA, KINEMATICS)
 OPTIONS = ("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters")
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
+
+
+class RunOptions(TypedDict, total=False):
+    """What a run may be told, as :func:`options_of` takes it."""
+
+    tolerance: float
+    method: Literal["dopri5", "dop853", "kinematics"] | None
+    step: float | None
+    largest_step: float
+    checks: bool
+    most_steps: int
+    parameters: Mapping[str, float] | None
 
 
 @dataclass(frozen=True, slots=True)

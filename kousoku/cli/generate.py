@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -18,9 +18,6 @@ from kousoku.cli.console import (
     progress,
 )
 from kousoku.model.errors import EmitError
-
-if TYPE_CHECKING:
-    from kousoku.model.scene import Scene
 
 SourceTree = dict[str, str]
 
@@ -128,25 +125,17 @@ def _orders(name: str, out: Path | None) -> list[Order]:
 
 def _scene_order(path: Path, out: Path | None) -> Order:
     from kousoku.cli.scenes import scene_folder
-    from kousoku.codegen.dynamics.generate import generate_dynamics
-    from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.read import read_scene
+    from kousoku.loading import Given, generated, naming
 
-    scene = read_scene(path)
+    given = Given.of(path)
+    scene = given.read()
     folder = scene_folder(scene.name) if out is None else out / scene.name
-    if scene.is_spatial:
-        return Order(
-            folder, partial(_made, path, partial(generate_dynamics, references=True), scene)
-        )
-    return Order(folder, partial(_made, path, generate_scene, scene))
 
+    def make() -> SourceTree:
+        with naming(given.file):
+            return generated(scene, references=True)
 
-def _made(path: Path, make: "Callable[[Scene], SourceTree]", scene: "Scene") -> SourceTree:
-    """Return the solver of a scene; what is wrong with it is told with its file."""
-    from kousoku.cli.scenes import naming
-
-    with naming(path):
-        return make(scene)
+    return Order(folder, make)
 
 
 def _kinds_folder() -> Path:
