@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.planar import Input, Slider
     from kousoku.model.scene import Scene
+    from kousoku.runtime.linkage import Trajectory
 
     Array = NDArray[np.float64]
 
@@ -100,6 +101,23 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
         for d in range(3)
     ]
     return Motion(*tables)
+
+
+def errors_of(scene: Scene, motion: Trajectory) -> dict[str, float] | None:
+    """Return the largest distances from the closed form, None where there is none."""
+    exact = closed_form(scene, motion.divisions, len(motion))
+    if exact is None:
+        return None
+    pairs: dict[str, tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]] = {
+        "position": (motion.positions, exact.positions),
+        "velocity": (motion.velocities, exact.velocities),
+        "acceleration": (motion.accelerations, exact.accelerations),
+    }
+    return {
+        name: max(float(np.hypot(*(got[node] - wanted[node]).T).max()) for node in wanted)
+        for name, (got, wanted) in pairs.items()
+        if got
+    }
 
 
 def _recognise(scene: Scene) -> _Dyad | None:

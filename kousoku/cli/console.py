@@ -16,8 +16,8 @@ from kousoku.model.errors import DerivationError, LoadError
 from kousoku.model.text import table
 from kousoku.symbolic import KINDS, packages_of
 
-#: Exit codes: emitted code disagrees with what was derived; bad input.
-DISAGREEMENT, BAD_INPUT = 1, 2
+#: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped.
+DISAGREEMENT, BAD_INPUT, STOPPED = 1, 2, 3
 
 
 class Target(StrEnum):
