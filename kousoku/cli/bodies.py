@@ -95,7 +95,7 @@ def move(scene: Scene, wish: Wish) -> None:
     if files:
         seconds["files"] = time.perf_counter() - begin
     ledger = replace(motion.ledger, seconds=seconds)
-    _show(replace(motion, ledger=ledger), scene, wish, files)
+    _show(motion.with_ledger(ledger), scene, wish, files)
 
 
 def solve_bodies(

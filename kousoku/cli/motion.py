@@ -9,7 +9,7 @@ import numpy as np
 
 from kousoku.closed_form import closed_form
 from kousoku.model.errors import SolveError
-from kousoku.runtime.tables import SUFFIXES
+from kousoku.runtime.integrate.result import SUFFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
