@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
+from kousoku.runtime.integrate.result import shown, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,8 +19,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: Characters of a value that a message shows.
-LONGEST = 60
+__all__ = ["shown", "unknown"]
 
 
 def require_options(
@@ -46,18 +46,6 @@ def require_options(
     for name in given:
         if name not in options:
             raise SolveError(f"{scene}: {unknown('option', name, (*also, *options))}")
-
-
-def unknown(what: str, name: object, known: Sequence[str]) -> str:
-    """Say that there is no such parameter or option, and which ones there are."""
-    from difflib import get_close_matches
-
-    of = "its formulas have" if what == "parameter" else "there are"
-    if not known:
-        return f"no {what} {shown(name)}: {of} none"
-    near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
 
 
 def folder_of(given: object) -> Path:
@@ -142,12 +130,3 @@ def _is_double(value: Any) -> bool:
     except OverflowError:
         return False
     return True
-
-
-def shown(value: object) -> str:
-    """Return a value as a message shows it: in one line that is not too long."""
-    try:
-        text = " ".join(repr(value).split())
-    except ValueError:  # a whole number of thousands of digits
-        text = "a number of very many digits"
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"

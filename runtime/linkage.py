@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -12,10 +11,10 @@ import numpy as np
 from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
 from kousoku.runtime.given import require_numbers, require_options, shown
 from kousoku.runtime.importing import import_source
-from kousoku.runtime.kinematics.rows import METHODS, empty_rows
+from kousoku.runtime.kinematics.rows import empty_rows
 from kousoku.runtime.kinematics.status import Status
+from kousoku.runtime.kinematics.trajectory import Trajectory, trajectory_of
 from kousoku.runtime.library import Library, load, read_files
-from kousoku.runtime.linkage_trajectory import Trajectory
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -178,28 +177,8 @@ class LinkageSolver:
 
     def _trajectory(self, run: Run, rows: Rows) -> Trajectory:
         """Return the good rows."""
-        mechanism, n = self.mechanism, rows.done
-        wanted, nodes = mechanism.outputs, mechanism.nodes
-        links = [link.name for link in mechanism.links] if mechanism.wants_angles else []
-        return Trajectory(
-            name=self.library.manifest.package,
-            unit=mechanism.unit,
-            method=METHODS[run.method],
-            divisions=run.divisions,
-            inputs=_by_name([given.name for given in mechanism.inputs], rows.alpha[:n]),
-            positions=_by_name(nodes, rows.position[:n]),
-            velocities=_by_name(nodes if "velocities" in wanted else (), rows.velocity[:n]),
-            accelerations=_by_name(
-                nodes if "accelerations" in wanted else (), rows.acceleration[:n]
-            ),
-            angles=_by_name(links, rows.angle[:n]),
-            angular_velocities=_by_name(links, rows.angle_dot[:n]),
-            angular_accelerations=_by_name(links, rows.angle_ddot[:n]),
-            iterations=rows.iterations[:n],
-            residual=rows.residual[:n],
-            links=mechanism.links,
-            target=self.target,
-        )
+        name = self.library.manifest.package
+        return trajectory_of(self.mechanism, run, rows, name=name, target=self.target)
 
     def _error(self, run: Run, rows: Rows, good: Trajectory) -> SolveError:
         """Say what went wrong, where, and what to do."""
@@ -288,12 +267,6 @@ def solve(
 ) -> Trajectory:
     """Load a scene's folder and solve it; options as of :meth:`LinkageSolver.solve`."""
     return load_scene(folder, target=target).solve(**options)
-
-
-def _by_name(names: Iterable[str], rows: npt.NDArray[np.float64]) -> Mapping[str, Any]:
-    """Return the columns of ``rows`` by name, which nobody can write to."""
-    rows.flags.writeable = False
-    return MappingProxyType({name: rows[:, k] for k, name in enumerate(names)})
 
 
 def _run_type(inputs: int) -> type[ctypes.Structure]:

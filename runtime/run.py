@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
+from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import (
     BAD_ARGUMENT,
     BUFFER_FULL,
@@ -24,7 +24,6 @@ from kousoku.runtime.integrate.settings import (
     STEP_TOO_SMALL,
     WRONG_STATE,
 )
-from kousoku.runtime.motion import motion_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.motion import Motion
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
@@ -271,26 +269,17 @@ class Run:
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
-        begin = time.perf_counter()
-        solver = self.solver
-        ledger = ledger_of(
-            {name: field.view(self.state) for name, field in solver.state.items()},
-            solver.rows,
-            self.options,
-            {},
-            solver.works,
-            left_out=solver.left_out,
-            reduced=solver.reduced,
-            order=solver.checked,
-            kept=solver.kept,
-            length=solver.length,
-            is_weighed=solver.is_weighed,
-        )
-        is_complete = self.written == len(self.times)
         rows = self._rows[: self.written]
-        motion = motion_of(self._there, rows, ledger, is_complete=is_complete)
-        seconds = self.seconds | {"tables": time.perf_counter() - begin}
-        return replace(motion, ledger=replace(ledger, seconds=MappingProxyType(seconds)))
+        rows.flags.writeable = False
+        state, seconds = self.state.copy(), dict(self.seconds)
+        return Motion(
+            self._there.layout,
+            rows,
+            target=self.solver.target.name,
+            method=self.options.method,
+            ledger=lambda: ledger_of(self.solver, state, self.options, seconds),
+            is_complete=len(rows) == len(self.times),
+        )
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

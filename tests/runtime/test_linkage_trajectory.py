@@ -72,7 +72,7 @@ def test_npz_holds_the_same_columns(motion: Trajectory, tmp_path: Path) -> None:
 
 
 def test_unknown_suffix_writes_nothing(motion: Trajectory, tmp_path: Path) -> None:
-    with pytest.raises(SolveError, match=r"motion\.xlsx: .*\.csv or \.npz"):
+    with pytest.raises(SolveError, match=r"motion\.xlsx: .*\.csv, \.npz or \.parquet"):
         motion.save(tmp_path / "motion.xlsx")
     assert not list(tmp_path.iterdir())
 
