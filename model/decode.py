@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, 
 
 import msgspec
 
-from kousoku.model.design import Design, Formula
+from kousoku.model.angles import Angle
+from kousoku.model.design import Design, Formula, NumberOrAngle
 from kousoku.model.errors import SceneError
 from kousoku.model.problems import Problems
 
@@ -209,6 +210,8 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     if kind == Design and isinstance(value, str):
         problems.has_formulas = True
         return Formula(value)
+    if kind == NumberOrAngle and isinstance(value, str):
+        return _angle(value, key, problems)
     wanted, kind = kind, _chosen(kind, value)
     origin, arguments = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
@@ -226,6 +229,18 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     except msgspec.ValidationError:
         return _failed(_refusal(value, wanted), key, problems)
     return leaf
+
+
+def _angle(text: str, key: str, problems: Problems) -> object:
+    try:
+        angle = Angle(text)
+    except ValueError as error:
+        return _failed(
+            f"the text {error}; no formula may stand here, write the number itself", key, problems
+        )
+    if not abs(angle) <= LARGEST:
+        return _failed(f"{_got(text)} is too large; wanted at most {LARGEST:g}", key, problems)
+    return angle
 
 
 def _failed(problem: str, key: str, problems: Problems) -> object:
@@ -303,6 +318,8 @@ def _wanted(kind: Any) -> str:
     kind = _without_none(kind)
     if kind == Design:
         return "a number, or a formula of parameters,"
+    if kind == NumberOrAngle:
+        return "a number, or an angle such as '30 deg',"
     if str in _choices(kind) and kind is not str:
         names = {float: "a number", str: "a formula"}
         return " or ".join(names.get(of) or _wanted(of) for of in _choices(kind))
@@ -316,7 +333,8 @@ def _wanted(kind: Any) -> str:
         return "a list"
     if origin is tuple:
         what = "numbers or formulas" if float in _choices(arguments[0]) else "lists"
-        what = {float: "numbers", Design: "numbers", str: "names"}.get(arguments[0], what)
+        numbers = dict.fromkeys((float, Design, NumberOrAngle), "numbers")
+        what = (numbers | {str: "names"}).get(arguments[0], what)
         return f"a list of {len(arguments)} {what}"
     return "a table"
 

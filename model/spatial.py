@@ -5,7 +5,7 @@ from typing import Literal
 
 import msgspec
 
-from kousoku.model.design import Design, Place
+from kousoku.model.design import Design, NumberOrAngle, Place, Turns
 from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
@@ -68,8 +68,8 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     position: Vector
     orientation: Orientation | None = None
     velocity: Vector = (0.0, 0.0, 0.0)
-    angular_velocity: Vector | None = None
-    angular_velocity_b: Vector | None = None
+    angular_velocity: Turns | None = None
+    angular_velocity_b: Turns | None = None
     hold: tuple[Held, ...] = ()
     point: bool = False
     mass: Design | None = None
@@ -191,7 +191,7 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     body: str | None = None
     point: Place | None = None
     along: Place | None = None
-    near: float | None = None
+    near: NumberOrAngle | None = None
     hold: bool = False
 
 
