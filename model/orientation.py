@@ -2,7 +2,7 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from math import hypot
-from typing import Literal
+from typing import ClassVar, Literal
 
 import msgspec
 
@@ -57,6 +57,8 @@ class Orientation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
     matrix : (3, 3), optional
         A itself, row by row; its columns are the axes of the first frame.
     """
+
+    EXAMPLE: ClassVar[str] = '{ quaternion = [1, 0, 0, 0], order = "wxyz" }'
 
     quaternion: Quaternion | None = None
     order: Literal["wxyz", "xyzw"] | None = None

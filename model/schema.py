@@ -16,10 +16,10 @@ import msgspec
 from kousoku.model import loads, planar, scene, spatial
 from kousoku.model.decode import LARGEST
 from kousoku.model.joints import NAMES
+from kousoku.model.loads import KEYS
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
 from kousoku.model.validate import LONGEST_TITLE, MOST_DIVISIONS, MOST_ITERATIONS
-from kousoku.model.validate_forces import KEYS
 
 LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {

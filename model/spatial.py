@@ -6,6 +6,7 @@ from typing import Literal
 import msgspec
 
 from kousoku.model.design import Design, NumberOrAngle, Place, Turns
+from kousoku.model.joints import keys_of
 from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
@@ -131,6 +132,11 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     factors : tuple of float, optional
         Of a linear coupling, what each is multiplied by; the sum stays what it is.
     """
+
+    @staticmethod
+    def keys_of_type(sort: str) -> tuple[str, ...]:
+        """Return the keys of a joint of a type, none where there is no such type."""
+        return keys_of(sort)
 
     type: str
     bodies: tuple[str, str] | None = None
