@@ -165,7 +165,8 @@ class DynamicsSolver:
             The times to write, ascending.
         **options
             As in :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``method``, ``step``,
-            ``largest_step``, ``checks``, ``most_steps``, ``parameters``.
+            ``largest_step``, ``checks``, ``most_steps``, ``parameters``, ``initial``, ``q0``,
+            ``v0``.
 
         Raises
         ------

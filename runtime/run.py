@@ -13,6 +13,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
+from kousoku.runtime.initial import started_at
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import (
     BAD_ARGUMENT,
@@ -138,6 +139,10 @@ class Run:
         begin = time.perf_counter()
         given = (self._there.q, self._there.v, self._values)
         status = self.solver.target.start(0.0, *given, self._memory)
+        if status == GOOD and any(self.options.initial):
+            y = self.solver.state["y"].view(self.state)
+            led = started_at(self._there, self.options.initial, self._values, y)
+            status = self.solver.target.start(0.0, *led, self._values, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
         if status != GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
