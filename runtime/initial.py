@@ -74,7 +74,7 @@ def initial_of(
             own = name if name in names else name.removesuffix("_dot")
             if not np.isfinite(number) or (is_text and own in lengths):
                 raise ValueError("wanted a finite number" + " of lengths" * is_text)
-        except (ValueError, SolveError) as error:
+        except (ValueError, SolveError):
             text = "wanted a number, or degrees as '30 deg'"
             problems.append(f"initial {name} is {shown(value)}, {text}")
             continue

@@ -48,6 +48,9 @@ class RunOptions(TypedDict, total=False):
     checks: bool
     most_steps: int
     parameters: Mapping[str, float] | None
+    initial: Mapping[str, float | str] | None
+    q0: Sequence[float] | None
+    v0: Sequence[float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +84,7 @@ class Options:
     method: str
     most_steps: int
     parameters: tuple[tuple[str, float], ...]
-    initial: Initial = Initial()
+    initial: Initial
 
     def settings(self) -> Settings:
         """Return what a solver takes."""

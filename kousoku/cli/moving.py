@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,7 +14,7 @@ import typer
 
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.tables import SUFFIXES
+from kousoku.runtime.integrate.result import SUFFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence

@@ -27,7 +27,8 @@ if TYPE_CHECKING:
     class Evaluate(Protocol):
         """What a scene computes at time 0, by the names of ``places`` of ``motion.json``."""
 
-        def __call__(self, q: Array, v: Array) -> Mapping[str, Array]: ...
+        def __call__(self, q: Array, v: Array) -> Mapping[str, Array]:
+            """Compute it."""
 
 
 #: The largest correction after a step, and the longest step, lengths relative to the scene's.
@@ -160,7 +161,7 @@ class Leader:
     def independent(
         self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
     ) -> list[int]:
-        """Return the coordinates that can be moved apart from those before them, given ones first."""
+        """Return the coordinates that can be moved apart from those before; given ones first."""
         chosen: list[int] = []
         whole = at.J @ at.ways.T
         own = np.einsum("kv,kv->k", at.J, at.free)
