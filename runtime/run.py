@@ -83,15 +83,15 @@ class SavedRun:
 
 
 class Interrupted(KeyboardInterrupt):
-    """The user stopped a run; ``motion`` has what was computed, ``run`` can go on.
+    """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
 
     It is a ``KeyboardInterrupt``: a script stops, unless it asks for it.
     """
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        self.motion = run.motion()
-        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.motion)} rows")
+        self.result = run.motion()
+        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.result)} rows")
 
 
 class Run:

@@ -143,7 +143,7 @@ def test_runge_kutta_gives_the_same_motion(load: Load) -> None:
 def test_a_dead_centre_stops_the_motion_and_keeps_what_was_before(load: Load) -> None:
     with pytest.raises(MotionError, match=r"no step can .* dead centre.*drivers\.motor") as stop:
         load(four_bar(joint="d", law="t")).simulate(3.0, samples=301)
-    motion = stop.value.trajectory
+    motion = stop.value.result
     assert isinstance(motion, Motion)
     pin = end_of(motion, "coupler", COUPLER)[-1]  # the crank points the other way
     assert np.hypot(*pin) == pytest.approx(COUPLER - CRANK, abs=0.02)

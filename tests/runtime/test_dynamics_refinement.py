@@ -187,8 +187,8 @@ def test_steps_of_a_fixed_length_that_are_too_long_stop_where_no_rows_are_depend
     solver = load_dynamics(bodies_folder(scene_from_toml(text), OUTPUTS), target=target)
     with pytest.raises(MotionError, match=r"at t = 0 s: the constraints cannot be met") as stop:
         solver.simulate(times=times, method="dop853", step=3.0)
-    assert isinstance(stop.value.trajectory, Motion)
-    assert stop.value.trajectory.ledger.avoided == 0
+    assert isinstance(stop.value.result, Motion)
+    assert stop.value.result.ledger.avoided == 0
 
 
 @pytest.mark.parametrize("tolerance", [1e-8, 1e-9])

@@ -135,10 +135,10 @@ def test_interrupt_keeps_what_was_computed_and_the_run_can_go_on(load: Load) -> 
         solver.simulate(times=TIMES, tolerance=1e-12, progress=press)
     stop = caught.value
     assert isinstance(stop, Interrupted)
-    assert not stop.motion.is_complete
-    assert 0 < len(stop.motion) < len(TIMES)
-    rows = np.stack(list(stop.motion.columns().values()))
-    np.testing.assert_array_equal(rows, wanted[:, : len(stop.motion)])
+    assert not stop.result.is_complete
+    assert 0 < len(stop.result) < len(TIMES)
+    rows = np.stack(list(stop.result.columns().values()))
+    np.testing.assert_array_equal(rows, wanted[:, : len(stop.result)])
     assert stop.run.finish().is_complete
     np.testing.assert_array_equal(table(stop.run)[0], wanted)
 
