@@ -75,6 +75,14 @@ def scene_folder(name: str) -> Path:
     return cache_folder() / "generated" / name
 
 
+def as_committed(tree: dict[str, str]) -> dict[str, str]:
+    """Return a package as it is committed: ``lanes.h`` stands once, in the runtime beside it."""
+    from kousoku.codegen.generate import without
+    from kousoku.runtime.library import LANES
+
+    return without(tree, LANES.name)
+
+
 def solver_of(scene: Scene, target: Target) -> LinkageSolver:
     """Return the loaded solver of a scene, from the committed package where that is the same."""
     from kousoku.codegen.linkage import generate_scene
@@ -97,13 +105,13 @@ def dynamics_of(
     return solver, {"generate": middle - begin, "compile and load": time.perf_counter() - middle}
 
 
-def _loaded(scene: Scene, tree: Mapping[str, str], load: Callable[[Path], Solver]) -> Solver:
+def _loaded(scene: Scene, tree: dict[str, str], load: Callable[[Path], Solver]) -> Solver:
     """Load a scene's files from where they are committed, or from the cache."""
     from kousoku.codegen.generate import check_tree, write_tree
     from kousoku.model.cache import cache_folder
 
     committed = generated_folder() / scene.name
-    if committed.is_dir() and not check_tree(committed, tree):
+    if committed.is_dir() and not check_tree(committed, as_committed(tree)):
         return load(committed)
     try:
         folder = cache_folder() / "scenes" / _digest(tree) / scene.name
