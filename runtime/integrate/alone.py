@@ -10,15 +10,7 @@ import numpy as np
 from .body_tables import BodyPlaces, body_tables
 from .methods import METHODS
 from .scene import state_of
-from .settings import (
-    BAD_ARGUMENT,
-    GOOD,
-    NOT_ASSEMBLED,
-    NOT_PROJECTED,
-    PAUSED,
-    STEP_TOO_SMALL,
-    Settings,
-)
+from .settings import Settings, Status
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -32,12 +24,12 @@ if TYPE_CHECKING:
     Array: TypeAlias = npt.NDArray[np.float64]
     Table: TypeAlias = dict[str, Array]
 
-MESSAGES = {
-    PAUSED: "most_steps are made",
-    STEP_TOO_SMALL: "no step can be taken",
-    NOT_PROJECTED: "the constraints cannot be met inside of a step",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
-    BAD_ARGUMENT: "an argument is out of range, or a time is",
+MESSAGES: dict[int, str] = {
+    Status.PAUSED: "most_steps are made",
+    Status.STEP_TOO_SMALL: "no step can be taken",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
+    Status.BAD_ARGUMENT: "an argument is out of range, or a time is",
 }
 
 
@@ -130,15 +122,15 @@ def simulate(
     q, v = np.array(data["q"], float), np.array(data["v"], float)
     given = np.array(list(values.values()), float)
     if solver.scene.has_design:
-        if solver.evaluate(0.0, q, v, given, workspace) != GOOD:
+        if solver.evaluate(0.0, q, v, given, workspace) != Status.GOOD:
             raise ValueError(
                 f"parameters {values}: wanted such that masses and lengths are positive"
             )
         _put_design(data, q, v, workspace)
     status = solver.start(0.0, q, v, given, state, workspace)
-    if status == GOOD:
+    if status == Status.GOOD:
         status, _ = solver.run(settings, chosen, most_steps, state, workspace, rows)
-    if status != GOOD:
+    if status != Status.GOOD:
         time = state_of(solver.scene, state).time
         raise ArithmeticError(f"{MESSAGES[status]}, at t = {time:.9g} s")
     return _motion_of(solver, data, name, rows)

@@ -19,7 +19,7 @@ from kousoku.model.read import read_scene
 from kousoku.runtime import notice
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import open_solver
-from kousoku.runtime.integrate.settings import BUFFER_FULL, GOOD, PAUSED
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.library import read_files, read_manifest
 
 if TYPE_CHECKING:
@@ -114,10 +114,10 @@ def test_run_in_small_calls_gives_the_same_bits(
     whole = solver.begin(times).finish()
     parts = solver.begin(times)
     reasons = {parts.advance(2, 2)}
-    while reasons & {BUFFER_FULL, PAUSED} and parts.written < len(times):
+    while reasons & {Status.BUFFER_FULL, Status.PAUSED} and parts.written < len(times):
         parts = solver.resume(parts.save())
         reasons.add(parts.advance(2, 2))
-    assert reasons >= {BUFFER_FULL, PAUSED}
+    assert reasons >= {Status.BUFFER_FULL, Status.PAUSED}
     for key, values in whole.columns().items():
         np.testing.assert_array_equal(parts.motion().columns()[key], values, err_msg=key)
 
@@ -276,15 +276,15 @@ def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
     code = (
         "import sys, json, numpy as np\n"
         "from pendulum.solver import SOLVER, SCENE\n"
-        "from pendulum.integrate.settings import GOOD, Settings\n"
+        "from pendulum.integrate.settings import Settings, Status\n"
         "data = json.load(open('pendulum/motion.json'))\n"
         "state, work = np.zeros(SCENE.state_size), np.zeros(SCENE.work_size)\n"
         "q, v = np.array(data['q']), np.array(data['v'])\n"
-        "assert SOLVER.start(0.0, q, v, None, state, work) == GOOD\n"
+        "assert SOLVER.start(0.0, q, v, None, state, work) == Status.GOOD\n"
         "rows = np.zeros((3, SCENE.row_size))\n"
         "settings = Settings(1e-9, 1e300, 0.0, True, 1)\n"
         "times = np.array([0.0, 0.5, 1.0])\n"
-        "assert SOLVER.run(settings, times, 10**6, state, work, rows) == (GOOD, 3)\n"
+        "assert SOLVER.run(settings, times, 10**6, state, work, rows) == (Status.GOOD, 3)\n"
         "assert not {'kousoku', 'sympy', 'jinja2'} & set(sys.modules)\n"
         "print(json.dumps(rows[-1, 1:1 + SCENE.nq].tolist()))"
     )
@@ -293,6 +293,6 @@ def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
         [sys.executable, "-c", code], cwd=where.parent, capture_output=True, text=True, check=True
     )
     run = load_dynamics(where, target="numpy").begin([0.0, 0.5, 1.0], method="dop853")
-    assert run.advance(10**6) == GOOD
+    assert run.advance(10**6) == Status.GOOD
     wanted = run.save().rows[-1, 1 : 1 + len(run.solver.q)].tolist()
     assert done.stdout.strip() == str(wanted)
