@@ -18,7 +18,7 @@ from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import read_scene
 from kousoku.runtime import notice
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.dynamics_targets import open_solver
+from kousoku.runtime.dynamics_targets import Memory, open_solver
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.library import read_files, read_manifest
 
@@ -103,6 +103,22 @@ def test_rows_are_those_of_c(
     for joint, violation in ledgers[0].violations.items():
         np.testing.assert_allclose(violation.metres, ledgers[1].violations[joint].metres, atol=1e-9)
     assert ledgers[1].worst("acceleration")[0] > 0.0 or not ledgers[0].violations
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver", "shipped_flags")
+def test_pivots_are_those_of_the_state_whatever_the_workspace_holds(folder: Folder) -> None:
+    found = []
+    for target in ("c", "numpy"):
+        solver = load_dynamics(folder("four_bar"), target=target)
+        run = solver.begin([0.0, 0.3], tolerance=1e-6)
+        run.finish()
+        for work in (run._memory.work, np.zeros_like(run._memory.work)):
+            pivots = np.zeros(len(solver.rows))
+            assert solver.target.pivots(Memory(run.state, work), pivots) == Status.GOOD
+            found.append(pivots)
+    assert np.all(found[0] > 0.0)
+    for pivots in found[1:]:
+        np.testing.assert_array_equal(pivots, found[0])
 
 
 @pytest.mark.usefixtures("numpy_solver")
