@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -183,7 +184,7 @@ def _brace(
         arm = _arm(scene, nodes, link, at)
         place = center + reach * arm / np.linalg.norm(arm)
         points.append(back @ (place - poses[0][body - 1][0, :2]))
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         middle = np.array([*(a + b) / 2, bodies[body].parts[0].matrix[2, 3]])
         along = np.array([*(b - a) / 2, 0.0])
         across = np.cross(OUT, along)

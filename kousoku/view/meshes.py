@@ -6,6 +6,7 @@ along their length, since the painter's algorithm sorts faces by their middles.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cache
 
@@ -143,7 +144,7 @@ def _ball() -> Mesh:
     rings = 8
     heights = [-np.pi / 2 + np.pi * k / rings for k in range(rings + 1)]
     circles = [_ring(float(np.sin(h)), float(np.cos(h)), 14) for h in heights]
-    for below, above in zip(circles[:-1], circles[1:], strict=True):
+    for below, above in itertools.pairwise(circles):
         for k in range(14):
             after = (k + 1) % 14
             corners = [below[k], below[after], above[after], above[k]]

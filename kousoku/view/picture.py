@@ -262,9 +262,7 @@ def _linear(values: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
     return found
 
 
-def _hermite(
-    values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]
-) -> Array:
+def _hermite(values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
     """Return places between rows from those of the rows and the velocities there."""
     if len(time) == 1 or not np.isfinite(rates).all():
         return _linear(values, at)

@@ -388,7 +388,9 @@ class _SpatialShapes:
         if 0 in (mark.i, mark.j) and kind not in BEARINGS:
             at, axis = (mark.s_i, vectors[0]) if mark.i == 0 else (mark.s_j, vectors[1])
             turns = JOINTS[kind].axes > 0
-            self._bodies[0].parts.append(pedestal(at, axis["axis"] if turns else None, self._up, unit))
+            self._bodies[0].parts.append(
+                pedestal(at, axis["axis"] if turns else None, self._up, unit)
+            )
 
     def _unit_of(self, mark: JointMark) -> float:
         """Return how long 1 of a joint's sign is, by the thickness of what meets there."""
@@ -469,9 +471,7 @@ def cylinder(a: Array, b: Array, radius: float, color: int, size: float) -> Part
     length = float(np.linalg.norm(b - a))
     axis = (b - a) / length
     first = across_of(axis)
-    columns = np.column_stack(
-        [radius * first, radius * np.cross(axis, first), (b - a) / 2]
-    )
+    columns = np.column_stack([radius * first, radius * np.cross(axis, first), (b - a) / 2])
     is_disc = radius > length
     name = "disc" if is_disc else cylinder_name(_cuts(length, size))
     return Part(name, _moved(columns, (a + b) / 2), color)
@@ -504,7 +504,11 @@ def _solids(body: Body, size: float, color: int) -> Iterator[Part]:
     from kousoku.model.quaternions import quaternion
 
     for given in body.boxes:
-        turn = np.eye(3) if given.orientation is None else rotation(_numbers(quaternion(given.orientation)))
+        turn = (
+            np.eye(3)
+            if given.orientation is None
+            else rotation(_numbers(quaternion(given.orientation)))
+        )
         yield box(_numbers(given.at), turn * (_numbers(given.size) / 2), color, size)
     for tube in body.cylinders:
         a, b = map(_numbers, tube.ends)

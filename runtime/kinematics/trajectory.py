@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -32,7 +32,41 @@ LINK = (
 )
 
 
-@dataclass(frozen=True, repr=False)
+class Iterations(NamedTuple):
+    """What an analysis cost, and what it left of the equations: its ledger.
+
+    Parameters
+    ----------
+    method, target : str
+        How positions were found, and what computed.
+    rows : int
+        How many positions.
+    least, most, total : int
+        Corrections in a step, and in all.
+    residual : float
+        The largest residual of all rows, in the unit of lengths.
+    unit : str
+        That unit.
+    """
+
+    method: str
+    target: str
+    rows: int
+    least: int
+    most: int
+    total: int
+    residual: float
+    unit: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.method} by {self.target}: {self.rows} positions, {self.least} to {self.most}"
+            f" iterations a step, {self.total} in all, residual at most {self.residual:.1e}"
+            f" {self.unit}"
+        )
+
+
+@dataclass(repr=False, eq=False)
 class Trajectory(Result):
     """Positions of a linkage, row by row, with what was wanted beside them.
 
@@ -155,8 +189,27 @@ class Trajectory(Result):
     def _names(self, sort: str) -> list[str]:
         return [*self.positions] if sort == "node" else [link[0] for link in self.links]
 
+    @property
+    def ledger(self) -> Iterations:
+        """What it cost, and what is left of the equations."""
+        own = self.iterations
+        least = int(np.min(own[1:])) if len(own) > 1 else 0
+        counts = least, int(np.max(own, initial=0)), int(np.sum(own))
+        return Iterations(
+            self.method, self.target, len(self), *counts, self.residual_max, self.unit
+        )
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns of a node, of the last one that moves unless it is named."""
+        parts = [[x for x in self._places if x.startswith(f"{node}.")] for node in self.positions]
+        if of is None:
+            own = [one for one in parts if len(self) and any(np.ptp(self[name]) for name in one)]
+            return [*self._places][: len(self.inputs)] + (own or parts)[-1]
+        return [x for x in self._places if x.startswith(f"{of}.")]
+
     def summary(self) -> dict[str, Any]:
         """Return what a program may want to know, ready for JSON."""
+        ledger = self.ledger
         return {
             "scene": self.name,
             "unit": self.unit,
@@ -164,13 +217,7 @@ class Trajectory(Result):
             "method": self.method,
             "divisions": self.divisions,
             "rows": len(self),
-            "iterations": {
-                "min": int(np.min(self.iterations[1:], initial=np.iinfo(np.intc).max))
-                if len(self) > 1
-                else 0,
-                "max": int(np.max(self.iterations, initial=0)),
-                "total": int(np.sum(self.iterations)),
-            },
+            "iterations": {"min": ledger.least, "max": ledger.most, "total": ledger.total},
             "residual_max": self.residual_max,
         }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,8 +15,6 @@ import kousoku as ks
 from kousoku.model.errors import SolveError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from kousoku.runtime.linkage import Trajectory
 
 pytestmark = pytest.mark.usefixtures("compiler")
