@@ -143,7 +143,7 @@ def _linkage(scene: Scene, nodes: Mapping[str, Array]) -> tuple[Shapes, Array, A
         if node.fixed:
             bodies[0].parts.append(pedestal(s, OUT, UP, 4.2 * THIN * size))
         bodies[owner].parts.append(_pin(s, low, high, 0.75 * wide))
-        marks.append(JointMark(name, 0, owner, s, s))
+        marks.append(JointMark(name, owner, owner, s, s))
     for name, rigid in scene.rigid.items():
         bodies_of = {link: k + 1 for k, link in enumerate(links)}
         held = [link for link in rigid.links if link in bodies_of]
