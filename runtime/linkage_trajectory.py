@@ -47,6 +47,8 @@ class Trajectory:
         Name, nodes and design length of each link.
     target : {"c", "numpy"}
         What computed.
+    time : (rows,) array [s], optional
+        Of each row, where the inputs were followed in time.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Trajectory:
     residual: Array
     links: tuple[tuple[str, str, str, float], ...]
     target: str
+    time: Array | None = None
 
     def __len__(self) -> int:
         return len(self.residual)
@@ -82,11 +85,13 @@ class Trajectory:
     def columns(self) -> dict[str, Array]:
         """Return the columns of a file by name.
 
-        The input is called ``alpha``; several inputs are called by their names. Then
-        ``O1.x O1.y O1.vx O1.vy O1.ax O1.ay`` and so on, then the angles of links.
+        First the ``time``, where there is one. The input is called ``alpha``; several inputs are
+        called by their names. Then ``O1.x O1.y O1.vx O1.vy O1.ax O1.ay`` and so on, then
+        the angles of links.
         """
         is_single = len(self.inputs) == 1
-        table = {"alpha" if is_single else name: value for name, value in self.inputs.items()}
+        table = {} if self.time is None else {"time": self.time}
+        table |= {"alpha" if is_single else name: value for name, value in self.inputs.items()}
         motions = (("", self.positions), ("v", self.velocities), ("a", self.accelerations))
         for node in self.positions:
             for letter, motion in motions:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from .rows import METHODS
 from .solve import solve
 from .status import Status
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Sequence
+
     import numpy.typing as npt
 
     from .equations import Kernels
@@ -36,6 +39,8 @@ class Trajectory:
         Corrections in the step that led to each row.
     residual_max : float
         Largest residual.
+    time : (rows,) array, optional
+        Where the inputs were followed in time.
     """
 
     unit: str
@@ -47,6 +52,7 @@ class Trajectory:
     angles: dict[str, Array]
     iterations: npt.NDArray[np.intc]
     residual_max: float
+    time: Array | None
 
 
 def solve_alone(mechanism: Mechanism, kernels: Kernels, run: Run) -> Trajectory:
@@ -82,4 +88,29 @@ def solve_alone(mechanism: Mechanism, kernels: Kernels, run: Run) -> Trajectory:
         angles={link.name: angle for link, angle in angles},
         iterations=rows.iterations,
         residual_max=float(rows.residual.max()),
+        time=run.times,
     )
+
+
+def simulate_alone(
+    mechanism: Mechanism,
+    kernels: Kernels,
+    run: Run,
+    end: float | None,
+    *,
+    times: Sequence[float] | Array | None = None,
+    samples: int = 1001,
+) -> Trajectory:
+    """Return the motion in time: at given times, or at samples from 0 to an end [s].
+
+    Raises
+    ------
+    ArithmeticError
+        The mechanism cannot be assembled, or not be moved on.
+    ValueError
+        There is an end, and there are times; or neither.
+    """
+    if (end is None) == (times is None):
+        raise ValueError("give either end or times")
+    chosen = np.array(times if end is None else np.linspace(0.0, end, samples), float)
+    return solve_alone(mechanism, kernels, replace(run, times=chosen, rows=len(chosen)))
