@@ -39,7 +39,16 @@ FEW = 12
 """Bodies whose names are written from the start, and forces that are named by who asks."""
 FEW_FORCES = 4
 """Forces that are drawn from the start when nobody names them."""
-METRES = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+METRES = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "km": 1e3,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
 
 
 def page_of(picture: Picture) -> str:
@@ -236,6 +245,7 @@ class Animation:
             The suffix is another one.
         """
         from kousoku.model.errors import SolveError
+
         place = Path(path)
         match place.suffix.lower():
             case ".html" | ".htm":

@@ -170,7 +170,10 @@ def picture_of(
         time, rows = np.asarray(result.time, dtype=np.float64), len(result)
         position = _stacked(result.position, scene, rows, 3)
         turn = _stacked(result.orientation, scene, rows, 4)
-        rates = (_stacked(result.velocity, scene, rows, 3), _stacked(result.angular_velocity, scene, rows, 3))
+        rates = (
+            _stacked(result.velocity, scene, rows, 3),
+            _stacked(result.angular_velocity, scene, rows, 3),
+        )
         shapes = spatial_shapes(scene, (position[0], turn[0]))
         table = dict(result.force)
     first = time[0] if start is None else max(start, time[0])

@@ -303,7 +303,9 @@ def color_of(color: int, shade: int) -> str:
 # ---- SVG ----------------------------------------------------------------------------------------
 
 
-def still_svg(picture: Picture, time: float | None = None, size: tuple[int, int] = (640, 420)) -> str:
+def still_svg(
+    picture: Picture, time: float | None = None, size: tuple[int, int] = (640, 420)
+) -> str:
     """Return one moment of a picture as SVG.
 
     Parameters

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -15,7 +15,7 @@ from .solve import solve
 from .status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -99,6 +99,8 @@ class Trajectory(Result):
         Name, nodes and design length of each link.
     target : {"c", "numpy"}
         What computed.
+    is_in_time : bool
+        Whether the inputs were followed in time, so that it is a column.
     """
 
     PARTS: ClassVar = {
@@ -131,6 +133,7 @@ class Trajectory(Result):
     residual: Array
     links: tuple[tuple[str, str, str, float], ...]
     target: str
+    is_in_time: bool = False
 
     def __len__(self) -> int:
         return len(self.residual)
@@ -171,7 +174,7 @@ class Trajectory(Result):
     @cached_property
     def _places(self) -> dict[str, Column]:
         """Where columns stand: the input is called ``alpha``, several ones by their names."""
-        found = {}
+        found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
         for name in self.inputs:
             shown = "alpha" if len(self.inputs) == 1 else name
             found[shown] = Column("inputs", name, None, self.input_units.get(name, "-"))
@@ -245,7 +248,8 @@ def trajectory_of(
         divisions=run.divisions,
         inputs=named(inputs, rows.alpha, "input", "positions"),
         input_units={given.name: given.unit for given in mechanism.inputs},
-        times=_times(run, n),
+        times=_times(run, n) if run.times is None else run.times[:n],
+        is_in_time=run.times is not None,
         positions=named(nodes, rows.position, "positions", "positions"),
         velocities=named(nodes, rows.velocity, "velocities", "velocities"),
         accelerations=named(nodes, rows.acceleration, "accelerations", "accelerations"),
@@ -292,3 +296,28 @@ def solve_alone(mechanism: Mechanism, kernels: Kernels, run: Run, name: str) -> 
             f"at {', '.join(one.name for one in mechanism.inputs)} = {rows.reached.tolist()}"
         )
     return trajectory_of(mechanism, run, rows, name=name, target="numpy")
+
+
+def simulate_alone(
+    mechanism: Mechanism,
+    kernels: Kernels,
+    run: Run,
+    name: str,
+    end: float | None,
+    *,
+    times: Sequence[float] | Array | None = None,
+    samples: int = 1001,
+) -> Trajectory:
+    """Return the motion in time: at given times, or at samples from 0 to an end [s].
+
+    Raises
+    ------
+    ArithmeticError
+        The mechanism cannot be assembled, or not be moved on.
+    ValueError
+        There is an end, and there are times; or neither.
+    """
+    if (end is None) == (times is None):
+        raise ValueError("give either end or times")
+    chosen = np.array(times if end is None else np.linspace(0.0, end, samples), float)
+    return solve_alone(mechanism, kernels, replace(run, times=chosen, rows=len(chosen)), name)
