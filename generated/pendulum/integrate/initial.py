@@ -46,6 +46,12 @@ DEPENDENT = 1e-10
 APART = 1e-4
 #: What values may miss: coordinates that others determine, and bodies that are placed.
 AGREES, MISSES = 1e-9, 1e-6
+#: What turns a body back, of Euler parameters.
+BACK = np.array([1.0, -1.0, -1.0, -1.0])
+#: What is free has settled; how many steps tell the next one.
+SETTLED, DEPTH = 1e-13, 8
+#: A whole turn, and so many that are tried to close gears.
+TURN, MOST_TURNS = 2.0 * np.pi, 1000
 
 
 class Start(NamedTuple):
@@ -128,6 +134,8 @@ class Leader:
             own.setdefault(tuple(_indices((*body.v, *body.omega_b))))
         self.moves = np.ones(len(start.q))
         self.moves[[*start.works]] = 0.0
+        places = {k for body in start.bodies for k in _indices((*body.r, *body.p))}
+        self.turns = [k for k in range(len(start.q)) if k not in places.union(start.works)]
         probe = np.cos(np.arange(len(start.v)))  # no direction in particular
         responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
         moved = [one for one, rates in zip(own, responses, strict=True) if rates.any()]
@@ -189,20 +197,20 @@ class Leader:
 
         That is infinite where the first correction is not small.
         """
-        before = np.inf
+        before = last = np.inf
         for attempt in range(MOST):
             found = self.evaluate(q, self.rest)
             miss = goal - found["coordinates"][self.values][chosen]
             change = (found["q_moved"] - q) / self.sizes_q
             moves = miss @ ways
             left = max(float(np.max(np.abs(change), initial=0.0)), self.size(moves))
-            if not left <= (CLOSE if attempt == 0 else before):
-                return q, before
+            if not left <= (before if attempt else CLOSE):
+                return q, last
             q = self.displaced(found["q_moved"], moves)
             if left <= enough:
                 return q, left
-            before = left
-        return q, before
+            before, last = last, left  # joints and coordinates are met in turn
+        return q, last
 
     def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
         """Return a position on the way to values of coordinates, and which part of it was made."""
@@ -249,6 +257,58 @@ class Leader:
             before = left
         return q
 
+    def difference(self, q: Array) -> Array:
+        """Return the displacement from the start to a position; of a turn twice sin of its half."""
+        u = self.rest.copy()
+        for body in self.start.bodies:
+            ends = []
+            for at in (self.start.q, q):
+                ends.append([_taken(places, at) for places in (body.r, body.p)])
+            (r_start, p_start), (r, p) = ends
+            found = r - r_start
+            if body.p:
+                found = np.append(found, 2.0 * composed(p_start * BACK, p)[1:])
+            for k, x in zip((*body.v, *body.omega_b), found, strict=True):
+                if isinstance(k, int):
+                    u[k] = x
+        return u
+
+    def nearest(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
+        """Return the position next to the start where coordinates have their values.
+
+        What is free beyond them comes back as near as it can, so that the way does not matter: a
+        fixed point, found by Anderson's method.
+        """
+        steps: list[Array] = []
+        wishes: list[Array] = []
+        here = q
+        for _ in range(2 * MOST):
+            at = self.jacobian(here)
+            ways = self._ways(at, chosen)
+            wish = -self.difference(here)
+            for _ in range(2):
+                wish = self.on_constraints(here, wish)
+                wish = wish - (at.J[chosen] @ wish) @ ways
+            if self.size(wish) <= SETTLED:
+                return here
+            step = wish
+            if wishes:
+                changes = np.diff([*wishes, wish], axis=0)[-DEPTH:]
+                parts = np.linalg.lstsq((changes / self.sizes).T, wish / self.sizes, rcond=None)[0]
+                step = wish - parts @ (changes + steps[-len(changes) :])
+            step = step * min(1.0, LONGEST / self.size(step))
+            here, left = self.met(self.displaced(here, step), ways, chosen, wanted, ROUNDING)
+            if not left <= NEAR:
+                break
+            wishes.append(wish)
+            steps.append(step)
+        return q
+
+    def on_constraints(self, q: Array, u: Array) -> Array:
+        """Return a displacement that opens no joint."""
+        found: Array = u + (self.evaluate(q, u)["dv"] - self.evaluate(q, self.rest)["dv"])
+        return found
+
     def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
         """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
         v, ways = self.start.v, self._ways(at, chosen)
@@ -267,14 +327,34 @@ class Leader:
                 )
         return [text.format(f"{size:.3g}") for text, size in worst.items()]
 
-    def closed(self, q: Array) -> list[str]:
-        """Return the joints that are open at a position, with whole turns that close gears in q."""
+    def residuals(self, q: Array) -> Array:
+        """Return what is left of all rows."""
+        found = self.evaluate(q, self.rest)
+        return np.concatenate([found["C"], found["C_left_out"]])
 
-        def residuals() -> Array:
-            found = self.evaluate(q, self.rest)
-            return np.concatenate([found["C"], found["C_left_out"]])
-
-        return self.open_rows(residuals(), 1.0)
+    def turned(self, q: Array) -> None:
+        """Add whole turns to the angles of q that close gears: no orientation tells them."""
+        left = self.residuals(q)
+        slopes = np.zeros((len(left), len(q)))
+        for k in self.turns:
+            other = q.copy()
+            other[k] += TURN
+            slopes[:, k] = self.residuals(other) - left
+        counts = np.repeat(np.arange(1.0, MOST_TURNS), 2) * np.tile([1.0, -1.0], MOST_TURNS - 1)
+        for k in self.turns:
+            rows = np.flatnonzero(np.abs(slopes[:, k]) > MISSES)
+            geared = [m for m in self.turns if m != k and np.abs(slopes[rows, m]).max(initial=0.0)]
+            if not len(rows) or np.abs(left[rows]).max() <= MISSES:
+                continue
+            own, others = slopes[rows, k], slopes[np.ix_(rows, geared)]
+            beyond = left[rows] + np.outer(counts, own)
+            turns = np.round(-beyond @ np.linalg.pinv(others).T)
+            misses = np.abs(beyond + turns @ others.T).max(axis=1)
+            best = int(np.argmax(misses <= MISSES))
+            if misses[best] <= MISSES:
+                q[k] += TURN * counts[best]
+                q[geared] += TURN * turns[best]
+                left = self.residuals(q)
 
     def opening(self, q: Array, v: Array) -> list[str]:
         """Return the joints that velocities open."""
@@ -337,7 +417,7 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
             q, made = leader.led(start.q, chosen, wanted[chosen])
         if made < 1.0:
             raise ValueError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
-        q = leader.polished(q, chosen, wanted[chosen])
+        q = leader.nearest(leader.polished(q, chosen, wanted[chosen]), chosen, wanted[chosen])
         q[[*start.works]] = start.q[[*start.works]]
         at = leader.jacobian(q)
         _require(leader, at, values, leader.value(q), "")
@@ -387,7 +467,8 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
             found = _of_masses(body, q, given, is_position=taken is q)
             problems += _put(body.name, found, to, taken, known, start.length)
     if not problems and q0 is not None:
-        problems += leader.closed(q)
+        leader.turned(q)
+        problems += leader.open_rows(leader.residuals(q), 1.0)
         q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING)
     if not problems and v0 is not None:
         problems += leader.opening(q, v)
@@ -406,9 +487,9 @@ def _of_masses(body: BodyPlaces, q: Array, given: Array, *, is_position: bool) -
     if not body.p:
         return given
     arm, axes = np.array(body.origin_b, float), np.array(body.axes_b, float)
-    p = np.array([q[k] if isinstance(k, int) else k for k in body.p])
+    p = _taken(body.p, q)
     if is_position:
-        turned = composed(given[3:], axes * [1.0, -1.0, -1.0, -1.0])
+        turned = composed(given[3:], axes * BACK)
         turned = -turned if turned @ p < 0.0 else turned
         return np.concatenate([given[:3] - rotated(turned, arm), turned])
     omega = rotated(axes, given[3:])
@@ -461,6 +542,10 @@ def _require(
             problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
     if problems:
         raise ValueError(f"initial values do not fit: {'; '.join(problems)}")
+
+
+def _taken(places: Sequence[float], q: Array) -> Array:
+    return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
 def _indices(places: Sequence[float]) -> list[int]:
