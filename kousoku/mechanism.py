@@ -155,10 +155,12 @@ class Mechanism:
         """
         if end is None and times is None:
             end = self._duration()
-        when: dict[str, Any] = {"times": times} if times is not None else {"samples": samples}
+        when: dict[str, Any] = {"end": end, "times": times, "samples": samples}
         if isinstance(self.solver, DynamicsSolver):
-            when["progress"] = progress
-        return self.result_of(self.solver.simulate(end, **when, **options))
+            return self.result_of(self.solver.simulate(**when, progress=progress, **options))
+        given: dict[str, Any] = {**options}
+        require_options(self.name, given, ("method", "limit"), *when)
+        return self.result_of(self.solver.simulate(**when, **given))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)

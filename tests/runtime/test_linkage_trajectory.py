@@ -6,7 +6,7 @@ import csv
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ PISTON_COLUMNS = ["alpha"] + [
 
 @pytest.fixture(scope="module")
 def motion() -> Trajectory:
-    return ks.load(PISTON).solve()
+    return cast("Trajectory", ks.load(PISTON).solve())
 
 
 def test_columns_stand_in_the_order_of_the_scene(motion: Trajectory) -> None:
