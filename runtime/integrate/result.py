@@ -149,7 +149,7 @@ class Result:
         return ()
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
         """Where each column stands, in order."""
         raise NotImplementedError
 
@@ -160,30 +160,30 @@ class Result:
     @property
     def units(self) -> Mapping[str, str]:
         """The unit of each column; ``-`` where it has none."""
-        return Named({name: place.unit for name, place in self._places.items()}, self.name)
+        return Named({name: place.unit for name, place in self.places.items()}, self.name)
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
-        if name not in self._places:
+        if name not in self.places:
             raise NotInResultError(f"{self.name}: {self._no_column(name)}")
-        table, owner, component, _ = self._places[name]
+        table, owner, component, _ = self.places[name]
         values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
-        near = get_close_matches(str(name), self._places, n=1)
+        near = get_close_matches(str(name), self.places, n=1)
         hint = f"; did you mean {near[0]!r}?" if near else ""
-        return f"no column {shown(name)}: there are {_listed([*self._places])}{hint}"
+        return f"no column {shown(name)}: there are {_listed([*self.places])}{hint}"
 
     def __contains__(self, name: object) -> bool:
-        return name in self._places
+        return name in self.places
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._places)
+        return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
         """Return all columns by name."""
-        return {name: self[name] for name in self._places}
+        return {name: self[name] for name in self.places}
 
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
@@ -284,7 +284,7 @@ class Result:
             if names := self._names(sort):
                 plural = sort.replace("body", "bodie") + "s"
                 lines.append(f"  {plural}: {_listed(names)}")
-        return "\n".join([*lines, f"  columns: {_listed([*self._places])}"])
+        return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
 
     def _extent(self) -> str:
         return f"{len(self)} rows, {self.unit}, {self.target}"
