@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -211,6 +211,9 @@ class MotionError(SolveError):
     def __init__(self, problem: str, trajectory: object) -> None:
         self.trajectory = trajectory
         super().__init__(problem)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.trajectory)  # a pool of processes hands it on
 
 
 class LedgerError(KousokuError):

@@ -112,6 +112,18 @@ def numbers_of(scene: str, name: str, given: object) -> Array:
         raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
 
 
+def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
+    """Refuse an array that has too many or too few numbers.
+
+    Raises
+    ------
+    SolveError
+        The message says which shape is wanted.
+    """
+    if given.shape != wanted.shape:
+        raise SolveError(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
+
+
 def require_callable(scene: str, progress: object) -> None:
     """Refuse what cannot be called with the time reached and the last time.
 

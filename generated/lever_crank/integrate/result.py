@@ -128,9 +128,9 @@ class Result:
         raise NotImplementedError
 
     @property
-    def units(self) -> Mapping[str, str]:
+    def units(self) -> dict[str, str]:
         """The unit of each column; ``-`` where it has none."""
-        return Named({name: place.unit for name, place in self._places.items()}, self.name)
+        return {name: place.unit for name, place in self._places.items()}
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
@@ -177,8 +177,8 @@ class Result:
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
-            calls = ", ".join(f"{one}({one[0].upper()}…)" for one in self.PARTS)
-            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: ask for {calls}")
+            calls = ", ".join(f".{one}(…)" for one in self.PARTS)
+            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
         if name not in (names := self._names(sort)):
             raise NotInResultError(f"{self.name}: {unknown(sort, name, names)}")
         return Part(self, name, self.PARTS[sort])
@@ -186,7 +186,7 @@ class Result:
     def to_pandas(self) -> Any:
         """Return the columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
         frame = self._late("pandas", "table").DataFrame(self.columns())
-        frame.attrs |= {"name": self.name, "units": dict(self.units)}
+        frame.attrs |= {"name": self.name, "units": self.units}
         return frame
 
     def save(self, path: str | Path) -> None:

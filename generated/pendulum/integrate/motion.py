@@ -398,8 +398,12 @@ class Motion(Result):
                     return str(error).removeprefix(f"{self.name}: ")
         if owner == "energy" and not self.energy:
             return not_generated("energies", "energies")
-        more = "" if "coordinates" in self._layout.sizes else '; generated without "coordinates"'
-        return super()._no_column(name) + more
+        more = (
+            ""
+            if "coordinates" in self._layout.sizes
+            else not_generated("coordinate", "coordinates")
+        )
+        return super()._no_column(name) + f"; {more}" * bool(more)
 
     def state(self, k: int) -> tuple[float, Array, Array]:
         """Return time, q and v of a row, as the scene is written.
