@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-import tempfile
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -141,9 +139,8 @@ class Result:
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
-        near = get_close_matches(str(name), self._places, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        return f"no column {shown(name)}: there are {_listed([*self._places])}{hint}"
+        columns = [*self._places]
+        return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
         return name in self._places
@@ -230,7 +227,9 @@ class Result:
             raise ModuleNotFoundError(line, name=error.name) from None
 
     def _repr_html_(self) -> str:
-        return f"<pre>{import_module('html').escape(repr(self))}</pre>"
+        from html import escape
+
+        return f"<pre>{escape(repr(self))}</pre>"
 
     def __repr__(self) -> str:
         lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
@@ -249,9 +248,14 @@ def unknown(what: str, name: object, known: Sequence[str]) -> str:
     of = "its formulas have" if what == "parameter" else "there are"
     if not known:
         return f"no {what} {shown(name)}: {of} none"
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{_near(name, known)}"
+
+
+def _near(name: object, known: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
     near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def not_generated(what: str, output: str) -> str:
@@ -284,6 +288,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
+    import tempfile
+
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         part = Path(folder) / path.name
