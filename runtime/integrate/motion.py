@@ -424,8 +424,12 @@ class Motion(Result):
                     return str(error).removeprefix(f"{self.name}: ")
         if owner == "energy" and not self.energy:
             return not_generated("energies", "energies")
-        more = "" if "coordinates" in self._layout.sizes else '; generated without "coordinates"'
-        return super()._no_column(name) + more
+        more = (
+            ""
+            if "coordinates" in self._layout.sizes
+            else not_generated("coordinate", "coordinates")
+        )
+        return super()._no_column(name) + f"; {more}" * bool(more)
 
     @property
     def drivers(self) -> Sequence[str]:
