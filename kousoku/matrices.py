@@ -285,7 +285,6 @@ def _of_linkage(
 
 def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
     """Return matrices with the names of rows and columns."""
-    massless = equations.massless
     return Matrices(
         equations.name,
         state.time,
@@ -294,7 +293,7 @@ def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
         columns=equations.columns,
         units=equations.units,
         redundant=equations.redundant,
-        without=f"{listed(massless)} without a mass" if massless else "",
+        without=equations.lacks,
         mass=numbers.M,
         force=numbers.f,
     )
