@@ -357,10 +357,10 @@ class Equations:
 
     def turning(self, solver: DynamicsSolver) -> tuple[int, list[str]]:
         """Return where the angles that count turns begin in q of a solver, and their names."""
-        system = system_of(self.scene, ("coordinates",) if solver.coordinates else ())
+        system = system_of(self.scene, ("coordinates",) if solver.layout.coordinates else ())
         needed = system.coordinates[: len(system.coordinates) - system.only_held]
         names = [one.name for one in needed if one.counts_turns]
-        first = len(solver.q) - len(solver.works) - len(names)
+        first = len(solver.q) - len(solver.layout.works) - len(names)
         places = [k for body in solver.bodies for k in (*body.r, *body.p) if isinstance(k, int)]
         if first != max(places, default=-1) + 1:
             raise SolveError(f"{self.name}: the solver was not made from this scene")
