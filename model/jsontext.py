@@ -43,7 +43,7 @@ def _lines(value: object, indent: str, before: int) -> list[str]:
         first, *rest = _lines(item, inner, len(head))
         own = [inner + head + first, *rest]
         own[-1] += "," if k < len(items) - 1 else ""
-        is_packed = not rest and _is_flat(item)
+        is_packed = not rest and (_is_flat(item) or isinstance(value, dict))
         if packed and (not is_packed or len(packed) + len(own[0]) - len(indent) > WIDTH):
             lines.append(packed)
             packed = ""

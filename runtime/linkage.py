@@ -134,7 +134,8 @@ class LinkageSolver:
         AssemblyError, MotionError, SolveError
             As of :meth:`solve`.
         """
-        chosen = times_of(self.library.manifest.package, end, times, samples)
+        chosen = times_of(self.library.manifest.package, end, times, samples).copy()
+        chosen.flags.writeable = False
         return self._moved({"method": method, "limit": limit}, chosen)
 
     def _moved(

@@ -18,16 +18,7 @@ if TYPE_CHECKING:
 
 
 class Continuation:
-    """A position on its way along the inputs.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        The kernels of its blocks.
-    run : Run
-        Inputs, method and limits.
+    """A position of a mechanism on its way along the inputs of a run.
 
     Attributes
     ----------

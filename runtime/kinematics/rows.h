@@ -2,6 +2,8 @@
 #ifndef KOUSOKU_KINEMATICS_ROWS_H
 #define KOUSOKU_KINEMATICS_ROWS_H
 
+#include <string.h>
+
 #include "continuation.h"
 
 /* the position of the workspace goes into a row */
@@ -39,16 +41,16 @@ static void motion_at(
 {
     const double none[INPUTS] = { 0.0 };
     double alpha[INPUTS], delta[INPUTS];
+    if (run->times) {
+        differentiate(w, w->rate, run->rate_dot, w->x1, w->x2);
+        memcpy(x_dot, w->x1, sizeof w->x1);
+        memcpy(x_ddot, w->x2, sizeof w->x2);
+        return;
+    }
     inputs_of(run, division, alpha, delta);
-    if (INPUTS > 1 || run->times) {
+    if (INPUTS > 1) {
         differentiate(w, w->rate, run->rate_dot, x_dot, x_ddot);
-        for (size_t i = 0; i < UNKNOWNS; ++i) {
-            w->x1[i] = x_dot[i];
-            w->x2[i] = x_ddot[i];
-        }
-        if (!run->times) {
-            differentiate(w, delta, none, w->x1, w->x2);
-        }
+        differentiate(w, delta, none, w->x1, w->x2);
         return;
     }
     /* one input: both follow from the derivatives by it */

@@ -15,16 +15,15 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
-    from typing import TypeAlias
 
     import numpy.typing as npt
 
-    Array: TypeAlias = npt.NDArray[np.float64]
-    Body: TypeAlias = Callable[..., tuple[list[Any], ...]]
-    Call: TypeAlias = tuple[np.ufunc, tuple[Any, ...], "_Symbol"]
-    Inputs: TypeAlias = Sequence[tuple[Array, tuple[int, ...]]]
-    Out: TypeAlias = Sequence[Array | None] | None
-    Results: TypeAlias = Sequence[Array | None]  # None where an output is not wanted
+    Array = npt.NDArray[np.float64]
+    Body = Callable[..., tuple[list[Any], ...]]
+    Call = tuple[np.ufunc, tuple[Any, ...], "_Symbol"]
+    Inputs = Sequence[tuple[Array, tuple[int, ...]]]
+    Out = Sequence[Array | None] | None
+    Results = Sequence[Array | None]  # None where an output is not wanted
 
 #: Evaluations at a time.
 BLOCK = 2048
@@ -151,8 +150,7 @@ def _rows(array: Array, shape: tuple[int, ...], batch: tuple[int, ...]) -> Array
     """Return a row for each evaluation, or the one row that all evaluations share."""
     if array.ndim == len(shape):
         return array.reshape(1, math.prod(shape))
-    rows = np.broadcast_to(array, batch + shape)
-    return rows.reshape(math.prod(batch), math.prod(shape))
+    return np.broadcast_to(array, batch + shape).reshape(math.prod(batch), math.prod(shape))
 
 
 class _Tape(NamedTuple):
@@ -173,8 +171,7 @@ class _Symbol(NDArrayOperatorsMixin):
 
     def __init__(self, calls: list[Call]) -> None:
         self.calls = calls
-        self.place = -1
-        self.uses = 0
+        self.place, self.uses = -1, 0
 
     def __array_ufunc__(self, function: np.ufunc, _method: str, *operands: Any) -> _Symbol:
         result = _Symbol(self.calls)

@@ -32,18 +32,10 @@ class Input(NamedTuple):
 
 
 class Unknown(NamedTuple):
-    """An unknown coordinate.
+    """An unknown coordinate, such as ``O2.x``.
 
-    Parameters
-    ----------
-    name : str
-        Node and direction, such as ``O2.x``.
-    start : float
-        Its value near the first position.
-    scale : float
-        The length that a change by 1 moves.
-    is_angle : bool
-        Whether it counts in radians, and only next to zero.
+    Its value near the first position, the length that a change by 1 moves, and whether it counts
+    in radians, and only next to zero.
     """
 
     name: str
@@ -55,14 +47,8 @@ class Unknown(NamedTuple):
 class Block(NamedTuple):
     """A block of the block-triangular equations: unknowns that are solved together.
 
-    Parameters
-    ----------
-    unknowns : slice
-        Its coordinates among all unknowns.
-    links : tuple of str
-        The links and sliders whose equations determine them.
-    known : tuple of int
-        What it depends on: places among the inputs and, after them, all unknowns.
+    Then the links and sliders whose equations determine them, and what it depends on: places
+    among the inputs and, after them, all unknowns.
     """
 
     unknowns: slice

@@ -17,15 +17,7 @@ if TYPE_CHECKING:
 
 
 class Convergence(NamedTuple):
-    """How positions converged: the most of all blocks.
-
-    Parameters
-    ----------
-    iterations : int
-        Corrections.
-    residual : float
-        Largest residual, in the unit of the mechanism.
-    """
+    """How positions converged: corrections, and residual as a length; the most of all blocks."""
 
     iterations: int
     residual: float
@@ -42,16 +34,7 @@ def is_dead_centre(pivot: float, orientation: float) -> bool:
 
 
 class Newton:
-    """Newton's method on the equations of a mechanism.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        The kernels of its blocks.
-    run : Run
-        Limit of the residual and of the iterations.
+    """Newton's method on the equations of a mechanism, to the limits of a run.
 
     Attributes
     ----------

@@ -29,32 +29,14 @@ class Kernels(Protocol):
 
 
 class Coordinates(NamedTuple):
-    """All coordinates of a mechanism, or their first or second derivatives.
-
-    Parameters
-    ----------
-    alpha : (inputs,) array
-        Of the inputs.
-    x : (unknowns,) array
-        Of the unknowns.
-    """
+    """All coordinates of a mechanism, inputs and unknowns, or their first or second derivatives."""
 
     alpha: Array
     x: Array
 
 
 class BlockEquations:
-    """The equations of one block, and the LU factors of its Jacobian.
-
-    Parameters
-    ----------
-    mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        The kernels of all blocks.
-    number : int
-        The block, counted from 0.
-    """
+    """The equations of one block, counted from 0, and the LU factors of its Jacobian."""
 
     def __init__(self, mechanism: Mechanism, kernels: Kernels, number: int) -> None:
         block = mechanism.blocks[number]
