@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import zipfile
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -16,6 +15,8 @@ from kousoku.runtime.integrate.result import Named
 from kousoku.runtime.kinematics.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import numpy.typing as npt
 
     from kousoku.model.scene import Scene
@@ -128,9 +129,8 @@ def _opened(about: dict[str, Any], arrays: dict[str, Any]) -> Result:
     else:
         tables = {}
         for table in (*TABLES, *ANGLES):
-            values = arrays.get(f"{ABOUT}.{table}")
             names = about.get(table, [])
-            own = {name: values[:, k] for k, name in enumerate(names)} if names else {}
+            own = {name: arrays[f"{ABOUT}.{table}"][:, k] for k, name in enumerate(names)}
             tables[table] = Named(own, f"{about['name']}: no {table}")
         given = {name: about[name] for name in SCALARS} | tables
         given["links"] = tuple(tuple(link) for link in about["links"])

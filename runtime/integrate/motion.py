@@ -425,9 +425,7 @@ class Motion(Result):
         if owner == "energy" and not self.energy:
             return not_generated("energies", "energies")
         more = (
-            ""
-            if "coordinates" in self.layout.sizes
-            else not_generated("coordinate", "coordinates")
+            "" if "coordinates" in self.layout.sizes else not_generated("coordinate", "coordinates")
         )
         return super()._no_column(name) + f"; {more}" * bool(more)
 
