@@ -8,18 +8,18 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.integrate.result import SUFFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kousoku.mechanism import Mechanism
+    from kousoku.model.scene import Output
     from kousoku.runtime.integrate.result import Result
 
 #: Number of the format of ``--json``, told by its schema.
@@ -153,7 +153,8 @@ def loaded(wish: Wish) -> Mechanism:
     """Load the mechanism of a scene file."""
     from kousoku.loading import load
 
-    return load(wish.file, outputs=wish.outputs, target=wish.target.value)  # type: ignore[arg-type]
+    outputs = cast("Sequence[Output] | None", wish.outputs)
+    return load(wish.file, outputs=outputs, target=wish.target.value)
 
 
 def check_destinations(wish: Wish) -> None:
@@ -164,6 +165,8 @@ def check_destinations(wish: Wish) -> None:
     SolveError
         A suffix is unknown, a folder is missing, or matplotlib is.
     """
+    from kousoku.runtime.integrate.result import SUFFIXES
+
     out, plot = wish.out, wish.plot
     if out is not None:
         if out.suffix not in SUFFIXES:
