@@ -62,9 +62,7 @@ def _draw_items(axes: Axes, picture: Picture, camera: Camera) -> None:
         faces.set_zorder(order)
         axes.add_collection(faces)
         count = len(item.points)
-        sides = [
-            item.points[[k, (k + 1) % count]] for k in range(count) if item.edges >> k & 1
-        ]
+        sides = [item.points[[k, (k + 1) % count]] for k in range(count) if item.edges >> k & 1]
         if sides:
             edges = LineCollection(sides, colors=EDGE, linewidths=0.5, alpha=0.7)
             edges.set_zorder(order + 5e-5)

@@ -36,10 +36,19 @@ FOLDER = Path(__file__).parent
 LARGEST = 32767
 """The largest 16-bit integer: a motion is kept in parts of it."""
 FEW = 12
-"""Bodies whose names are written from the start, and forces that are named by who asks."""
+"""Bodies whose names and axes are drawn from the start, and forces that are named by who asks."""
 FEW_FORCES = 4
 """Forces that are drawn from the start when nobody names them."""
-METRES = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+METRES = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "km": 1e3,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
 
 
 def page_of(picture: Picture) -> str:
@@ -48,7 +57,10 @@ def page_of(picture: Picture) -> str:
     style = (FOLDER / "page.css").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     parts = {
-        "POLICY": f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:",
+        "POLICY": (
+            f"default-src 'none'; script-src 'sha256-{digest}';"
+            " style-src 'unsafe-inline'; img-src data:"
+        ),
         "TITLE": html.escape(picture.title),
         "STYLE": style,
         "SCENE": safe_json(data_of(picture)),
@@ -236,6 +248,7 @@ class Animation:
             The suffix is another one.
         """
         from kousoku.model.errors import SolveError
+
         place = Path(path)
         match place.suffix.lower():
             case ".html" | ".htm":

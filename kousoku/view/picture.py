@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MOST_NUMBERS = 400_000
+MOST_NUMBERS = 250_000
 """Numbers of a motion that a page holds at most."""
 TURN = 0.4
 """Angle that a body may turn from one frame to the next [rad]."""
@@ -170,7 +170,10 @@ def picture_of(
         time, rows = np.asarray(result.time, dtype=np.float64), len(result)
         position = _stacked(result.position, scene, rows, 3)
         turn = _stacked(result.orientation, scene, rows, 4)
-        rates = (_stacked(result.velocity, scene, rows, 3), _stacked(result.angular_velocity, scene, rows, 3))
+        rates = (
+            _stacked(result.velocity, scene, rows, 3),
+            _stacked(result.angular_velocity, scene, rows, 3),
+        )
         shapes = spatial_shapes(scene, (position[0], turn[0]))
         table = dict(result.force)
     first = time[0] if start is None else max(start, time[0])
@@ -265,9 +268,7 @@ def _linear(values: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
     return found
 
 
-def _hermite(
-    values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]
-) -> Array:
+def _hermite(values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
     """Return places between rows from those of the rows and the velocities there."""
     if len(time) == 1 or not np.isfinite(rates).all():
         return _linear(values, at)
