@@ -50,9 +50,7 @@ def animate(
     from kousoku.view import animate as animated
 
     place = Path(f"{scene_file.stem}.html") if out is None else out
-    if place.suffix.lower() not in {".html", ".htm", ".svg"}:
-        raise SolveError(f"--out {place}: wanted a file *.html or *.svg")
-    check_destinations(None, place.parent)
+    check_destinations(place, None, (".html", ".svg"))
     scene = read_scene(scene_file)
     parameters = parameters_of(given)
     motion = _moved(scene, scene_file, end, parameters, target)

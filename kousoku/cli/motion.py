@@ -12,15 +12,24 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.tables import SUFFIXES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from pathlib import Path
 
     from kousoku.model.scene import Scene
     from kousoku.runtime.linkage import Trajectory
 
 
-def check_destinations(out: Path | None, plot: Path | None) -> None:
+def check_destinations(
+    out: Path | None, plot: Path | None, suffixes: Sequence[str] = SUFFIXES
+) -> None:
     """Refuse places where nothing can be written, before anything is solved.
+
+    Parameters
+    ----------
+    out, plot : Path, optional
+        File and folder.
+    suffixes : sequence of str
+        How the name of the file may end.
 
     Raises
     ------
@@ -28,8 +37,8 @@ def check_destinations(out: Path | None, plot: Path | None) -> None:
         A suffix is unknown, a folder is missing, or matplotlib is.
     """
     if out is not None:
-        if out.suffix not in SUFFIXES:
-            wanted = " or ".join(SUFFIXES)
+        if out.suffix not in suffixes:
+            wanted = " or ".join(suffixes)
             raise SolveError(f"--out {out}: the name must end in {wanted}")
         if out.is_dir():
             raise SolveError(f"--out {out}: is a folder, wanted a file")

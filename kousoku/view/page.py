@@ -250,8 +250,8 @@ class Animation:
         from kousoku.model.errors import SolveError
 
         place = Path(path)
-        match place.suffix.lower():
-            case ".html" | ".htm":
+        match place.suffix:
+            case ".html":
                 text = self.html
             case ".svg":
                 from kousoku.view.stills import moving_svg

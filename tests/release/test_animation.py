@@ -6,12 +6,11 @@ Needs Chromium with its driver, and selenium. Where they are missing the tests a
 
 from __future__ import annotations
 
-import html
 import io
 import os
 import shutil
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 import pytest
@@ -62,7 +61,7 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
     found.quit()
 
 
-def _missing(reason: str) -> None:
+def _missing(reason: str) -> NoReturn:
     if os.environ.get("KOUSOKU_BROWSER") == "required":
         pytest.fail(reason, pytrace=False)
     pytest.skip(reason)
@@ -152,13 +151,14 @@ class Shown:
 
     def drag(self, kind: str) -> None:
         """Drag over the picture with a mouse or a finger."""
-        from selenium.webdriver.common.action_chains import ActionBuilder
+        from selenium.webdriver.common.actions.action_builder import ActionBuilder
         from selenium.webdriver.common.actions.interaction import POINTER_MOUSE, POINTER_TOUCH
         from selenium.webdriver.common.actions.pointer_input import PointerInput
 
         kinds = {"mouse": POINTER_MOUSE, "touch": POINTER_TOUCH}
-        actions = ActionBuilder(self.browser, mouse=PointerInput(kinds[kind], kind))
-        pointer = actions.pointer_action
+        device: Any = PointerInput
+        actions = ActionBuilder(self.browser, mouse=device(kinds[kind], kind))
+        pointer: Any = actions.pointer_action
         pointer.move_to(self.find("picture")).pointer_down().move_by(90, 40).pointer_up()
         actions.perform()
         self.wait()
