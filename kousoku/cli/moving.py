@@ -169,22 +169,27 @@ def check_destinations(wish: Wish) -> None:
 
     out, plot = wish.out, wish.plot
     if out is not None:
-        if out.suffix not in SUFFIXES:
-            wanted = " or ".join(SUFFIXES)
-            raise SolveError(f"--out {out}: the name must end in {wanted}")
-        require_place("--out", out)
+        require_place("--out", out, SUFFIXES)
     if plot is not None:
         if find_spec("matplotlib") is None:
             raise SolveError("--plot needs matplotlib: pip install kousoku[plot]")
         if plot.suffix in PICTURES:
-            require_place("--plot", plot)
+            require_place("--plot", plot, PICTURES)
         elif plot.exists() and not plot.is_dir():
             wanted = " or ".join(PICTURES)
             raise SolveError(f"--plot {plot}: is a file; wanted a folder, or a name with {wanted}")
 
 
-def require_place(option: str, path: Path) -> None:
-    """Refuse a file that cannot be there."""
+def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:
+    """Refuse a file that cannot be there.
+
+    Raises
+    ------
+    SolveError
+        Its suffix is unknown, it is a folder, or its folder is missing.
+    """
+    if path.suffix not in suffixes:
+        raise SolveError(f"{option} {path}: the name must end in {' or '.join(suffixes)}")
     if path.is_dir():
         raise SolveError(f"{option} {path}: is a folder, wanted a file")
     if not path.absolute().parent.is_dir():
