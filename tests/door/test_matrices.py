@@ -134,7 +134,7 @@ def test_multipliers_are_the_forces_of_joints(
         t, q, v = as_written(solver, motion, k)
         found, told = matrices(scene, t, q, v), evaluate(scene, solver, t, q, v)
         size = float(np.abs(told.lam).max())
-        for place in solver.reactions:
+        for place in solver.layout.reactions:
             own = [n for n, row in enumerate(found.rows) if row.startswith(f"{place.joint}: ")]
             if place.joint in motion.not_unique or not own or not told.is_unique[own].all():
                 continue
