@@ -169,18 +169,18 @@ def check_destinations(wish: Wish) -> None:
         if out.suffix not in SUFFIXES:
             wanted = " or ".join(SUFFIXES)
             raise SolveError(f"--out {out}: the name must end in {wanted}")
-        _require_place("--out", out)
+        require_place("--out", out)
     if plot is not None:
         if find_spec("matplotlib") is None:
             raise SolveError("--plot needs matplotlib: pip install kousoku[plot]")
         if plot.suffix in PICTURES:
-            _require_place("--plot", plot)
+            require_place("--plot", plot)
         elif plot.exists() and not plot.is_dir():
             wanted = " or ".join(PICTURES)
             raise SolveError(f"--plot {plot}: is a file; wanted a folder, or a name with {wanted}")
 
 
-def _require_place(option: str, path: Path) -> None:
+def require_place(option: str, path: Path) -> None:
     """Refuse a file that cannot be there."""
     if path.is_dir():
         raise SolveError(f"{option} {path}: is a folder, wanted a file")

@@ -39,6 +39,8 @@ THIN = 0.009
 """Radius of what has no thickness, as a part of the size of the mechanism."""
 PIECES = 9.0
 """Pieces of a solid that is as long as the mechanism."""
+WIDE = 2.5
+"""How much longer than the mechanism a body may be that is drawn after its moments of inertia."""
 SLIDING = ("prismatic", "cylindrical", "screw", "point_on_line")
 """Joints along whose axis bodies move."""
 BEARINGS = ("planar", "point_on_plane", "parallel_axes", "perpendicular_axes")
@@ -272,12 +274,12 @@ class _SpatialShapes:
         marks = {name: self._mark(name, joint) for name, joint in self._scene.joints.items()}
         self._marks = [mark for mark in marks.values() if mark is not None]
         self._size = self._measured()
+        self._add_springs()
         for name, body in self._scene.bodies.items():
             self._add_body(name, body)
         for name, joint in self._scene.joints.items():
             if (mark := marks[name]) is not None:
                 self._add_joint(joint, mark)
-        self._add_springs()
         return Shapes(
             tuple(self._bodies),
             tuple(self._marks),
@@ -339,13 +341,14 @@ class _SpatialShapes:
         return max(sizes, default=1.0)
 
     def _anchors(self, place: int) -> list[Array]:
-        """Return the points of a body where it is joined to others, each once."""
+        """Return the points of a body where joints and springs hold it, each once."""
+        ends = [end for m in self._marks for end in ((m.i, m.s_i), (m.j, m.s_j))]
+        ends += [end for s in self._struts for end in ((s.i, s.a), (s.j, s.b))]
         found: list[Array] = []
-        for mark in self._marks:
-            for body, point in ((mark.i, mark.s_i), (mark.j, mark.s_j)):
-                apart = (float(np.linalg.norm(point - other)) for other in found)
-                if body == place and all(d > 1e-6 * self._size for d in apart):
-                    found.append(point)
+        for body, point in ends:
+            apart = (float(np.linalg.norm(point - other)) for other in found)
+            if body == place and all(d > 1e-6 * self._size for d in apart):
+                found.append(point)
         return found
 
     def _add_body(self, name: str, body: Body) -> None:
@@ -549,7 +552,7 @@ def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, Part 
     if mass <= 0.0 or body.inertia is None or moments.max() <= 0.0:
         return center, None
     squares = 6.0 * (moments.sum() - 2.0 * moments) / mass  # of the edges of a box
-    if squares.min() < -1e-6 * squares.max() or squares.max() > size**2:
+    if squares.min() < -1e-6 * squares.max() or squares.max() > (WIDE * size) ** 2:
         return center, None
     least = 0.6 * THIN * min(size, float(np.sqrt(squares.max())))
     edges = np.maximum(np.sqrt(np.maximum(squares, 0.0)), 2 * least)

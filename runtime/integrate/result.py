@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-import tempfile
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -186,9 +184,9 @@ class Result:
         raise NotImplementedError
 
     @property
-    def units(self) -> Mapping[str, str]:
+    def units(self) -> dict[str, str]:
         """The unit of each column; ``-`` where it has none."""
-        return Named({name: place.unit for name, place in self.places.items()}, self.name)
+        return {name: place.unit for name, place in self.places.items()}
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
@@ -199,9 +197,8 @@ class Result:
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
-        near = get_close_matches(str(name), self.places, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        return f"no column {shown(name)}: there are {_listed([*self.places])}{hint}"
+        columns = [*self.places]
+        return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
         return name in self.places
@@ -239,8 +236,8 @@ class Result:
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
-            calls = ", ".join(f"{one}({one[0].upper()}…)" for one in self.PARTS)
-            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: ask for {calls}")
+            calls = ", ".join(f".{one}(…)" for one in self.PARTS)
+            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
         if name not in (names := self._names(sort)):
             raise NotInResultError(f"{self.name}: {unknown(sort, name, names)}")
         return Part(self, name, self.PARTS[sort])
@@ -248,13 +245,14 @@ class Result:
     def to_pandas(self) -> Any:
         """Return the columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
         frame = self._late("pandas", "table").DataFrame(self.columns())
-        frame.attrs |= {"name": self.name, "units": dict(self.units)}
+        frame.attrs |= {"name": self.name, "units": self.units}
         return frame
 
     def save(self, path: str | Path) -> None:
         """Write the columns to a ``.csv``, ``.npz`` or ``.parquet`` file, whole or not at all.
 
-        A CSV file has one line of names, then one line a row with all digits of the doubles.
+        A CSV file has one line of names, then one line a row with all digits of the doubles. A run
+        that is kept as ``.npz`` can be opened again, :func:`kousoku.open_run`.
 
         Raises
         ------
@@ -274,6 +272,8 @@ class Result:
             lines = [",".join(table), *(",".join(map(repr, row)) for row in rows)]
             buffer.write(("\n".join(lines) + "\n").encode())
         elif path.suffix == ".npz":
+            if self.mechanism is not None:
+                table |= import_module("kousoku.saved").arrays_of(self)
             np.savez(buffer, **table)
         else:
             self._late("pyarrow", "table")
@@ -304,7 +304,9 @@ class Result:
             raise ModuleNotFoundError(line, name=error.name) from None
 
     def _repr_html_(self) -> str:
-        return f"<pre>{import_module('html').escape(repr(self))}</pre>"
+        from html import escape
+
+        return f"<pre>{escape(repr(self))}</pre>"
 
     def __repr__(self) -> str:
         lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
@@ -323,9 +325,14 @@ def unknown(what: str, name: object, known: Sequence[str]) -> str:
     of = "its formulas have" if what == "parameter" else "there are"
     if not known:
         return f"no {what} {shown(name)}: {of} none"
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{_near(name, known)}"
+
+
+def _near(name: object, known: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
     near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def not_generated(what: str, output: str) -> str:
@@ -358,6 +365,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
+    import tempfile
+
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         part = Path(folder) / path.name
