@@ -13,17 +13,9 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import numbers_of, require_callable, require_numbers, require_shape
+from kousoku.runtime.initial import started_at
 from kousoku.runtime.integrate.motion import Motion
-from kousoku.runtime.integrate.settings import (
-    BAD_ARGUMENT,
-    BUFFER_FULL,
-    GOOD,
-    NOT_ASSEMBLED,
-    NOT_PROJECTED,
-    PAUSED,
-    STEP_TOO_SMALL,
-    WRONG_STATE,
-)
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
@@ -38,16 +30,18 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-MESSAGES = {
-    STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
-    " fast, or the tolerance is too tight for doubles",
-    NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
+MESSAGES: dict[int, str] = {
+    Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
+    " too fast, or the tolerance is too tight for doubles",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
     " dependent; steps of other lengths may pass such a place",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
-    " motion there, or a formula of a force has no finite value there",
-    BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
-    WRONG_STATE: "the state belongs to another solver",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
+    " determine the motion there, or a formula of a force has no finite value there",
+    Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
+    Status.WRONG_STATE: "the state belongs to another solver",
 }
+#: What a run that is not over goes on after.
+GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
 #: Instead of the first of them, where drivers determine the motion.
 NO_FURTHER = (
     "no step can be taken: drivers lead no further, as at a dead centre, or the motion is not"
@@ -57,8 +51,6 @@ NO_FURTHER = (
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
 PULSE = 0.1
-#: What a call returns whose run goes on.
-UNFINISHED = (BUFFER_FULL, PAUSED)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,15 +76,15 @@ class SavedRun:
 
 
 class Interrupted(KeyboardInterrupt):
-    """The user stopped a run; ``motion`` has what was computed, ``run`` can go on.
+    """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
 
     It is a ``KeyboardInterrupt``: a script stops, unless it asks for it.
     """
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        self.motion = run.motion()
-        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.motion)} rows")
+        self.result = run.motion()
+        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.result)} rows")
 
 
 class Run:
@@ -117,13 +109,13 @@ class Run:
         self.times = times
         self.options = options
         self.seconds = {"start": 0.0, "run": 0.0}
-        self._status = PAUSED
+        self._status: int = Status.PAUSED
         target = solver.target
         self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
         self._there = with_parameters(solver, self._values)
         self._q, self._v = self._there.q.copy(), self._there.v.copy()
         self._rows = self._room()
-        self._is_shown = False
+        self._is_shown, self._is_elsewhere = False, any(options.initial)
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
@@ -170,15 +162,16 @@ class Run:
             self._there, self.options = with_parameters(self.solver, values), options
             self._values[:] = values
             self._q[:], self._v[:] = self._there.q, self._there.v
+            self._is_elsewhere = any(options.initial)
         for name, own, given in (("q", self._q, q), ("v", self._v, v)):
             if given is not None:
                 array = numbers_of(self.solver.name, name, given)
                 require_shape(self.solver.name, name, array, own)
-                own[:] = array
+                own[:], self._is_elsewhere = array, False
         if self._is_shown:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
-        self._status = PAUSED
+        self._status = Status.PAUSED
         self._start()
         return self
 
@@ -196,15 +189,21 @@ class Run:
     def _start(self) -> None:
         begin = perf_counter()
         status = self._begin()
+        if status == Status.GOOD and self._is_elsewhere:
+            y = self.solver.state["y"].view(self.state)
+            led = started_at(self._there, self.options.initial, self._values, y)
+            self._q[:], self._v[:] = led
+            self._is_elsewhere = False  # to start over leads nowhere again
+            status = self._begin()
         self.seconds["start"] = perf_counter() - begin
-        if status != GOOD:
+        if status != Status.GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
         if self.solver.design is not None:
             require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
-        if status != NOT_ASSEMBLED or self.solver.design is None:
+        if status != Status.NOT_ASSEMBLED or self.solver.design is None:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
@@ -213,9 +212,13 @@ class Run:
         target = self.solver.target
         sizes = (len(saved.state), *saved.rows.shape[1:])
         if sizes != (target.state_size, target.row_size):
-            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}: its size differs")
-        if target.pivots(self._memory, self._scratch()) == WRONG_STATE:
-            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
+            raise SolveError(
+                f"{self.solver.name}: {MESSAGES[Status.WRONG_STATE]}: its size differs"
+            )
+        if target.pivots(self._memory, self._scratch()) == Status.WRONG_STATE:
+            raise SolveError(
+                f"{self.solver.name}: {MESSAGES[Status.WRONG_STATE]}, or is not started"
+            )
 
     def _scratch(self) -> Array:
         return np.zeros(len(self.solver.rows) + 1)
@@ -248,7 +251,7 @@ class Run:
         Returns
         -------
         int
-            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
+            A `Status`: ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
 
         Raises
         ------
@@ -282,7 +285,7 @@ class Run:
         """
         require_callable(self.solver.name, progress)
         try:
-            while self._advance(min(self._pace, self._steps_left()), BUFFER) in UNFINISHED:
+            while self._advance(min(self._pace, self._steps_left()), BUFFER) in GOES_ON:
                 if self._steps_left() <= 0:
                     raise MotionError(self._too_many(), self.motion())
                 pulse = self.seconds["run"] / max(self.steps, 1)
@@ -291,7 +294,7 @@ class Run:
                     progress(self.time, float(self.times[-1]))
         except KeyboardInterrupt:
             raise Interrupted(self) from None
-        if self._status != GOOD:
+        if self._status != Status.GOOD:
             raise MotionError(self._stop(), self.motion())
         return self.motion()
 
@@ -306,14 +309,14 @@ class Run:
         )
 
     def _stop(self) -> str:
-        is_driven = self.options.method == KINEMATICS and self._status == STEP_TOO_SMALL
+        is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
         return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"
 
     def _where(self) -> str:
         """Name the joints that are open, and those whose rows are dependent."""
         residuals, pivots = self._residuals(), self._scratch()
-        if self.solver.target.pivots(self._memory, pivots) != GOOD:
+        if self.solver.target.pivots(self._memory, pivots) != Status.GOOD:
             return ""
         text = joints_at_stop(self.solver.rows, residuals, pivots[:-1])
         return text + joints_of_bodies(

@@ -25,7 +25,7 @@ MAY_IMPORT = {
     "generated": {"runtime"},
 }
 #: The files of ``model`` that ``runtime`` uses.
-SHARED = {"quantity", "manifest", "errors", "cache", "compressed", "jsontext"}
+SHARED = {"angles", "quantity", "manifest", "errors", "cache", "compressed", "jsontext"}
 #: Folders of ``runtime`` that generated folders take along.
 LIBRARIES = ("integrate", "kinematics")
 HAND_WRITTEN = ("kousoku", "model", "symbolic", "ledger", "codegen", "runtime", "benchmarks")

@@ -287,6 +287,31 @@ class Motion(Result):
         return self._ledger
 
     @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters of the run."""
+        return Named({}) if self._ledger is None else Named(dict(self.ledger.parameters))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know before he trusts the numbers, a line each."""
+        return tuple(filter(None, [self.note()]))
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns that are shown where none are named.
+
+        Coordinates and their rates, else what moves of the last body that does; of a body what
+        moves of it.
+        """
+        shown = [name + ending for name, *_ in self._layout.coordinates for ending in ("", "_dot")]
+        if shown and of is None:
+            return shown
+        bodies = [of] if of else self._names("body")[::-1]
+        parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
+        parts += [[x for x in self._places if x.startswith(f"{body}.")] for body in bodies]
+        moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
+        return self._moving(next(moving, parts[-1]))
+
+    @property
     def not_unique(self) -> tuple[str, ...]:
         """Joints whose force and torque the motion does not determine.
 

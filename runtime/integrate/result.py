@@ -112,9 +112,39 @@ class Result:
     name: str
     unit: str
     target: str
+    #: What moved, where kousoku loaded it; plots and animations are drawn from its scene.
+    mechanism: Any = None
 
     def __len__(self) -> int:
         raise NotImplementedError
+
+    @property
+    def time(self) -> Array:
+        """The times [s]."""
+        raise NotImplementedError
+
+    @property
+    def ledger(self) -> Any:
+        """What the run cost, and how far it can be trusted."""
+        raise NotImplementedError
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters of the run."""
+        return Named({})
+
+    def summary(self) -> dict[str, Any]:
+        """Return what a program may want to know, ready for JSON."""
+        raise NotImplementedError
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns that are shown where none are named: of a body or node, or all."""
+        raise NotImplementedError
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know before he trusts the numbers, a line each."""
+        return ()
 
     @cached_property
     def _places(self) -> dict[str, Column]:
@@ -172,6 +202,10 @@ class Result:
         """Return angle, angular velocity and angular acceleration of a link of a linkage."""
         return self._part("link", name)
 
+    def _moving(self, names: Sequence[str]) -> list[str]:
+        """Return the columns that change, all of them where none does."""
+        return [name for name in names if len(self) and np.ptp(self[name])] or [*names]
+
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
             calls = ", ".join(f".{one}(…)" for one in self.PARTS)
@@ -217,6 +251,18 @@ class Result:
             _write(path, buffer.getvalue())
         except OSError as error:
             raise refusal(f"{path}: cannot be written: {error.strerror or error}") from error
+
+    def plot(self, *columns: str) -> Any:
+        """Draw columns over time, what was asked for unless named; a matplotlib ``Figure``."""
+        return self._late("kousoku.result_plots", "plot").plot(self, *columns)
+
+    def animate(self, path: str | Path | None = None, **options: Any) -> Any:
+        """Show the motion on a page of its own; options as of ``kousoku.view.animate``."""
+        view = self._late("kousoku.view", "plot")
+        if self.mechanism is None:
+            raise refusal(f"{self.name}: only what kousoku.load gave has the solids to be drawn")
+        options = {"parameters": dict(self.parameters), **options}
+        return view.animate(self, self.mechanism.scene, path, **options)
 
     def _late(self, module: str, extra: str) -> Any:
         """Return a module that is imported when it is needed, or say how to install it."""

@@ -16,7 +16,7 @@ import pytest
 import kousoku.generated
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.generated import lever_crank, piston_crank
+from kousoku.generated import lever_crank
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime import load
 from kousoku.runtime.dynamics import load_dynamics
@@ -103,8 +103,8 @@ def test_copied_folder_says_where_it_stops(
 
 @pytest.mark.usefixtures("compiler")
 def test_generated_solver_imports_by_its_name() -> None:
-    motion = piston_crank.solve()
-    assert motion.name == "piston_crank"
+    motion = lever_crank.solve()
+    assert motion.name == "lever_crank"
     assert motion.positions["O3"].shape == (61, 2)
     with pytest.raises(ValueError, match="read-only"):
         motion.positions["O3"][0, 0] = 1.0
@@ -112,7 +112,7 @@ def test_generated_solver_imports_by_its_name() -> None:
 
 @pytest.mark.usefixtures("compiler")
 def test_generated_solver_leaves_sympy_alone() -> None:
-    code = "import sys\nfrom kousoku.generated import piston_crank\npiston_crank.solve()\n"
+    code = "import sys\nfrom kousoku.generated import lever_crank\nlever_crank.solve()\n"
     code += "print(sorted(m for m in ('sympy', 'mpmath', 'jinja2') if m in sys.modules))"
     got = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert got.stdout.strip() == "[]"
