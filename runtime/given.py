@@ -115,18 +115,6 @@ def numbers_of(scene: str, name: str, given: object) -> Array:
         raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
 
 
-def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
-    """Refuse an array that has too many or too few numbers.
-
-    Raises
-    ------
-    SolveError
-        The message says which shape is wanted.
-    """
-    if given.shape != wanted.shape:
-        raise SolveError(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
-
-
 def times_of(scene: str, end: object, times: object, samples: object) -> Array:
     """Return the times of a motion: those that are given, or samples from 0 to an end.
 
@@ -152,6 +140,18 @@ def times_of(scene: str, end: object, times: object, samples: object) -> Array:
     if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
         raise SolveError(f"{scene}: times must ascend from 0 or later, one row of numbers")
     return chosen
+
+
+def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
+    """Refuse an array that has too many or too few numbers.
+
+    Raises
+    ------
+    SolveError
+        The message says which shape is wanted.
+    """
+    if given.shape != wanted.shape:
+        raise SolveError(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
 
 
 def require_callable(scene: str, progress: object) -> None:

@@ -13,7 +13,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import numbers_of, require_callable, require_numbers, require_shape
-from kousoku.runtime.initial import started_at
+from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS, with_values
@@ -129,7 +129,11 @@ class Run:
             self._rows[: len(saved.rows)] = saved.rows
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.solver, self.times, self.options, self.save())
+        given = (self.solver, self.times, self.options, self.save())
+        return type(self), given, (self._q, self._v, self._is_elsewhere)
+
+    def __setstate__(self, start: tuple[Array, Array, bool]) -> None:
+        self._q[:], self._v[:], self._is_elsewhere = start
 
     def restart(
         self,
@@ -163,11 +167,13 @@ class Run:
             self._values[:] = values
             self._q[:], self._v[:] = self._there.q, self._there.v
             self._is_elsewhere = any(options.initial)
+        if q is not None or v is not None:
+            self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
         for name, own, given in (("q", self._q, q), ("v", self._v, v)):
             if given is not None:
                 array = numbers_of(self.solver.name, name, given)
                 require_shape(self.solver.name, name, array, own)
-                own[:], self._is_elsewhere = array, False
+                own[:] = array
         if self._is_shown:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0

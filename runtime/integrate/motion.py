@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated
-from .result import SHOWN, Column, Named, Result, not_generated, shown
+from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated, shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -266,7 +266,7 @@ class Motion(Result):
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled: rows, not the tables that are made of them."""
         ledger = None if self._ledger is None else self.ledger
-        state = {key: value for key, value in self.__dict__.items() if key != "_places"}
+        state = {key: value for key, value in self.__dict__.items() if key != "places"}
         return state | {"_tables": {}, "_ledger": ledger}
 
     def __len__(self) -> int:
@@ -281,7 +281,7 @@ class Motion(Result):
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
-            raise AttributeError(f"{self.name}: no ledger: install kousoku, which keeps it")
+            raise NotInResultError(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
@@ -307,7 +307,7 @@ class Motion(Result):
             return shown
         bodies = [of] if of else self._names("body")[::-1]
         parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
-        parts += [[x for x in self._places if x.startswith(f"{body}.")] for body in bodies]
+        parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
         moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
         return self._moving(next(moving, parts[-1]))
 
@@ -381,7 +381,8 @@ class Motion(Result):
                 }
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
+        """Where each column stands, in order."""
         layout, found = self._layout, {"time": Column("time", "", None, "s")}
 
         def unit_of(table: str) -> str:
@@ -429,6 +430,25 @@ class Motion(Result):
             else not_generated("coordinate", "coordinates")
         )
         return super()._no_column(name) + f"; {more}" * bool(more)
+
+    @property
+    def drivers(self) -> Sequence[str]:
+        """The drivers."""
+        return self._names("driver")
+
+    def center_of_mass(self, body: str) -> Array | None:
+        """Return where the centre of mass of a body is, None where it is one with others.
+
+        Returns
+        -------
+        (n, 3) array [unit], frame O
+            The path.
+        """
+        bodies = self._layout.bodies
+        own = next(one for one in bodies if one.name == body)
+        if sum(one.r == own.r for one in bodies) > 1:
+            return None
+        return _columns(own.r, self._layout.parts(self._rows)["q"]).T / self._layout.unit
 
     def state(self, k: int) -> tuple[float, Array, Array]:
         """Return time, q and v of a row, as the scene is written.

@@ -147,7 +147,7 @@ class Result:
         return ()
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
         """Where each column stands, in order."""
         raise NotImplementedError
 
@@ -158,29 +158,29 @@ class Result:
     @property
     def units(self) -> dict[str, str]:
         """The unit of each column; ``-`` where it has none."""
-        return {name: place.unit for name, place in self._places.items()}
+        return {name: place.unit for name, place in self.places.items()}
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
-        if name not in self._places:
+        if name not in self.places:
             raise NotInResultError(f"{self.name}: {self._no_column(name)}")
-        table, owner, component, _ = self._places[name]
+        table, owner, component, _ = self.places[name]
         values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
-        columns = [*self._places]
+        columns = [*self.places]
         return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
-        return name in self._places
+        return name in self.places
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._places)
+        return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
         """Return all columns by name."""
-        return {name: self[name] for name in self._places}
+        return {name: self[name] for name in self.places}
 
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
@@ -283,7 +283,7 @@ class Result:
             if names := self._names(sort):
                 plural = sort.replace("body", "bodie") + "s"
                 lines.append(f"  {plural}: {_listed(names)}")
-        return "\n".join([*lines, f"  columns: {_listed([*self._places])}"])
+        return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
 
     def _extent(self) -> str:
         return f"{len(self)} rows, {self.unit}, {self.target}"
