@@ -21,7 +21,7 @@ from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -138,8 +138,8 @@ class Run:
     def restart(
         self,
         parameters: Mapping[str, float] | None = None,
-        q: Array | None = None,
-        v: Array | None = None,
+        q: Sequence[float] | Array | None = None,
+        v: Sequence[float] | Array | None = None,
     ) -> Run:
         """Start over at time 0 with the same times and options, in the same memory.
 

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -207,7 +207,7 @@ def test_folder_of_bodies_imports_by_its_name(top: Path, monkeypatch: pytest.Mon
 def test_copied_folder_of_bodies_is_a_package(tmp_path: Path) -> None:
     scene = read_scene(ROOT / "scenes" / "loop_free.toml")
     write_tree(tmp_path / "loop", generate_dynamics(scene, ["reactions", "coordinates"]))
-    how: dict[str, object] = {"parameters": {"mass": 2.0}}
+    how: dict[str, Any] = {"parameters": {"mass": 2.0}}
     how["initial"] = {"crank_angle": 0.5, "crank_angle_dot": 0.0}
     got = run(
         f"import loop\nrun = loop.simulate(0.02, samples=3, **{how!r})\n"

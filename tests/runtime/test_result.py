@@ -19,6 +19,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import motion as motions
+from kousoku.runtime.integrate.body_tables import body_tables
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
@@ -95,13 +96,13 @@ def test_units_are_told_of_every_column(solver: DynamicsSolver) -> None:
 def test_the_last_state_alone_makes_no_tables(
     solver: DynamicsSolver, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    rows = []
-    own = motions.body_tables
-    monkeypatch.setattr(
-        motions,
-        "body_tables",
-        lambda bodies, q, *more: rows.append(len(q)) or own(bodies, q, *more),
-    )
+    rows: list[int] = []
+
+    def counted(bodies: Any, q: Any, *more: Any) -> Any:
+        rows.append(len(q))
+        return body_tables(bodies, q, *more)
+
+    monkeypatch.setattr(motions, "body_tables", counted)
     run = solver.simulate(1.0)
     t, q, v = run.state(-1)
     assert (t, q.shape, v.shape, rows) == (1.0, (3 + 7,), (3 + 6,), [1])
@@ -191,6 +192,7 @@ def test_a_pool_of_processes_moves_a_scene(solver: DynamicsSolver) -> None:
             np.testing.assert_array_equal(found["bob.y"], speeds(solver, speed)["bob.y"])
         with pytest.raises(MotionError, match="most_steps allows more") as stop:
             pool.submit(stops, solver).result()
+        assert isinstance(stop.value.result, motions.Motion)
         assert not stop.value.result.is_complete
 
 
