@@ -148,7 +148,7 @@ class CompiledSolver:
             ctypes.byref(ctypes.c_size_t()),
         )
 
-        def run(max_steps: int, rows: Array) -> int:
+        def run(max_steps: int, rows: Any) -> int:
             steps.value, count.value = max_steps, len(rows)
             place.value = ctypes.addressof(_NOTHING.from_buffer(rows))  # less than rows.ctypes
             return int(call())

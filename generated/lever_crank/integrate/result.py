@@ -223,7 +223,8 @@ class Result:
     def save(self, path: str | Path) -> None:
         """Write the columns to a ``.csv``, ``.npz`` or ``.parquet`` file, whole or not at all.
 
-        A CSV file has one line of names, then one line a row with all digits of the doubles.
+        A CSV file has one line of names, then one line a row with all digits of the doubles. A run
+        that is kept as ``.npz`` can be opened again, :func:`kousoku.open_run`.
 
         Raises
         ------
@@ -243,6 +244,8 @@ class Result:
             lines = [",".join(table), *(",".join(map(repr, row)) for row in rows)]
             buffer.write(("\n".join(lines) + "\n").encode())
         elif path.suffix == ".npz":
+            if self.mechanism is not None:
+                table |= import_module("kousoku.saved").arrays_of(self)
             np.savez(buffer, **table)
         else:
             self._late("pyarrow", "table")
