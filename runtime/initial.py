@@ -121,7 +121,7 @@ def started_at(
     SolveError
         It cannot be.
     """
-    from kousoku.runtime.integrate.initial import Start, lead, place
+    from kousoku.runtime.integrate.initial import started
 
     target = there.target
 
@@ -131,24 +131,10 @@ def started_at(
         places = {"coordinates": (0, 0), **there.places}
         return {name: work[base : base + size] for name, (base, size) in places.items()}
 
-    count = len(there.q)
-    start = Start(
-        evaluate,
-        y[:count].copy(),
-        y[count:].copy(),
-        there.bodies,
-        {
-            name: (columns[0], columns[1], there.unit if is_length else 1.0)
-            for name, is_length, columns in there.layout.coordinates
-        },
-        (*there.rows, *there.left_out, *there.reduced),
-        [at for _, at in there.layout.works],
-        there.length,
-        there.unit,
-    )
+    rows = (*there.rows, *there.left_out, *there.reduced)
+    values, *written = initial
+    q0, v0 = (np.array(one) if one else None for one in written)
     try:
-        if initial.values:
-            return lead(start, dict(initial.values))
-        return place(start, *(np.array(one) if one else None for one in initial[1:]))
+        return started(there.layout, rows, evaluate, y, (dict(values), q0, v0))
     except ValueError as error:
         raise SolveError(f"{there.name}: {error}") from None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .result import SHOWN, Column, Named, Result, not_generated
+from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -281,7 +281,7 @@ class Motion(Result):
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
-            raise AttributeError(f"{self.name}: no ledger: install kousoku, which keeps it")
+            raise NotInResultError(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
