@@ -29,6 +29,8 @@ class SceneBuilder:
         Length unit of all that follows.
     title : str
         One line for people.
+    duration : float [s], optional
+        How long the mechanism moves unless a run says so.
     divisions : int, optional
         Steps from the first to the last value of the inputs; 60 when left out.
 
@@ -51,10 +53,22 @@ class SceneBuilder:
     """
 
     def __init__(
-        self, name: str, *, unit: str, title: str = "", divisions: int | None = None
+        self,
+        name: str,
+        *,
+        unit: str,
+        title: str = "",
+        duration: float | None = None,
+        divisions: int | None = None,
     ) -> None:
         self._tree: dict[str, Any] = _plain(
-            {"name": name, "title": title, "unit": unit, "divisions": divisions}
+            {
+                "name": name,
+                "title": title,
+                "unit": unit,
+                "duration": duration,
+                "divisions": divisions,
+            }
         )
 
     def node(self, name: str, *, at: Coordinates, fixed: bool = False) -> Self:

@@ -25,6 +25,7 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
         "name": {"pattern": PATTERN, "maxLength": LONGEST},
         "title": {"maxLength": LONGEST_TITLE},
+        "duration": {"exclusiveMinimum": 0},
         "divisions": {"minimum": 1, "maximum": MOST_DIVISIONS},
     },
     "Link": {"length": {"exclusiveMinimum": 0}},

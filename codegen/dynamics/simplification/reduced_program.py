@@ -51,7 +51,8 @@ def reduced(
     found = compose(heavy, wanted, may_be_planar=program.is_planar, most_free=most_free)
     if not found.reduced or _cost(found) >= _cost(program):
         return program
-    return replace(found, not_unique=program.not_unique, is_weighed=program.is_weighed)
+    names = {"not_unique": program.not_unique, "unique_in_plane": program.unique_in_plane}
+    return replace(found, **names, is_weighed=program.is_weighed)
 
 
 def _is_worth(system: System, program: Program) -> bool:

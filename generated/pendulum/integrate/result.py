@@ -128,6 +128,11 @@ class Result:
         raise NotImplementedError
 
     @property
+    def notes(self) -> tuple[str, ...]:
+        """What one may not expect of this result, a line each."""
+        return ()
+
+    @property
     def units(self) -> Mapping[str, str]:
         """The unit of each column; ``-`` where it has none."""
         return Named({name: place.unit for name, place in self._places.items()}, self.name)
