@@ -374,14 +374,14 @@ def test_one_driver_that_leads_out_of_reach_is_not_one_too_many() -> None:
 
 
 def test_what_assembly_changed_is_told_in_the_unit_of_the_scene() -> None:
-    bar = {
+    bar: Tree = {
         "position": [400, 300, 200],
         "velocity": [1000, 2000, 3000],
         "rods": [{"mass": 1, "ends": [[0, 0, 0], [1000, 0, 0]]}],
     }
-    hinge = {"type": "revolute", "bodies": ["ground", "bar"]}
+    hinge: Tree = {"type": "revolute", "bodies": ["ground", "bar"]}
     hinge |= {"points": [[0, 0, 0]] * 2, "axes": [[0, 1, 0]] * 2}
-    tree = {"name": "s", "unit": "mm", "bodies": {"bar": bar}, "joints": {"a": hinge}}
+    tree: Tree = {"name": "s", "unit": "mm", "bodies": {"bar": bar}, "joints": {"a": hinge}}
     given = system_of(scene_from_dict(tree))
     assert moved_by_assembly(given, assemble(given), "mm") == (
         "assembly changed bodies.bar: moved by 539 mm, turned by 10.6 deg,"
