@@ -21,7 +21,6 @@ if TYPE_CHECKING:
 
     from kousoku.model.planar import Input, Slider
     from kousoku.model.scene import Scene
-    from kousoku.runtime.linkage import Trajectory
 
     Array = NDArray[np.float64]
 
@@ -103,7 +102,7 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
     return Motion(*tables)
 
 
-def errors_of(scene: Scene, motion: Trajectory) -> dict[str, float] | None:
+def errors_of(scene: Scene, motion: Any) -> dict[str, float] | None:
     """Return the largest distances from the closed form, None where there is none."""
     exact = closed_form(scene, motion.divisions, len(motion))
     if exact is None:

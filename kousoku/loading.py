@@ -226,7 +226,7 @@ def solver_folder(
 
 def generated(
     scene: Scene, outputs: Sequence[str] | None = None, *, references: bool = False
-) -> Mapping[str, str]:
+) -> dict[str, str]:
     """Return the folder of a scene's solver, file name and text.
 
     Raises

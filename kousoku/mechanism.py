@@ -103,10 +103,10 @@ class Mechanism:
             counts = {"node": mechanism.nodes, "link": mechanism.links, "input": mechanism.inputs}
             return [counted(len(every), name) for name, every in counts.items()]
         solver = self.solver
-        drivers = [name for name in solver.checked if name.startswith("drivers.")]
+        drivers = [name for name in solver.layout.checked if name.startswith("drivers.")]
         facts = [
             counted(len(solver.bodies), "body", "bodies"),
-            counted(len(solver.checked) - len(drivers), "joint"),
+            counted(len(solver.layout.checked) - len(drivers), "joint"),
         ]
         if drivers:
             facts.append(counted(len(drivers), "driver"))
@@ -155,10 +155,12 @@ class Mechanism:
         """
         if end is None and times is None:
             end = self._duration()
-        when: dict[str, Any] = {"times": times} if times is not None else {"samples": samples}
+        when: dict[str, Any] = {"end": end, "times": times, "samples": samples}
         if isinstance(self.solver, DynamicsSolver):
-            when["progress"] = progress
-        return self._of(self.solver.simulate(end, **when, **options))
+            return self.result_of(self.solver.simulate(**when, progress=progress, **options))
+        given: dict[str, Any] = {**options}
+        require_options(self.name, given, ("method", "limit"), *when)
+        return self.result_of(self.solver.simulate(**when, **given))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)
@@ -214,10 +216,10 @@ class Mechanism:
         if not isinstance(self.solver, DynamicsSolver):
             if parameters:
                 raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
-            return self._of(self.solver.solve(**options))
+            return self.result_of(self.solver.solve(**options))
         require_options(self.name, options, ("divisions",), "parameters")
         times = self._times_of_inputs(divisions)
-        return self._of(
+        return self.result_of(
             self.solver.simulate(times=times, method="kinematics", parameters=parameters)
         )
 
@@ -288,11 +290,11 @@ class Mechanism:
 
         return evaluate(self.scene, self._bodies("accelerations"), t, q, v, parameters)
 
-    def plot(self) -> Figure:
+    def plot(self, parameters: Mapping[str, float] | None = None) -> Figure:
         """Draw the mechanism where the scene puts it; needs matplotlib."""
-        from kousoku.view.rest import draw_mechanism
+        from kousoku.view import draw_mechanism
 
-        return draw_mechanism(self.scene)
+        return draw_mechanism(self.scene, parameters)
 
     def _bodies(self, what: str) -> DynamicsSolver:
         """Return the solver of a scene of bodies.
@@ -309,7 +311,7 @@ class Mechanism:
             " solve() and simulate(end) move"
         )
 
-    def _of(self, result: Any) -> Result:
+    def result_of(self, result: Any) -> Result:
         """Return a result that knows what moved."""
         result.mechanism = self
         return cast("Result", result)

@@ -16,7 +16,9 @@ from kousoku.runtime.given import (
     require_callable,
     require_numbers,
     require_options,
+    require_shape,
     shown,
+    times_of,
 )
 from kousoku.runtime.integrate.motion import Layout
 from kousoku.runtime.integrate.state import fields_of
@@ -41,8 +43,6 @@ if TYPE_CHECKING:
 
 #: What a scene's folder tells about its bodies.
 MOTION_FILE = "motion.json"
-#: Times that a motion may have; more rows fit into no memory.
-MOST_ROWS = 10**9
 
 
 @dataclass(frozen=True, slots=True)
@@ -157,7 +157,7 @@ class DynamicsSolver:
         require_callable(self.name, progress)
         if end is None and times is None:
             end = self.layout.duration
-        return self.begin(self._times(end, times, samples), **options).finish(progress)
+        return self.begin(times_of(self.name, end, times, samples), **options).finish(progress)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Return a run at time 0 that can be stopped and go on.
@@ -178,7 +178,7 @@ class DynamicsSolver:
         """
         require_options(self.name, options, OPTIONS, "times")
         chosen = options_of(self, **options)
-        return Run(self, self._times(None, times, 0), chosen)
+        return Run(self, times_of(self.name, None, times, 0), chosen)
 
     def at(self, parameters: Mapping[str, float]) -> DynamicsSolver:
         """Return the solver with the start that the scene has with other parameters.
@@ -236,10 +236,7 @@ class DynamicsSolver:
         state = []
         for name, given, start in (("q", q, there.q), ("v", v, there.v)):
             array = numbers_of(self.name, name, start if given is None else given)
-            if array.shape != start.shape:
-                raise SolveError(
-                    f"{self.name}: {name} has the shape {array.shape}, wanted {start.shape}"
-                )
+            require_shape(self.name, name, array, start)
             state.append(array)
         work = np.zeros(self.target.work_size)
         if self.target.evaluate(float(time), state[0], state[1], values, work) != 0:
@@ -260,24 +257,6 @@ class DynamicsSolver:
                 " returned"
             )
         return Run(self, saved.times, saved.options, saved)
-
-    def _times(self, end: float | None, times: Any, samples: int) -> Array:
-        if (end is None) == (times is None):
-            raise SolveError(f"{self.name}: give either end or times")
-        if times is None:
-            require_numbers(self.name, end=end)
-            require_numbers(self.name, is_whole=True, samples=samples)
-            if end is None or not (0.0 < end < np.inf and 2 <= samples <= MOST_ROWS):
-                raise SolveError(
-                    f"{self.name}: end {shown(end)} with {shown(samples)} samples; wanted an end"
-                    f" above 0 and 2 to {MOST_ROWS} samples"
-                )
-            return np.linspace(0.0, float(end), samples)
-        chosen = numbers_of(self.name, "times", times)
-        is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
-        if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
-            raise SolveError(f"{self.name}: times must ascend from 0 or later, one row of numbers")
-        return chosen
 
 
 def load_dynamics(

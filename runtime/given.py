@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["shown", "unknown"]
 
+#: Times that a motion may have; more rows fit into no memory.
+MOST_ROWS = 10**9
+
 
 def require_options(
     scene: str, given: Mapping[str, object], options: Sequence[str], *also: str
@@ -110,6 +113,45 @@ def numbers_of(scene: str, name: str, given: object) -> Array:
         return np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
+
+
+def times_of(scene: str, end: object, times: object, samples: object) -> Array:
+    """Return the times of a motion: those that are given, or samples from 0 to an end.
+
+    Raises
+    ------
+    SolveError
+        Both are given, or neither; or they are not possible.
+    """
+    if (end is None) == (times is None):
+        raise SolveError(f"{scene}: give either end or times")
+    if times is None:
+        require_numbers(scene, end=end)
+        require_numbers(scene, is_whole=True, samples=samples)
+        last, count = cast(float, end), cast(int, samples)
+        if not (0.0 < last < np.inf and 2 <= count <= MOST_ROWS):
+            raise SolveError(
+                f"{scene}: end {shown(end)} with {shown(samples)} samples; wanted an end"
+                f" above 0 and 2 to {MOST_ROWS} samples"
+            )
+        return np.linspace(0.0, float(last), count)
+    chosen = numbers_of(scene, "times", times)
+    is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
+    if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
+        raise SolveError(f"{scene}: times must ascend from 0 or later, one row of numbers")
+    return chosen
+
+
+def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
+    """Refuse an array that has too many or too few numbers.
+
+    Raises
+    ------
+    SolveError
+        The message says which shape is wanted.
+    """
+    if given.shape != wanted.shape:
+        raise SolveError(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
 
 
 def require_callable(scene: str, progress: object) -> None:

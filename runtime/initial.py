@@ -54,13 +54,14 @@ def initial_of(
             f"{solver.name}: initial {shown(initial)}; wanted a mapping of coordinates, or of rates"
             ' as "theta_dot", to numbers'
         )
-    names = [one.name for one in solver.coordinates]
+    coordinates = solver.layout.coordinates
+    names = [name for name, *_ in coordinates]
     if initial and not names:
         raise SolveError(
             f"{solver.name}: initial {shown([*initial])}: no coordinate is known: the scene has"
             ' none, or was generated without "coordinates"; add it to outputs'
         )
-    lengths = {one.name for one in solver.coordinates if one.is_length}
+    lengths = {name for name, is_length, _ in coordinates if is_length}
     known = [*names, *(f"{name}_dot" for name in names)]
     found, problems = {}, []
     for name, value in initial.items():
@@ -70,7 +71,7 @@ def initial_of(
         try:
             is_text = isinstance(value, str)
             number = number_of(value) if isinstance(value, str) else value
-            require_numbers("", **{"value": number})
+            require_numbers("", value=number)
             own = name if name in names else name.removesuffix("_dot")
             if not np.isfinite(number) or (is_text and own in lengths):
                 raise ValueError("wanted a finite number" + " of lengths" * is_text)
@@ -137,11 +138,11 @@ def started_at(
         y[count:].copy(),
         there.bodies,
         {
-            one.name: (*one.columns[:2], there.unit if one.is_length else 1.0)
-            for one in there.coordinates
+            name: (columns[0], columns[1], there.unit if is_length else 1.0)
+            for name, is_length, columns in there.layout.coordinates
         },
         (*there.rows, *there.left_out, *there.reduced),
-        [at for _, at in there.works],
+        [at for _, at in there.layout.works],
         there.length,
         there.unit,
     )

@@ -224,8 +224,7 @@ class RunLedger:
                 f"{self.passed} rows where rows of the constraints are dependent, the last at"
                 f" t = {self.passed_time:.6g} s: told by the states before and after, reactions NaN"
             )
-        times = ", ".join(f"{name} {seconds:.3g} s" for name, seconds in self.seconds.items())
-        return "\n".join([*lines, f"time: {times}"])
+        return "\n".join(lines)
 
 
 def ledger_of(

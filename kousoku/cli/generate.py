@@ -1,7 +1,7 @@
 """``kousoku generate``: from kinds and scenes to folders of NumPy and C."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -71,7 +71,7 @@ def generate(
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
     orders = [order for name in names or [""] for order in _orders(name, out)]
     with progress() as bar:
-        trees = [_only(order.make(), target) for order in bar.track(orders, description="generate")]
+        trees = [_files(order, target) for order in bar.track(orders, description="generate")]
     if check:
         _report_check(orders, trees, _leftovers() if not names and out is None else [], as_json)
         return
@@ -94,16 +94,15 @@ def _shown(folder: Path) -> Path:
     return folder.relative_to(here) if folder.is_relative_to(here) else folder
 
 
-def _only(tree: SourceTree, target: Emitted) -> SourceTree:
-    """Return a package without the sources of the other target, and its manifest without them."""
-    from kousoku.codegen.generate import MANIFEST_FILE
-    from kousoku.model.manifest import Manifest
+def _files(order: Order, target: Emitted) -> SourceTree:
+    """Return a package as it is written into its folder, without sources of the other target."""
+    from kousoku.cli.scenes import as_committed
+    from kousoku.codegen.generate import without
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
-    kept = {name: text for name, text in tree.items() if not name.endswith(left_out)}
-    manifest = Manifest.from_json(tree[MANIFEST_FILE])
-    files = tuple(file for file in manifest.files if file[0] in kept)
-    return kept | {MANIFEST_FILE: replace(manifest, files=files).to_json()}
+    tree = without(order.make(), *left_out)
+    is_committed = order.folder.resolve().is_relative_to(generated_folder())
+    return as_committed(tree) if is_committed else tree
 
 
 def _orders(name: str, out: Path | None) -> list[Order]:

@@ -136,7 +136,7 @@ def move(
         ) from None
     begin = time.perf_counter()
     files = _write(result, wish)
-    seconds |= dict(result.seconds)
+    seconds |= getattr(result.ledger, "seconds", {})
     if files:
         seconds["files"] = time.perf_counter() - begin
     errors = compare(mechanism, result) if compare and not stop else None
@@ -249,7 +249,11 @@ def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
     from kousoku.progress import told
 
     with told() as tell:
-        yield lambda reached, end: tell(f"{reached:.6g} s of {end:.6g} s") and None
+
+        def show(reached: float, end: float) -> None:
+            tell(f"{reached:.6g} s of {end:.6g} s")
+
+        yield show
 
 
 def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | str]:

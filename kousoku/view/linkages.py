@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -142,7 +143,7 @@ def _linkage(scene: Scene, nodes: Mapping[str, Array]) -> tuple[Shapes, Array, A
         if node.fixed:
             bodies[0].parts.append(pedestal(s, OUT, UP, 4.2 * THIN * size))
         bodies[owner].parts.append(_pin(s, low, high, 0.75 * wide))
-        marks.append(JointMark(name, 0, owner, s, s))
+        marks.append(JointMark(name, owner, owner, s, s))
     for name, rigid in scene.rigid.items():
         bodies_of = {link: k + 1 for k, link in enumerate(links)}
         held = [link for link in rigid.links if link in bodies_of]
@@ -183,7 +184,7 @@ def _brace(
         arm = _arm(scene, nodes, link, at)
         place = center + reach * arm / np.linalg.norm(arm)
         points.append(back @ (place - poses[0][body - 1][0, :2]))
-    for a, b in zip(points[:-1], points[1:], strict=True):
+    for a, b in itertools.pairwise(points):
         middle = np.array([*(a + b) / 2, bodies[body].parts[0].matrix[2, 3]])
         along = np.array([*(b - a) / 2, 0.0])
         across = np.cross(OUT, along)

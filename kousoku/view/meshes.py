@@ -6,6 +6,7 @@ along their length, since the painter's algorithm sorts faces by their middles.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass
 from functools import cache
 
@@ -46,7 +47,7 @@ class Mesh:
 def mesh_of(name: str) -> Mesh:
     """Return a mesh by its name: ``box 3 1 1``, ``cylinder 4``, ``disc``, ``ball``, ``pedestal``.
 
-    The numbers say into how many pieces it is cut.
+    The numbers say into how many pieces it is cut; a cylinder may have a second one, its sides.
     """
     kind, *numbers = name.split()
     cuts = [int(number) for number in numbers]
@@ -54,9 +55,9 @@ def mesh_of(name: str) -> Mesh:
         case "box":
             return _box(cuts[0], cuts[1], cuts[2])
         case "cylinder":
-            return _cylinder(cuts[0], is_disc=False)
+            return _cylinder(cuts[0], cuts[1] if cuts[1:] else SIDES)
         case "disc":
-            return _cylinder(1, is_disc=True)
+            return _disc()
         case "ball":
             return _ball()
         case _:
@@ -118,24 +119,33 @@ def _ring(z: float, radius: float = 1.0, sides: int = SIDES) -> list[Vertex]:
     return [(float(radius * np.cos(a)), float(radius * np.sin(a)), z) for a in angles]
 
 
-def _cylinder(pieces: int, *, is_disc: bool) -> Mesh:
+def _cylinder(pieces: int, sides: int) -> Mesh:
     draft = _Draft()
-    sides = 2 * SIDES if is_disc else SIDES
+    _add_mantle(draft, pieces, sides)
+    for z in (-1.0, 1.0):
+        draft.add(_ring(z, 1.0, sides)[:: int(z)], (1 << sides) - 1)
+    return draft.mesh()
+
+
+def _disc() -> Mesh:
+    draft = _Draft()
+    sides = 2 * SIDES
+    quarter = sides // 4
+    _add_mantle(draft, 1, sides)
+    for z in (-1.0, 1.0):
+        ring = _ring(z, 1.0, sides)[:: int(z)]
+        for k in range(4):
+            sector = [ring[(k * quarter + n) % sides] for n in range(quarter + 1)]
+            draft.add([*sector, (0.0, 0.0, z)], (1 << quarter) - 1, TONE if k % 2 else 0.0)
+    return draft.mesh()
+
+
+def _add_mantle(draft: _Draft, pieces: int, sides: int) -> None:
     for piece in range(pieces):
         low, high = (_ring(2.0 * k / pieces - 1.0, 1.0, sides) for k in (piece, piece + 1))
         for k in range(sides):
             after = (k + 1) % sides
             draft.add([low[k], low[after], high[after], high[k]])
-    for z in (-1.0, 1.0):
-        ring = _ring(z, 1.0, sides)[:: int(z)]
-        if not is_disc:
-            draft.add(ring, (1 << sides) - 1)
-            continue
-        for k in range(4):
-            sector = [ring[(k * sides // 4 + n) % sides] for n in range(sides // 4 + 1)]
-            rim = (1 << (sides // 4)) - 1
-            draft.add([*sector, (0.0, 0.0, z)], rim, TONE if k % 2 else 0.0)
-    return draft.mesh()
 
 
 def _ball() -> Mesh:
@@ -143,7 +153,7 @@ def _ball() -> Mesh:
     rings = 8
     heights = [-np.pi / 2 + np.pi * k / rings for k in range(rings + 1)]
     circles = [_ring(float(np.sin(h)), float(np.cos(h)), 14) for h in heights]
-    for below, above in zip(circles[:-1], circles[1:], strict=True):
+    for below, above in itertools.pairwise(circles):
         for k in range(14):
             after = (k + 1) % 14
             corners = [below[k], below[after], above[after], above[k]]

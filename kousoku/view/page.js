@@ -31,6 +31,9 @@
   const motion = integers(scene.motion); // of each frame, of each body: place (3), turn (4)
   const forces = integers(scene.forces); // of each frame, of each force: (3)
 
+  const forceOf = (row, n) =>
+    [0, 1, 2].map((c) => forces[3 * (row * scene.loads.length + n) + c] * scene.force.quantum);
+
   /** Vertices of all parts in the frames of their bodies; faces with normals, colours, edges. */
   function unpack() {
     const vertices = [];
@@ -180,6 +183,13 @@
       setPoses(start + (times > 1 ? (k / (times - 1)) * (end - start) : 0), there);
       corners.forEach((own, body) => {
         if (body > 0 || k === 0) own.forEach((s) => found.push(placed(body, s, there)));
+      });
+      if (!scene.forcesShown) continue;
+      const row = Math.round((k / Math.max(times - 1, 1)) * (frames - 1));
+      scene.loads.forEach(({ body, s }, n) => {
+        const f = forceOf(row, n);
+        const part = Math.min(1, scene.force.largest / (Math.hypot(...f) || 1));
+        found.push(placed(body, s, there).map((x, c) => x + part * scene.force.length * f[c]));
       });
     }
     return found;
@@ -378,7 +388,8 @@
     const { normal, across, along, height: level, size } = floor;
     const slope = dot(camera[2], normal);
     if (slope < 0.04) return;
-    const reach = size * Math.ceil((1.15 * radius) / size);
+    const shown = scene.flat ? Math.hypot(width, height) / (scale * view.zoom) : 1.15 * radius;
+    const reach = size * Math.min(Math.ceil(shown / size), 200);
     const at = (u, v) => {
       const point = [0, 1, 2].map((c) => u * across[c] + v * along[c] + level * normal[c]);
       return projected(point, camera);
@@ -437,8 +448,28 @@
       setPoses(times[k], there);
       points.push(placed(body, s, there));
     }
-    return { points, times, color };
+    return smooth(points, times, color);
   });
+
+  /** A path through points: a curve through each four of them, where there are only few. */
+  function smooth(points, times, color) {
+    const pieces = Math.max(1, Math.min(4, Math.floor(PATH / points.length)));
+    const found = { points: [points[0]], times: [times[0]], color };
+    for (let k = 1; k < points.length; k++) {
+      const [p, q] = [points[k - 1], points[k]];
+      const [o, r] = [points[Math.max(k - 2, 0)], points[Math.min(k + 1, points.length - 1)]];
+      for (let piece = 1; piece <= pieces; piece++) {
+        const s = piece / pieces;
+        const [a, b] = [s * (1 - s) ** 2, s * s * (1 - s)];
+        const part = s * s * (3 - 2 * s);
+        found.points.push(
+          p.map((x, c) => (1 - part) * x + part * q[c] + (a / 2) * (q[c] - o[c]) - (b / 2) * (r[c] - x)),
+        );
+        found.times.push(times[k - 1] + s * (times[k] - times[k - 1]));
+      }
+    }
+    return found;
+  }
 
   function addPaths(camera) {
     for (const { points, times, color } of tracks) {
@@ -548,10 +579,10 @@
 
   function drawForces(camera) {
     const exact = Math.min(Math.max((now - start) / (step || 1), 0), frames - 1);
-    const k = Math.round(exact) * scene.loads.length;
+    const row = Math.round(exact);
     const written = [];
     scene.loads.forEach(({ body, s, name }, n) => {
-      const f = [0, 1, 2].map((c) => forces[3 * (k + n) + c] * scene.force.quantum);
+      const f = forceOf(row, n);
       const size = Math.hypot(...f);
       const at = placed(body, s);
       const tip = at.map((x, c) => x + scene.force.length * f[c]);
@@ -571,7 +602,9 @@
       write(body.name, x, y, palettes[body.color][isDark() ? 31 : 10]);
     }
     context.font = "12px system-ui, sans-serif";
+    const loaded = find("forces").checked ? scene.loads.map(({ name }) => name) : [];
     for (const { name, body, s } of scene.joints) {
+      if (loaded.includes(name)) continue; // its force says its name
       const [x, y] = projected(placed(body, s), camera);
       write(name, x, y, colors.quiet);
     }

@@ -36,8 +36,19 @@ FOLDER = Path(__file__).parent
 LARGEST = 32767
 """The largest 16-bit integer: a motion is kept in parts of it."""
 FEW = 12
-"""Bodies whose names are written from the start."""
-METRES = {"m": 1.0, "dm": 0.1, "cm": 0.01, "mm": 1e-3, "um": 1e-6, "km": 1e3, "in": 0.0254, "ft": 0.3048}
+"""Bodies whose names are written from the start, and forces that are named by who asks."""
+FEW_FORCES = 4
+"""Forces that are drawn from the start when nobody names them."""
+METRES = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "km": 1e3,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
 
 
 def page_of(picture: Picture) -> str:
@@ -135,7 +146,7 @@ def data_of(picture: Picture) -> dict[str, Any]:
             for k in places
         ],
         "force": force,
-        "forcesShown": 0 < len(places) <= FEW,
+        "forcesShown": 0 < len(places) <= (FEW if picture.is_chosen else FEW_FORCES),
         "names": len(shapes.bodies) <= FEW,
         "time": [start, step, steps + 1],
         "speed": picture.speed,
@@ -196,6 +207,7 @@ def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
     return _packed(whole), {
         "quantum": quantum * metres,
         "length": 0.25 * picture.shapes.size / (usual or largest or 1.0) / metres,
+        "largest": 1.2 * (usual or largest) * metres,
         "unit": "N",
     }
 
@@ -233,6 +245,7 @@ class Animation:
             The suffix is another one.
         """
         from kousoku.model.errors import SolveError
+
         place = Path(path)
         match place.suffix.lower():
             case ".html" | ".htm":

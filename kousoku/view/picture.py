@@ -75,6 +75,8 @@ class Picture:
         Normal of the plane of the motion, toward who looks at it, where it is planar.
     speed : float
         Seconds of motion in a second of showing.
+    is_chosen : bool
+        Whether who asks named the joints whose forces are drawn.
     """
 
     name: str
@@ -88,6 +90,7 @@ class Picture:
     paths: tuple[Path, ...]
     normal: Array | None
     speed: float
+    is_chosen: bool = False
 
     def directions(self) -> Array:
         """Return east, north and up in frame O, (3, 3): a planar motion is seen looking north."""
@@ -164,10 +167,13 @@ def picture_of(
     else:
         given_values = parameters if parameters is not None else getattr(result, "parameters", {})
         scene = with_values(scene, dict(given_values or {}))
-        time = np.asarray(result.time, dtype=np.float64)
-        position = _stacked(result.position, scene, 3)
-        turn = _stacked(result.orientation, scene, 4)
-        rates = (_stacked(result.velocity, scene, 3), _stacked(result.angular_velocity, scene, 3))
+        time, rows = np.asarray(result.time, dtype=np.float64), len(result)
+        position = _stacked(result.position, scene, rows, 3)
+        turn = _stacked(result.orientation, scene, rows, 4)
+        rates = (
+            _stacked(result.velocity, scene, rows, 3),
+            _stacked(result.angular_velocity, scene, rows, 3),
+        )
         shapes = spatial_shapes(scene, (position[0], turn[0]))
         table = dict(result.force)
     first = time[0] if start is None else max(start, time[0])
@@ -193,16 +199,16 @@ def picture_of(
         paths=_paths(shapes, paths_of, scene.name),
         normal=normal_of(shapes, position, turn),
         speed=shown,
+        is_chosen=not isinstance(forces, bool),
     )
 
 
-def _stacked(table: Mapping[str, Array], scene: Scene, size: int) -> Array:
+def _stacked(table: Mapping[str, Array], scene: Scene, rows: int, size: int) -> Array:
     """Return a table of all bodies, (n, bodies, size); points do not turn."""
-    rows = max(len(values) for values in table.values()) if table else 0
     none = np.zeros(size)
     none[0] = float(size == 4)
     columns = [table.get(name, np.broadcast_to(none, (rows, size))) for name in scene.bodies]
-    return np.stack(columns, axis=1) if columns else np.zeros((rows, 0, size))
+    return np.stack(columns, axis=1)
 
 
 def _fastest(omega: Array) -> float:
@@ -262,9 +268,7 @@ def _linear(values: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
     return found
 
 
-def _hermite(
-    values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]
-) -> Array:
+def _hermite(values: Array, rates: Array, time: Array, at: tuple[NDArray[np.intp], Array]) -> Array:
     """Return places between rows from those of the rows and the velocities there."""
     if len(time) == 1 or not np.isfinite(rates).all():
         return _linear(values, at)
@@ -329,7 +333,7 @@ def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[P
     joints = {mark.name: mark for mark in shapes.joints}
     places = {body.name: k for k, body in enumerate(shapes.bodies) if k}
     if paths_of is None:
-        inner = [mark for mark in joints.values() if mark.i and mark.j and mark.i != mark.j]
+        inner = [mark for mark in joints.values() if mark.i and mark.j]
         if inner:
             return tuple(Path(mark.name, mark.j, mark.s_j) for mark in inner[:PATHS])
         moving = list(enumerate(shapes.bodies))[1 : PATHS + 1]

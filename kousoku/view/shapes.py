@@ -266,7 +266,7 @@ class _SpatialShapes:
         self._struts: list[Strut] = []
         gravity = np.array([g if isinstance(g, float | int) else 0.0 for g in scene.gravity])
         strength = float(np.linalg.norm(gravity))
-        self._up = -gravity / strength if strength > 0.0 else np.array([0.0, 0.0, 1.0])
+        self._up = -gravity / strength if strength > 0.0 else self._level()
 
     def shapes(self) -> Shapes:
         marks = {name: self._mark(name, joint) for name, joint in self._scene.joints.items()}
@@ -286,6 +286,21 @@ class _SpatialShapes:
             self._up,
             self._size,
         )
+
+    def _level(self) -> Array:
+        """Return what is upward without gravity: z, or y where bodies turn about z only."""
+        from kousoku.model.frames import joint_axes
+        from kousoku.model.joints import JOINTS, NAMES
+
+        turning = []
+        for joint in self._scene.joints.values():
+            kind = JOINTS.get(NAMES[joint.type])
+            if kind is not None and kind.axes and NAMES[joint.type] not in SLIDING:
+                ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
+                axis = joint_axes(ends, joint)[0]
+                turning.append(abs(float(ends[0].to_ground(axis)[2])) > 1 - 1e-9)
+        is_upright = bool(turning) and all(turning)
+        return np.array([0.0, 1.0, 0.0] if is_upright else [0.0, 0.0, 1.0])
 
     def _mark(self, name: str, joint: Joint) -> JointMark | None:
         """Return where a joint is, unless it has no point."""
@@ -316,7 +331,12 @@ class _SpatialShapes:
             if body.center is not None:
                 points.append(self._placed(place, _numbers(body.center)[None]))
         every = np.concatenate(points)
-        return float(np.linalg.norm(every.max(axis=0) - every.min(axis=0))) or 1.0
+        size = float(np.linalg.norm(np.ptp(every, axis=0)))
+        if size > 0.0:
+            return size
+        like = [_like_its_inertia(body, 0, np.inf)[1] for body in self._scene.bodies.values()]
+        sizes = [float(np.linalg.norm(np.ptp(_corners(p), axis=0))) for p in like if p is not None]
+        return max(sizes, default=1.0)
 
     def _anchors(self, place: int) -> list[Array]:
         """Return the points of a body where it is joined to others, each once."""
@@ -334,24 +354,19 @@ class _SpatialShapes:
         center, like = _like_its_inertia(body, shape.color, self._size)
         anchors = self._anchors(place)
         parts = list(_solids(body, self._size, shape.color))
-        if not parts and like is not None:
-            parts = [like]
         points = [_numbers(point.at) for point in body.mass_points]
-        joined = _joined(anchors + [p for p in points if not any(_is_at(p, a) for a in anchors)])
-        if parts:
-            ends = [(point, _nearest(parts, point)) for point in anchors + points]
-            sticks = [(a, b) for a, b in ends if not any(_is_inside(part, a) for part in parts)]
-        elif len(anchors) + len(points) > 1:
-            sticks = joined
-        else:
-            sticks = [(point, center) for point in anchors if not _is_at(point, center)]
+        joined = anchors + [p for p in points if not any(_is_at(p, a) for a in anchors)]
         radius = THIN * self._size
+        if not parts and len(joined) < 2:
+            # Only one joint, or none: what its mass looks like says more than a stick.
+            parts = [like if like is not None else ball(center, 2.6 * radius, shape.color)]
+        if parts:
+            ends = [(point, _nearest(parts, point)) for point in joined]
+            sticks = [(a, b) for a, b in ends if not any(_is_inside(part, a) for part in parts)]
+        else:
+            sticks = _joined(joined)
         parts += [cylinder(a, b, radius, shape.color, self._size) for a, b in sticks]
         parts += [ball(point, 2.2 * radius, shape.color) for point in points]
-        if not parts or (like is None and len(anchors) < 2 and not points and not body.rods):
-            has_solid = any(part.mesh != cylinder_name(1) for part in parts) or body.cylinders
-            if not has_solid:
-                parts.append(ball(center, 2.6 * radius, shape.color))
         shape.parts = parts
         shape.at = np.mean([part.matrix[:, 3] for part in parts], axis=0)
 
@@ -388,7 +403,9 @@ class _SpatialShapes:
         if 0 in (mark.i, mark.j) and kind not in BEARINGS:
             at, axis = (mark.s_i, vectors[0]) if mark.i == 0 else (mark.s_j, vectors[1])
             turns = JOINTS[kind].axes > 0
-            self._bodies[0].parts.append(pedestal(at, axis["axis"] if turns else None, self._up, unit))
+            self._bodies[0].parts.append(
+                pedestal(at, axis["axis"] if turns else None, self._up, unit)
+            )
 
     def _unit_of(self, mark: JointMark) -> float:
         """Return how long 1 of a joint's sign is, by the thickness of what meets there."""
@@ -469,9 +486,7 @@ def cylinder(a: Array, b: Array, radius: float, color: int, size: float) -> Part
     length = float(np.linalg.norm(b - a))
     axis = (b - a) / length
     first = across_of(axis)
-    columns = np.column_stack(
-        [radius * first, radius * np.cross(axis, first), (b - a) / 2]
-    )
+    columns = np.column_stack([radius * first, radius * np.cross(axis, first), (b - a) / 2])
     is_disc = radius > length
     name = "disc" if is_disc else cylinder_name(_cuts(length, size))
     return Part(name, _moved(columns, (a + b) / 2), color)
@@ -504,7 +519,11 @@ def _solids(body: Body, size: float, color: int) -> Iterator[Part]:
     from kousoku.model.quaternions import quaternion
 
     for given in body.boxes:
-        turn = np.eye(3) if given.orientation is None else rotation(_numbers(quaternion(given.orientation)))
+        turn = (
+            np.eye(3)
+            if given.orientation is None
+            else rotation(_numbers(quaternion(given.orientation)))
+        )
         yield box(_numbers(given.at), turn * (_numbers(given.size) / 2), color, size)
     for tube in body.cylinders:
         a, b = map(_numbers, tube.ends)
@@ -532,7 +551,7 @@ def _like_its_inertia(body: Body, color: int, size: float) -> tuple[Array, Part 
     squares = 6.0 * (moments.sum() - 2.0 * moments) / mass  # of the edges of a box
     if squares.min() < -1e-6 * squares.max() or squares.max() > size**2:
         return center, None
-    least = 0.6 * THIN * size
+    least = 0.6 * THIN * min(size, float(np.sqrt(squares.max())))
     edges = np.maximum(np.sqrt(np.maximum(squares, 0.0)), 2 * least)
     axes = rotation(_numbers(properties.axes)).T  # its columns are the principal axes
     for k in range(3):

@@ -278,7 +278,7 @@ class Motion(Result):
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled: rows, not the tables that are made of them."""
         ledger = None if self._ledger is None else self.ledger
-        state = {key: value for key, value in self.__dict__.items() if key != "_places"}
+        state = {key: value for key, value in self.__dict__.items() if key != "places"}
         return state | {"_tables": {}, "_ledger": ledger}
 
     def __len__(self) -> int:
@@ -297,6 +297,31 @@ class Motion(Result):
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters of the run."""
+        return Named({}) if self._ledger is None else Named(dict(self.ledger.parameters))
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know before he trusts the numbers, a line each."""
+        return tuple(filter(None, [self.note()]))
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns that are shown where none are named.
+
+        Coordinates and their rates, else what moves of the last body that does; of a body what
+        moves of it.
+        """
+        shown = [name + ending for name, *_ in self._layout.coordinates for ending in ("", "_dot")]
+        if shown and of is None:
+            return shown
+        bodies = [of] if of else self._names("body")[::-1]
+        parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
+        parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
+        moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
+        return self._moving(next(moving, parts[-1]))
 
     @property
     def not_unique(self) -> tuple[str, ...]:
@@ -374,7 +399,8 @@ class Motion(Result):
                 }
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
+        """Where each column stands, in order."""
         layout, found = self._layout, {"time": Column("time", "", None, "s")}
 
         def unit_of(table: str) -> str:
@@ -416,8 +442,31 @@ class Motion(Result):
                     return str(error).removeprefix(f"{self.name}: ")
         if owner == "energy" and not self.energy:
             return not_generated("energies", "energies")
-        more = "" if "coordinates" in self._layout.sizes else '; generated without "coordinates"'
-        return super()._no_column(name) + more
+        more = (
+            ""
+            if "coordinates" in self._layout.sizes
+            else not_generated("coordinate", "coordinates")
+        )
+        return super()._no_column(name) + f"; {more}" * bool(more)
+
+    @property
+    def drivers(self) -> Sequence[str]:
+        """The drivers."""
+        return self._names("driver")
+
+    def center_of_mass(self, body: str) -> Array | None:
+        """Return where the centre of mass of a body is, None where it is one with others.
+
+        Returns
+        -------
+        (n, 3) array [unit], frame O
+            The path.
+        """
+        bodies = self._layout.bodies
+        own = next(one for one in bodies if one.name == body)
+        if sum(one.r == own.r for one in bodies) > 1:
+            return None
+        return _columns(own.r, self._layout.parts(self._rows)["q"]).T / self._layout.unit
 
     def state(self, k: int) -> tuple[float, Array, Array]:
         """Return time, q and v of a row, as the scene is written.

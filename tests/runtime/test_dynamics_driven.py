@@ -14,7 +14,7 @@ from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate.settings import BUFFER_FULL, PAUSED
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.motion import Motion
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(load: Load) -> None:
     wanted = whole.finish().columns()
     run = solver.begin(times)
     calls = [run.advance(1, 1)]
-    while calls[-1] in (BUFFER_FULL, PAUSED):
+    while calls[-1] in (Status.BUFFER_FULL, Status.PAUSED):
         run = solver.resume(run.save())
         run._memory.work[:] = np.nan
         calls.append(run.advance(1, 1))

@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 import pytest
@@ -14,8 +15,6 @@ import kousoku as ks
 from kousoku.model.errors import SolveError
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from kousoku.runtime.linkage import Trajectory
 
 pytestmark = pytest.mark.usefixtures("compiler")
@@ -30,7 +29,7 @@ PISTON_COLUMNS = ["alpha"] + [
 
 @pytest.fixture(scope="module")
 def motion() -> Trajectory:
-    return ks.load(PISTON).solve()
+    return cast("Trajectory", ks.load(PISTON).solve())
 
 
 def test_columns_stand_in_the_order_of_the_scene(motion: Trajectory) -> None:

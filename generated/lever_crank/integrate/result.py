@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-import tempfile
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -114,12 +112,42 @@ class Result:
     name: str
     unit: str
     target: str
+    #: What moved, where kousoku loaded it; plots and animations are drawn from its scene.
+    mechanism: Any = None
 
     def __len__(self) -> int:
         raise NotImplementedError
 
+    @property
+    def time(self) -> Array:
+        """The times [s]."""
+        raise NotImplementedError
+
+    @property
+    def ledger(self) -> Any:
+        """What the run cost, and how far it can be trusted."""
+        raise NotImplementedError
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters of the run."""
+        return Named({})
+
+    def summary(self) -> dict[str, Any]:
+        """Return what a program may want to know, ready for JSON."""
+        raise NotImplementedError
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns that are shown where none are named: of a body or node, or all."""
+        raise NotImplementedError
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know before he trusts the numbers, a line each."""
+        return ()
+
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
         """Where each column stands, in order."""
         raise NotImplementedError
 
@@ -133,32 +161,31 @@ class Result:
         return ()
 
     @property
-    def units(self) -> Mapping[str, str]:
+    def units(self) -> dict[str, str]:
         """The unit of each column; ``-`` where it has none."""
-        return Named({name: place.unit for name, place in self._places.items()}, self.name)
+        return {name: place.unit for name, place in self.places.items()}
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
-        if name not in self._places:
+        if name not in self.places:
             raise NotInResultError(f"{self.name}: {self._no_column(name)}")
-        table, owner, component, _ = self._places[name]
+        table, owner, component, _ = self.places[name]
         values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
-        near = get_close_matches(str(name), self._places, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        return f"no column {shown(name)}: there are {_listed([*self._places])}{hint}"
+        columns = [*self.places]
+        return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
-        return name in self._places
+        return name in self.places
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._places)
+        return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
         """Return all columns by name."""
-        return {name: self[name] for name in self._places}
+        return {name: self[name] for name in self.places}
 
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
@@ -180,10 +207,14 @@ class Result:
         """Return angle, angular velocity and angular acceleration of a link of a linkage."""
         return self._part("link", name)
 
+    def _moving(self, names: Sequence[str]) -> list[str]:
+        """Return the columns that change, all of them where none does."""
+        return [name for name in names if len(self) and np.ptp(self[name])] or [*names]
+
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
-            calls = ", ".join(f"{one}({one[0].upper()}…)" for one in self.PARTS)
-            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: ask for {calls}")
+            calls = ", ".join(f".{one}(…)" for one in self.PARTS)
+            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
         if name not in (names := self._names(sort)):
             raise NotInResultError(f"{self.name}: {unknown(sort, name, names)}")
         return Part(self, name, self.PARTS[sort])
@@ -191,7 +222,7 @@ class Result:
     def to_pandas(self) -> Any:
         """Return the columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
         frame = self._late("pandas", "table").DataFrame(self.columns())
-        frame.attrs |= {"name": self.name, "units": dict(self.units)}
+        frame.attrs |= {"name": self.name, "units": self.units}
         return frame
 
     def save(self, path: str | Path) -> None:
@@ -226,6 +257,18 @@ class Result:
         except OSError as error:
             raise refusal(f"{path}: cannot be written: {error.strerror or error}") from error
 
+    def plot(self, *columns: str) -> Any:
+        """Draw columns over time, what was asked for unless named; a matplotlib ``Figure``."""
+        return self._late("kousoku.result_plots", "plot").plot(self, *columns)
+
+    def animate(self, path: str | Path | None = None, **options: Any) -> Any:
+        """Show the motion on a page of its own; options as of ``kousoku.view.animate``."""
+        view = self._late("kousoku.view", "plot")
+        if self.mechanism is None:
+            raise refusal(f"{self.name}: only what kousoku.load gave has the solids to be drawn")
+        options = {"parameters": dict(self.parameters), **options}
+        return view.animate(self, self.mechanism.scene, path, **options)
+
     def _late(self, module: str, extra: str) -> Any:
         """Return a module that is imported when it is needed, or say how to install it."""
         try:
@@ -235,7 +278,9 @@ class Result:
             raise ModuleNotFoundError(line, name=error.name) from None
 
     def _repr_html_(self) -> str:
-        return f"<pre>{import_module('html').escape(repr(self))}</pre>"
+        from html import escape
+
+        return f"<pre>{escape(repr(self))}</pre>"
 
     def __repr__(self) -> str:
         lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
@@ -243,7 +288,7 @@ class Result:
             if names := self._names(sort):
                 plural = sort.replace("body", "bodie") + "s"
                 lines.append(f"  {plural}: {_listed(names)}")
-        return "\n".join([*lines, f"  columns: {_listed([*self._places])}"])
+        return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
 
     def _extent(self) -> str:
         return f"{len(self)} rows, {self.unit}, {self.target}"
@@ -254,9 +299,14 @@ def unknown(what: str, name: object, known: Sequence[str]) -> str:
     of = "its formulas have" if what == "parameter" else "there are"
     if not known:
         return f"no {what} {shown(name)}: {of} none"
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{_near(name, known)}"
+
+
+def _near(name: object, known: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
     near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def not_generated(what: str, output: str) -> str:
@@ -289,6 +339,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
+    import tempfile
+
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         part = Path(folder) / path.name

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
@@ -15,7 +15,7 @@ from .solve import solve
 from .status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -32,7 +32,41 @@ LINK = (
 )
 
 
-@dataclass(frozen=True, repr=False)
+class Iterations(NamedTuple):
+    """What an analysis cost, and what it left of the equations: its ledger.
+
+    Parameters
+    ----------
+    method, target : str
+        How positions were found, and what computed.
+    rows : int
+        How many positions.
+    least, most, total : int
+        Corrections in a step, and in all.
+    residual : float
+        The largest residual of all rows, in the unit of lengths.
+    unit : str
+        That unit.
+    """
+
+    method: str
+    target: str
+    rows: int
+    least: int
+    most: int
+    total: int
+    residual: float
+    unit: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.method} by {self.target}: {self.rows} positions, {self.least} to {self.most}"
+            f" iterations a step, {self.total} in all, residual at most {self.residual:.1e}"
+            f" {self.unit}"
+        )
+
+
+@dataclass(repr=False, eq=False)
 class Trajectory(Result):
     """Positions of a linkage, row by row, with what was wanted beside them.
 
@@ -65,6 +99,8 @@ class Trajectory(Result):
         Name, nodes and design length of each link.
     target : {"c", "numpy"}
         What computed.
+    is_in_time : bool
+        Whether the inputs were followed in time, so that it is a column.
     """
 
     PARTS: ClassVar = {
@@ -97,6 +133,7 @@ class Trajectory(Result):
     residual: Array
     links: tuple[tuple[str, str, str, float], ...]
     target: str
+    is_in_time: bool = False
 
     def __len__(self) -> int:
         return len(self.residual)
@@ -135,9 +172,9 @@ class Trajectory(Result):
         return super()._no_column(name)
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
         """Where columns stand: the input is called ``alpha``, several ones by their names."""
-        found = {}
+        found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
         for name in self.inputs:
             shown = "alpha" if len(self.inputs) == 1 else name
             found[shown] = Column("inputs", name, None, self.input_units.get(name, "-"))
@@ -155,8 +192,27 @@ class Trajectory(Result):
     def _names(self, sort: str) -> list[str]:
         return [*self.positions] if sort == "node" else [link[0] for link in self.links]
 
+    @property
+    def ledger(self) -> Iterations:
+        """What it cost, and what is left of the equations."""
+        own = self.iterations
+        least = int(np.min(own[1:])) if len(own) > 1 else 0
+        counts = least, int(np.max(own, initial=0)), int(np.sum(own))
+        return Iterations(
+            self.method, self.target, len(self), *counts, self.residual_max, self.unit
+        )
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns of a node, of the last one that moves unless it is named."""
+        parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
+        if of is None:
+            own = [one for one in parts if len(self) and any(np.ptp(self[name]) for name in one)]
+            return [*self.places][: len(self.inputs)] + (own or parts)[-1]
+        return [x for x in self.places if x.startswith(f"{of}.")]
+
     def summary(self) -> dict[str, Any]:
         """Return what a program may want to know, ready for JSON."""
+        ledger = self.ledger
         return {
             "scene": self.name,
             "unit": self.unit,
@@ -164,13 +220,7 @@ class Trajectory(Result):
             "method": self.method,
             "divisions": self.divisions,
             "rows": len(self),
-            "iterations": {
-                "min": int(np.min(self.iterations[1:], initial=np.iinfo(np.intc).max))
-                if len(self) > 1
-                else 0,
-                "max": int(np.max(self.iterations, initial=0)),
-                "total": int(np.sum(self.iterations)),
-            },
+            "iterations": {"min": ledger.least, "max": ledger.most, "total": ledger.total},
             "residual_max": self.residual_max,
         }
 
@@ -198,7 +248,8 @@ def trajectory_of(
         divisions=run.divisions,
         inputs=named(inputs, rows.alpha, "input", "positions"),
         input_units={given.name: given.unit for given in mechanism.inputs},
-        times=_times(run, n),
+        times=_times(run, n) if run.times is None else run.times[:n],
+        is_in_time=run.times is not None,
         positions=named(nodes, rows.position, "positions", "positions"),
         velocities=named(nodes, rows.velocity, "velocities", "velocities"),
         accelerations=named(nodes, rows.acceleration, "accelerations", "accelerations"),
@@ -245,3 +296,28 @@ def solve_alone(mechanism: Mechanism, kernels: Kernels, run: Run, name: str) -> 
             f"at {', '.join(one.name for one in mechanism.inputs)} = {rows.reached.tolist()}"
         )
     return trajectory_of(mechanism, run, rows, name=name, target="numpy")
+
+
+def simulate_alone(
+    mechanism: Mechanism,
+    kernels: Kernels,
+    run: Run,
+    name: str,
+    end: float | None,
+    *,
+    times: Sequence[float] | Array | None = None,
+    samples: int = 1001,
+) -> Trajectory:
+    """Return the motion in time: at given times, or at samples from 0 to an end [s].
+
+    Raises
+    ------
+    ArithmeticError
+        The mechanism cannot be assembled, or not be moved on.
+    ValueError
+        There is an end, and there are times; or neither.
+    """
+    if (end is None) == (times is None):
+        raise ValueError("give either end or times")
+    chosen = np.array(times if end is None else np.linspace(0.0, end, samples), float)
+    return solve_alone(mechanism, kernels, replace(run, times=chosen, rows=len(chosen)), name)

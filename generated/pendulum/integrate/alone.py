@@ -11,15 +11,7 @@ from .methods import METHODS
 from .motion import Layout, Motion
 from .result import unknown
 from .scene import state_of
-from .settings import (
-    BAD_ARGUMENT,
-    GOOD,
-    NOT_ASSEMBLED,
-    NOT_PROJECTED,
-    PAUSED,
-    STEP_TOO_SMALL,
-    Settings,
-)
+from .settings import Settings, Status
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -32,12 +24,12 @@ if TYPE_CHECKING:
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
-MESSAGES = {
-    PAUSED: "most_steps are made",
-    STEP_TOO_SMALL: "no step can be taken",
-    NOT_PROJECTED: "the constraints cannot be met inside of a step",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
-    BAD_ARGUMENT: "an argument is out of range, or a time is",
+MESSAGES: dict[int, str] = {
+    Status.PAUSED: "most_steps are made",
+    Status.STEP_TOO_SMALL: "no step can be taken",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
+    Status.BAD_ARGUMENT: "an argument is out of range, or a time is",
 }
 
 
@@ -126,7 +118,7 @@ class Run:
         start = np.array([*scene.data["q"], *scene.data["v"]], float)
         nq, given = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
-            if solver.evaluate(0.0, start[:nq], start[nq:], given, self._work) != GOOD:
+            if solver.evaluate(0.0, start[:nq], start[nq:], given, self._work) != Status.GOOD:
                 told = f"parameters {values}: wanted such that masses and lengths are positive"
                 raise ValueError(f"{name}: {told}")
             design = scene.data["design"]
@@ -168,7 +160,7 @@ class Run:
         return Motion(self._layout, rows, is_complete=is_complete, **options)
 
     def _require(self, status: int) -> None:
-        if status != GOOD:
+        if status != Status.GOOD:
             raise ArithmeticError(
                 f"{self._scene.layout.name}: {MESSAGES[status]}, at t = {self.time:.9g} s"
             )

@@ -38,14 +38,20 @@ SMOOTH = 0.5
 #: The shortest step, as a part of the way; what steps that fail and that succeed are changed by:
 #: halves would meet the middle of a way, where a parallelogram may lie flat.
 SHORTEST, SHRINK, GROW = 1e-7, 0.6, 1.7
-#: Corrections on the way, and at its end, that are small enough; how many are tried.
-NEAR, ROUNDING, MOST = 1e-6, 1e-15, 30
+#: Corrections on the way, and at its end, that are small enough; how many may grow, and are tried.
+NEAR, ROUNDING, FIRST, MOST = 1e-6, 1e-15, 3, 30
 #: A coordinate depends on others where so little of its motion is its own, squared.
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
 APART = 1e-4
 #: What values may miss: coordinates that others determine, and bodies that are placed.
 AGREES, MISSES = 1e-9, 1e-6
+#: What turns a body back, of Euler parameters.
+BACK = np.array([1.0, -1.0, -1.0, -1.0])
+#: So many freedoms of bodies that no coordinate names are held.
+MOST_HELD = 100
+#: A whole turn, and so many that are tried to close gears.
+TURN, MOST_TURNS = 2.0 * np.pi, 1000
 
 
 class Start(NamedTuple):
@@ -128,7 +134,10 @@ class Leader:
             own.setdefault(tuple(_indices((*body.v, *body.omega_b))))
         self.moves = np.ones(len(start.q))
         self.moves[[*start.works]] = 0.0
-        probe = np.cos(np.arange(len(start.v)))  # no direction in particular
+        places = {k for body in start.bodies for k in _indices((*body.r, *body.p))}
+        self.turns = [k for k in range(len(start.q)) if k not in places.union(start.works)]
+        self.held = np.zeros((0, len(start.q)))
+        self.probe = probe = self.sizes * np.cos(np.arange(len(start.v)))  # no special direction
         responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
         moved = [one for one, rates in zip(own, responses, strict=True) if rates.any()]
         self.support = sorted({k for one in moved for k in one})
@@ -137,20 +146,25 @@ class Leader:
         return self.evaluate(self.start.q, v)["coordinates"][self.rates]
 
     def value(self, q: Array) -> Array:
-        """Return the coordinates at a position."""
-        return self.evaluate(q, self.rest)["coordinates"][self.values]
+        """Return the coordinates at a position, then what is held."""
+        return self.values_of(self.evaluate(q, self.rest), q)
+
+    def values_of(self, found: Mapping[str, Array], q: Array) -> Array:
+        """Return the same of what is evaluated."""
+        return np.concatenate([found["coordinates"][self.values], self.held @ q])
 
     def jacobian(self, q: Array) -> Jacobian:
         """Return what moves the coordinates."""
         still = self.evaluate(q, self.rest)
-        jacobian = np.zeros((len(self.names), len(self.rest)))
+        jacobian = np.zeros((len(self.names) + len(self.held), len(self.rest)))
         rows = np.zeros((len(still["C_dot"]), len(self.rest)))
         weights = np.ones(len(self.rest))
         for k in self.support:
             unit = self.rest.copy()
             unit[k] = 1.0
             found = self.evaluate(q, unit)
-            jacobian[:, k] = found["coordinates"][self.rates]
+            held = self.held @ (found["q_dot"] * self.moves)
+            jacobian[:, k] = np.concatenate([found["coordinates"][self.rates], held])
             rows[:, k] = found["C_dot"] - still["C_dot"]
             mass = 2.0 * found["energies"][0]
             weights[k] = 1.0 / mass if mass > 0.0 else 1.0
@@ -165,7 +179,7 @@ class Leader:
         chosen: list[int] = []
         whole = at.J @ at.ways.T
         own = np.einsum("kv,kv->k", at.J, at.free)
-        for k in dict.fromkeys((*given, *first, *range(len(own)))):
+        for k in dict.fromkeys((*given, *first, *range(len(self.names)))):
             rest = whole[k, k]
             if chosen:
                 among = whole[np.ix_(chosen, chosen)]
@@ -189,20 +203,18 @@ class Leader:
 
         That is infinite where the first correction is not small.
         """
-        before = np.inf
+        last = np.inf
         for attempt in range(MOST):
-            found = self.evaluate(q, self.rest)
-            miss = goal - found["coordinates"][self.values][chosen]
-            change = (found["q_moved"] - q) / self.sizes_q
-            moves = miss @ ways
-            left = max(float(np.max(np.abs(change), initial=0.0)), self.size(moves))
-            if not left <= (CLOSE if attempt == 0 else before):
-                return q, before
-            q = self.displaced(found["q_moved"], moves)
+            moved = self.evaluate(q, self.rest)["q_moved"]
+            moves = (goal - self.value(moved)[chosen]) @ ways
+            change = float(np.max(np.abs(moved - q) / self.sizes_q, initial=0.0))
+            left = max(change, self.size(moves))
+            if not left <= (CLOSE if attempt < FIRST else last):
+                break
+            q, last = self.displaced(moved, moves), left
             if left <= enough:
-                return q, left
-            before = left
-        return q, before
+                break
+        return q, last
 
     def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
         """Return a position on the way to values of coordinates, and which part of it was made."""
@@ -249,6 +261,43 @@ class Leader:
             before = left
         return q
 
+    def hold(self, at: Jacobian, chosen: Sequence[int]) -> None:
+        """Hold bodies where coordinates leave them free: first they do not turn, then not move.
+
+        Both are linear in q: where a body is, and 2(p₀*∘p), with p₀ at the start.
+        """
+        pairs = [*zip(at.J[chosen], self._ways(at, chosen), strict=True)]
+        turns = [(k, body, n) for body in self.start.bodies for n, k in enumerate(body.omega_b)]
+        moves = [(k, body, n) for body in self.start.bodies for n, k in enumerate(body.v)]
+        columns = {k: rest for k, *rest in (*turns, *moves) if isinstance(k, int)}
+        for k, (body, n) in columns.items():
+            if self.size(self._left(self.probe, pairs)) <= NEAR or len(self.held) == MOST_HELD:
+                break
+            unit = self.rest.copy()
+            unit[k] = 1.0
+            way = self._left(unit, pairs)
+            if way[k] > APART:
+                pairs.append((unit, way / way[k]))
+                row = np.zeros(len(self.start.q))
+                if k in body.v:
+                    row[_indices(body.r[n : n + 1])] = 1.0
+                else:
+                    back = _taken(body.p, self.start.q) * BACK
+                    for m, place_ in enumerate(body.p):
+                        if isinstance(place_, int):
+                            row[place_] = 2.0 * composed(back, np.eye(4)[m])[1 + n]
+                self.held = np.vstack([self.held, row])
+                self.support = sorted({*self.support, *_indices((*body.v, *body.omega_b))})
+
+    def _left(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
+        """Return what of a displacement at the start opens no joint and changes nothing of pairs."""
+        q = self.start.q
+        for _ in range(2):
+            u = u + (self.evaluate(q, u)["dv"] - self.evaluate(q, self.rest)["dv"])
+            for slopes, way in pairs:
+                u = u - (slopes @ u) * way
+        return u
+
     def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
         """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
         v, ways = self.start.v, self._ways(at, chosen)
@@ -267,14 +316,34 @@ class Leader:
                 )
         return [text.format(f"{size:.3g}") for text, size in worst.items()]
 
-    def closed(self, q: Array) -> list[str]:
-        """Return the joints that are open at a position, with whole turns that close gears in q."""
+    def residuals(self, q: Array) -> Array:
+        """Return what is left of all rows."""
+        found = self.evaluate(q, self.rest)
+        return np.concatenate([found["C"], found["C_left_out"]])
 
-        def residuals() -> Array:
-            found = self.evaluate(q, self.rest)
-            return np.concatenate([found["C"], found["C_left_out"]])
-
-        return self.open_rows(residuals(), 1.0)
+    def turned(self, q: Array) -> None:
+        """Add whole turns to the angles of q that close gears: no orientation tells them."""
+        left = self.residuals(q)
+        slopes = np.zeros((len(left), len(q)))
+        for k in self.turns:
+            other = q.copy()
+            other[k] += TURN
+            slopes[:, k] = self.residuals(other) - left
+        counts = np.repeat(np.arange(1.0, MOST_TURNS), 2) * np.tile([1.0, -1.0], MOST_TURNS - 1)
+        for k in self.turns:
+            rows = np.flatnonzero(np.abs(slopes[:, k]) > MISSES)
+            geared = [m for m in self.turns if m != k and np.abs(slopes[rows, m]).max(initial=0.0)]
+            if not len(rows) or np.abs(left[rows]).max() <= MISSES:
+                continue
+            own, others = slopes[rows, k], slopes[np.ix_(rows, geared)]
+            beyond = left[rows] + np.outer(counts, own)
+            turns = np.round(-beyond @ np.linalg.pinv(others).T)
+            misses = np.abs(beyond + turns @ others.T).max(axis=1)
+            best = int(np.argmax(misses <= MISSES))
+            if misses[best] <= MISSES:
+                q[k] += TURN * counts[best]
+                q[geared] += TURN * turns[best]
+                left = self.residuals(q)
 
     def opening(self, q: Array, v: Array) -> list[str]:
         """Return the joints that velocities open."""
@@ -328,17 +397,26 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
         if name not in leader.names
     }
     if values:
+        named = leader.independent(at, [*values])
+        leader.hold(at, named)
+        count = len(leader.names)
         wanted = leader.value(q)
         wanted[[*values]] = [*values.values()] * leader.units[[*values]]
-        chosen = leader.independent(at, [*values])
-        q, made = leader.led(start.q, chosen, wanted[chosen])
-        if made < 1.0 and not values.keys() >= set(chosen):
-            chosen = [k for k in chosen if k in values]
+        # what is not given is held only where all of it can be
+        tries = (
+            [*named, *range(count, len(wanted))],
+            named,
+            [k for k in named if k in values],
+        )
+        for chosen in tries:
             q, made = leader.led(start.q, chosen, wanted[chosen])
-        if made < 1.0:
+            if made == 1.0:
+                break
+        else:
             raise ValueError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
         q = leader.polished(q, chosen, wanted[chosen])
         q[[*start.works]] = start.q[[*start.works]]
+        leader.held = leader.held[:0]
         at = leader.jacobian(q)
         _require(leader, at, values, leader.value(q), "")
     wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
@@ -387,7 +465,8 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
             found = _of_masses(body, q, given, is_position=taken is q)
             problems += _put(body.name, found, to, taken, known, start.length)
     if not problems and q0 is not None:
-        problems += leader.closed(q)
+        leader.turned(q)
+        problems += leader.open_rows(leader.residuals(q), 1.0)
         q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING)
     if not problems and v0 is not None:
         problems += leader.opening(q, v)
@@ -406,9 +485,9 @@ def _of_masses(body: BodyPlaces, q: Array, given: Array, *, is_position: bool) -
     if not body.p:
         return given
     arm, axes = np.array(body.origin_b, float), np.array(body.axes_b, float)
-    p = np.array([q[k] if isinstance(k, int) else k for k in body.p])
+    p = _taken(body.p, q)
     if is_position:
-        turned = composed(given[3:], axes * [1.0, -1.0, -1.0, -1.0])
+        turned = composed(given[3:], axes * BACK)
         turned = -turned if turned @ p < 0.0 else turned
         return np.concatenate([given[:3] - rotated(turned, arm), turned])
     omega = rotated(axes, given[3:])
@@ -461,6 +540,10 @@ def _require(
             problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
     if problems:
         raise ValueError(f"initial values do not fit: {'; '.join(problems)}")
+
+
+def _taken(places: Sequence[float], q: Array) -> Array:
+    return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
 def _indices(places: Sequence[float]) -> list[int]:
