@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
@@ -73,6 +73,47 @@ def generate_dynamics(
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
+    made = composed(scene, wanted)
+    program, system = made.program, made.system
+    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
+    return emit_dynamics(inline(program), system, wanted, more, made.about)
+
+
+@dataclass(frozen=True, slots=True)
+class Composed:
+    """What a solver is emitted from.
+
+    Parameters
+    ----------
+    program, system : Program, System
+        What is computed, and of what.
+    degrees : int
+        Degrees of freedom.
+    about : About
+        What is told of the scene.
+    """
+
+    program: Program
+    system: System
+    degrees: int
+    about: About
+
+
+def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
+    """Return what a scene of bodies becomes before it is emitted; all that is wrong is found here.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked spatial scene.
+    wanted : sequence of str
+        What is computed.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As of :func:`generate_dynamics`.
+    """
     given = system_of(scene, wanted)
     require_kept(given)
     placed = assemble(given)
@@ -84,9 +125,8 @@ def generate_dynamics(
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
     program = reduced(system, (*LEDGER, *wanted), program)
     program = replace(program, is_weighed=not found.missing)
-    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
     notes = (*moved_by_assembly(given, placed, scene.unit), *_of_reactions(program))
-    return emit_dynamics(inline(program), system, wanted, more, About.of(scene, notes))
+    return Composed(program, system, freedom.degrees, About.of(scene, notes))
 
 
 def _of_reactions(program: Program) -> Iterator[str]:

@@ -156,11 +156,6 @@ class Result:
         raise NotImplementedError
 
     @property
-    def notes(self) -> tuple[str, ...]:
-        """What one may not expect of this result, a line each."""
-        return ()
-
-    @property
     def units(self) -> dict[str, str]:
         """The unit of each column; ``-`` where it has none."""
         return {name: place.unit for name, place in self.places.items()}

@@ -306,7 +306,7 @@ class Motion(Result):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know before he trusts the numbers, a line each."""
-        return tuple(filter(None, [self.note()]))
+        return tuple(filter(None, [*self._layout.notes, self.note()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns that are shown where none are named.
@@ -331,12 +331,6 @@ class Motion(Result):
         so: Σ |force|² + |torque|²/ℓ² over the joints of such constraints is as small as can be.
         """
         return self._layout.not_unique
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What one may not expect: what assembly changed, forces that are not unique."""
-        own = self.note()
-        return (*self._layout.notes, *([own] if own else ()))
 
     @property
     def reaction_length(self) -> float:
