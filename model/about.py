@@ -116,8 +116,8 @@ def _distances(body: Body, point: Point) -> Iterator[float]:
 
 def _corners(body: Body) -> Iterator[Point]:
     """Yield points between which a body reaches."""
-    for line in (*body.rods, *body.cylinders):
-        yield from line.ends
+    for ends in (*(rod.ends for rod in body.rods), *(one.ends for one in body.cylinders)):
+        yield from ends
     for box in body.boxes:
         half = hypot(*box.size) / 2
         yield from ((box.at[0] + x, box.at[1], box.at[2]) for x in (-half, half))

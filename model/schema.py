@@ -98,6 +98,7 @@ def scene_schema() -> dict[str, Any]:
         }
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": "urn:kousoku:scene",
         "title": "A scene of kousoku",
     }
     found = dict(_shared(_bounded(schema)))

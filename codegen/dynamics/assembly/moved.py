@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import MovingBody, System
     from kousoku.model.precise import Quadruple, Triple
 
-TOLD = 1e-3
-"""Changes below this part of a scene's length or speed are digits that were not written."""
+TOLD = 1e-2
+"""Changes below this part of a scene's length or speed are what "near" means."""
 
 SHOWN = 4
 """Bodies that are named."""
