@@ -27,7 +27,9 @@ if TYPE_CHECKING:
         SolveError,
     )
     from kousoku.model.scene import Scene
+    from kousoku.runtime.integrate.result import Result
     from kousoku.runtime.run import Interrupted, Run, SavedRun
+    from kousoku.saved import open_run
 
 __version__ = "0.1.0"
 
@@ -37,6 +39,8 @@ _MODULES = {
     "explain": "checking",
     "verify": "checking",
     "Mechanism": "mechanism",
+    "open_run": "saved",
+    "Result": "runtime.integrate.result",
     "Scene": "model.scene",
     "SceneBuilder": "model.builder",
     "Run": "runtime.run",
@@ -57,6 +61,7 @@ __all__ = [
     "KousokuError",
     "Mechanism",
     "MotionError",
+    "Result",
     "Run",
     "SavedRun",
     "Scene",
@@ -66,6 +71,7 @@ __all__ = [
     "__version__",
     "explain",
     "load",
+    "open_run",
     "verify",
 ]
 
