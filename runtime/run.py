@@ -18,7 +18,7 @@ from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
-from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
+from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -311,7 +311,18 @@ class Run:
         return (
             f"{self.solver.name}: at t = {self.time:.9g} s: {self.steps} steps are made and"
             f" t = {self.times[-1]:.9g} s is not reached; a larger tolerance makes longer steps,"
-            " most_steps allows more of them"
+            f" most_steps allows more of them{self._jumps()}"
+        )
+
+    def _jumps(self) -> str:
+        """Name the forces that jump: around a jump no step is short enough."""
+        jumps = self.solver.layout.jumps
+        if not jumps:
+            return ""
+        more = f" and {len(jumps) - SHOWN} more" if len(jumps) > SHOWN else ""
+        return (
+            f"; the sign in {', '.join(jumps[:SHOWN])}{more} jumps, and where what it is taken of"
+            " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 
     def _stop(self) -> str:

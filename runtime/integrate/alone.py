@@ -61,6 +61,8 @@ class Alone:
         ValueError
             An option is not possible.
         """
+        if end is None and times is None:
+            end = self.layout.duration
         if (end is None) == (times is None):
             raise ValueError(f"{self.layout.name}: give either end or times")
         given = times if end is None else np.linspace(0.0, end, samples)
