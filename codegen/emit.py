@@ -31,9 +31,9 @@ FILES = {
 }
 
 
-#: Files of the runtime that need nothing else of it: a copy goes along, so that a folder works on
-#: NumPy when it alone is copied out.
-LIBRARIES = ("batch_numpy.py",)
+#: Files of the runtime that need nothing else of it: a copy goes along, so that a folder that alone
+#: is copied out works on NumPy, and its batches compile.
+LIBRARIES = ("batch_numpy.py", "lanes.h")
 _TEMPLATES = PackageLoader("kousoku.codegen")
 _RUNTIME = Path(__file__).parents[1] / "runtime"
 
@@ -119,7 +119,7 @@ def digest(package: Package, solver: object = None) -> str:
         if name.startswith("dynamics/") or (name.startswith("linkage/") and solver is None):
             continue  # not what this package is made of
         total.update(template(name).encode())
-    for name, text in along(*LIBRARIES, "lanes.h").items():
+    for name, text in along(*LIBRARIES).items():
         total.update(f"\n{name}\n{text}".encode())
     return total.hexdigest()
 

@@ -13,7 +13,7 @@ from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text
-from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.model.manifest import REFERENCE_FILE, Manifest
 from kousoku.symbolic.kinds import KINDS, packages_of
 
 if TYPE_CHECKING:
@@ -127,6 +127,14 @@ def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
 def _emitted(derived: Derived) -> SourceTree:
     data = {GRAPH_FILE: dump(derived.package), REFERENCE_FILE: derived.references}
     return emit(derived.package, data)
+
+
+def without(tree: SourceTree, *endings: str) -> SourceTree:
+    """Return a package without the files whose names end so, and its manifest without them."""
+    kept = {name: text for name, text in tree.items() if not name.endswith(endings)}
+    manifest = Manifest.from_json(tree[MANIFEST_FILE])
+    files = tuple(file for file in manifest.files if file[0] in kept)
+    return kept | {MANIFEST_FILE: replace(manifest, files=files).to_json()}
 
 
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:

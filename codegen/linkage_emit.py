@@ -23,6 +23,8 @@ SOLVER_FILES = {
 }
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
+#: What results are made of, of another folder.
+RESULT = ("integrate/__init__.py", "integrate/result.py")
 
 
 def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) -> dict[str, str]:
@@ -43,7 +45,7 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
         File name and text, the manifest last.
     """
     templates = environment()
-    analysis = along(LIBRARY)
+    analysis = along(LIBRARY, *RESULT)
     signature = digest(package, (solver, analysis))
     view = package_view(package, __version__, signature)
     files = {

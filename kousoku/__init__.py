@@ -1,3 +1,83 @@
-"""kousoku: derive constraint equations, emit them as NumPy and C, verify what was emitted."""
+"""kousoku: small, fast, verified solvers of mechanisms with closed loops.
+
+>>> import kousoku as ks
+>>> loop = ks.load("scenes/loop_free.toml")
+>>> run = loop.simulate(2, parameters={"mass": 2})
+>>> run["crank_angle"], run.joint("a").force, run.ledger
+>>> run.animate("loop.html")
+
+``derive`` shows how a constraint is derived, ``kinds`` holds the verified kernels, ``catalog``
+lists what scenes may have, ``verify`` recomputes 50-digit references on this machine.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kousoku.checking import explain, verify
+    from kousoku.loading import load
+    from kousoku.mechanism import Mechanism
+    from kousoku.model.builder import SceneBuilder
+    from kousoku.model.errors import (
+        AssemblyError,
+        CompilerError,
+        KousokuError,
+        MotionError,
+        SceneError,
+        SolveError,
+    )
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.run import Interrupted, Run, SavedRun
 
 __version__ = "0.1.0"
+
+#: The public names, and the modules that have them: each is imported when it is asked for.
+_MODULES = {
+    "load": "loading",
+    "explain": "checking",
+    "verify": "checking",
+    "Mechanism": "mechanism",
+    "Scene": "model.scene",
+    "SceneBuilder": "model.builder",
+    "Run": "runtime.run",
+    "SavedRun": "runtime.run",
+    "Interrupted": "runtime.run",
+    "AssemblyError": "model.errors",
+    "CompilerError": "model.errors",
+    "KousokuError": "model.errors",
+    "MotionError": "model.errors",
+    "SceneError": "model.errors",
+    "SolveError": "model.errors",
+}
+
+__all__ = [
+    "AssemblyError",
+    "CompilerError",
+    "Interrupted",
+    "KousokuError",
+    "Mechanism",
+    "MotionError",
+    "Run",
+    "SavedRun",
+    "Scene",
+    "SceneBuilder",
+    "SceneError",
+    "SolveError",
+    "__version__",
+    "explain",
+    "load",
+    "verify",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is asked for: NumPy alone is needed until then."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'kousoku' has no attribute {name!r}")
+    found = getattr(import_module(f"kousoku.{_MODULES[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Value
 
     Coordinates = Sequence[float] | NDArray[Any]
 
@@ -65,7 +66,7 @@ class SceneBuilder:
         return self._add("links", name, nodes=(first, second), length=length)
 
     def rigid(
-        self, name: str, *, at: str, links: Sequence[str], angle: float | None = None
+        self, name: str, *, at: str, links: Sequence[str], angle: Value | None = None
     ) -> Self:
         """Connect links rigidly at a node, see :class:`kousoku.model.planar.Rigid`."""
         return self._add("rigid", name, at=at, links=links, angle=angle)
@@ -82,11 +83,11 @@ class SceneBuilder:
         about: str | None = None,
         slider: str | None = None,
         joint: str | None = None,
-        start: float = 0.0,
-        to: float | None = None,
+        start: Value = 0.0,
+        to: Value | None = None,
         turns: float | None = None,
-        rate: float = 1.0,
-        acceleration: float = 0.0,
+        rate: Value = 1.0,
+        acceleration: Value = 0.0,
     ) -> Self:
         """Prescribe a motion, see :class:`kousoku.model.planar.Input`."""
         target = {"link": link, "about": about, "slider": slider, "joint": joint}
@@ -109,7 +110,7 @@ class SceneBuilder:
         """Drive a coordinate or a point with the keys of :class:`kousoku.model.spatial.Driver`."""
         return self._add("drivers", name, **keys)
 
-    def parameter(self, name: str, value: float) -> Self:
+    def parameter(self, name: str, value: Value) -> Self:
         """Name a number that formulas may use."""
         return self._put("parameters", name, value)
 

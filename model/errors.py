@@ -198,19 +198,22 @@ class AssemblyError(SolveError):
 
 
 class MotionError(SolveError):
-    """A linkage cannot be moved on.
+    """A mechanism cannot be moved on.
 
     Parameters
     ----------
     problem : str
         Where it stopped, what holds it, and what to do.
-    trajectory : kousoku.runtime.linkage.Trajectory
-        All good positions up to there.
+    result : kousoku.runtime.integrate.result.Result
+        All good rows up to there.
     """
 
-    def __init__(self, problem: str, trajectory: object) -> None:
-        self.trajectory = trajectory
+    def __init__(self, problem: str, result: object) -> None:
+        self.result = result
         super().__init__(problem)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return type(self), (str(self), self.result)
 
 
 class LedgerError(KousokuError):

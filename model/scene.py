@@ -8,6 +8,7 @@ from typing import Literal
 
 import msgspec
 
+from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Joint
@@ -92,7 +93,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     sliders: Mapping[str, Slider] = {}
     bodies: Mapping[str, Body] = {}
     joints: Mapping[str, Joint] = {}
-    parameters: Mapping[str, float] = {}
+    parameters: Mapping[str, NumberOrAngle] = {}
     coordinates: Mapping[str, Coordinate] = {}
     drivers: Mapping[str, Driver] = {}
     forces: Mapping[str, Force] = {}

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,17 +13,9 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import require_callable, require_numbers
-from kousoku.runtime.integrate.settings import (
-    BAD_ARGUMENT,
-    BUFFER_FULL,
-    GOOD,
-    NOT_ASSEMBLED,
-    NOT_PROJECTED,
-    PAUSED,
-    STEP_TOO_SMALL,
-    WRONG_STATE,
-)
-from kousoku.runtime.motion import motion_of
+from kousoku.runtime.initial import started_at
+from kousoku.runtime.integrate.motion import Motion
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
@@ -35,21 +26,22 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.motion import Motion
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
 
-MESSAGES = {
-    STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
-    " fast, or the tolerance is too tight for doubles",
-    NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
+MESSAGES: dict[int, str] = {
+    Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
+    " too fast, or the tolerance is too tight for doubles",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
     " dependent; steps of other lengths may pass such a place",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
-    " motion there, or a formula of a force has no finite value there",
-    BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
-    WRONG_STATE: "the state belongs to another solver",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
+    " determine the motion there, or a formula of a force has no finite value there",
+    Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
+    Status.WRONG_STATE: "the state belongs to another solver",
 }
+#: What a run that is not over goes on after.
+GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
 #: Instead of the first of them, where drivers determine the motion.
 NO_FURTHER = (
     "no step can be taken: drivers lead no further, as at a dead centre, or the motion is not"
@@ -84,15 +76,15 @@ class SavedRun:
 
 
 class Interrupted(KeyboardInterrupt):
-    """The user stopped a run; ``motion`` has what was computed, ``run`` can go on.
+    """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
 
     It is a ``KeyboardInterrupt``: a script stops, unless it asks for it.
     """
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        self.motion = run.motion()
-        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.motion)} rows")
+        self.result = run.motion()
+        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.result)} rows")
 
 
 class Run:
@@ -119,7 +111,7 @@ class Run:
         self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
         self._there = with_parameters(solver, self._values)
         self.seconds = {"start": 0.0, "run": 0.0}
-        self._status = PAUSED
+        self._status: int = Status.PAUSED
         target = solver.target
         try:
             self._rows = np.empty((len(times), target.row_size))
@@ -140,14 +132,18 @@ class Run:
         begin = time.perf_counter()
         given = (self._there.q, self._there.v, self._values)
         status = self.solver.target.start(0.0, *given, self._memory)
+        if status == Status.GOOD and any(self.options.initial):
+            y = self.solver.state["y"].view(self.state)
+            led = started_at(self._there, self.options.initial, self._values, y)
+            status = self.solver.target.start(0.0, *led, self._values, self._memory)
         self.seconds["start"] = time.perf_counter() - begin
-        if status != GOOD:
+        if status != Status.GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
         require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
-        if status != NOT_ASSEMBLED or self.solver.design is None:
+        if status != Status.NOT_ASSEMBLED or self.solver.design is None:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
@@ -156,9 +152,13 @@ class Run:
         target = self.solver.target
         sizes = (len(saved.state), *saved.rows.shape[1:])
         if sizes != (target.state_size, target.row_size):
-            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}: its size differs")
-        if target.pivots(self._memory, self._scratch()) == WRONG_STATE:
-            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
+            raise SolveError(
+                f"{self.solver.name}: {MESSAGES[Status.WRONG_STATE]}: its size differs"
+            )
+        if target.pivots(self._memory, self._scratch()) == Status.WRONG_STATE:
+            raise SolveError(
+                f"{self.solver.name}: {MESSAGES[Status.WRONG_STATE]}, or is not started"
+            )
 
     def _scratch(self) -> Array:
         return np.zeros(len(self.solver.rows) + 1)
@@ -195,7 +195,7 @@ class Run:
         Returns
         -------
         int
-            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
+            A `Status`: ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
 
         Raises
         ------
@@ -231,7 +231,7 @@ class Run:
         require_callable(self.solver.name, progress)
         steps = STEPS
         try:
-            while self.advance(min(steps, self._steps_left())) in (BUFFER_FULL, PAUSED):
+            while self.advance(min(steps, self._steps_left())) in GOES_ON:
                 if self._steps_left() <= 0:
                     raise MotionError(self._too_many(), self.motion())
                 pulse = self.seconds["run"] / max(self.steps, 1)
@@ -240,7 +240,7 @@ class Run:
                     progress(self.time, float(self.times[-1]))
         except KeyboardInterrupt:
             raise Interrupted(self) from None
-        if self._status != GOOD:
+        if self._status != Status.GOOD:
             raise MotionError(self._stop(), self.motion())
         return self.motion()
 
@@ -255,14 +255,14 @@ class Run:
         )
 
     def _stop(self) -> str:
-        is_driven = self.options.method == KINEMATICS and self._status == STEP_TOO_SMALL
+        is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
         return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"
 
     def _where(self) -> str:
         """Name the joints that are open, and those whose rows are dependent."""
         residuals, pivots = self._residuals(), self._scratch()
-        if self.solver.target.pivots(self._memory, pivots) != GOOD:
+        if self.solver.target.pivots(self._memory, pivots) != Status.GOOD:
             return ""
         text = joints_at_stop(self.solver.rows, residuals, pivots[:-1])
         return text + joints_of_bodies(
@@ -271,26 +271,17 @@ class Run:
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
-        begin = time.perf_counter()
-        solver = self.solver
-        ledger = ledger_of(
-            {name: field.view(self.state) for name, field in solver.state.items()},
-            solver.rows,
-            self.options,
-            {},
-            solver.works,
-            left_out=solver.left_out,
-            reduced=solver.reduced,
-            order=solver.checked,
-            kept=solver.kept,
-            length=solver.length,
-            is_weighed=solver.is_weighed,
-        )
-        is_complete = self.written == len(self.times)
         rows = self._rows[: self.written]
-        motion = motion_of(self._there, rows, ledger, is_complete=is_complete)
-        seconds = self.seconds | {"tables": time.perf_counter() - begin}
-        return replace(motion, ledger=replace(ledger, seconds=MappingProxyType(seconds)))
+        rows.flags.writeable = False
+        state, seconds = self.state.copy(), dict(self.seconds)
+        return Motion(
+            self._there.layout,
+            rows,
+            target=self.solver.target.name,
+            method=self.options.method,
+            ledger=lambda: ledger_of(self.solver, state, self.options, seconds),
+            is_complete=len(rows) == len(self.times),
+        )
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from kousoku import __version__
+from kousoku.cli.cache import cache
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
 from kousoku.cli.explain import explain
@@ -46,7 +47,7 @@ def _kousoku(
     """Derive constraint equations, emit them as NumPy and C, verify what was emitted, solve.
 
     Exit codes: 0 all is well, 1 emitted code or a proof disagrees with what was derived, 2 bad
-    input.
+    input, 3 a motion that stopped, 130 Ctrl-C.
     """
 
 
@@ -58,6 +59,7 @@ app.command("solve")(solve)
 app.command("simulate")(simulate)
 app.command("ledger")(ledger)
 app.command("list")(list_names)
+app.command("cache")(cache)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

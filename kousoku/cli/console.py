@@ -13,10 +13,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from kousoku.model.errors import DerivationError, LoadError
+from kousoku.model.text import table
 from kousoku.symbolic import KINDS, packages_of
 
-#: Exit codes: emitted code disagrees with what was derived; bad input.
-DISAGREEMENT, BAD_INPUT = 1, 2
+#: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped.
+DISAGREEMENT, BAD_INPUT, STOPPED = 1, 2, 3
 
 
 class Target(StrEnum):
@@ -109,17 +110,8 @@ def print_table(
     title: str = "",
     numbers: bool = False,
 ) -> None:
-    """Print a table, the same on a terminal and in a pipe; numbers stand to the right."""
-    if title:
-        typer.echo(title)
-    lines = [columns, *rows]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
-    for line in lines:
-        cells = [
-            cell.rjust(width) if numbers else cell.ljust(width)
-            for cell, width in zip(line, widths, strict=True)
-        ]
-        typer.echo("  ".join(cells).rstrip())
+    """Print a table, the same on a terminal and in a pipe."""
+    typer.echo(table(columns, rows, title=title, numbers=numbers))
 
 
 def progress() -> Progress:

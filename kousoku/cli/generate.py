@@ -1,11 +1,11 @@
 """``kousoku generate``: from kinds and scenes to folders of NumPy and C."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -18,9 +18,6 @@ from kousoku.cli.console import (
     progress,
 )
 from kousoku.model.errors import EmitError
-
-if TYPE_CHECKING:
-    from kousoku.model.scene import Scene
 
 SourceTree = dict[str, str]
 
@@ -74,7 +71,7 @@ def generate(
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
     orders = [order for name in names or [""] for order in _orders(name, out)]
     with progress() as bar:
-        trees = [_only(order.make(), target) for order in bar.track(orders, description="generate")]
+        trees = [_files(order, target) for order in bar.track(orders, description="generate")]
     if check:
         _report_check(orders, trees, _leftovers() if not names and out is None else [], as_json)
         return
@@ -97,16 +94,15 @@ def _shown(folder: Path) -> Path:
     return folder.relative_to(here) if folder.is_relative_to(here) else folder
 
 
-def _only(tree: SourceTree, target: Emitted) -> SourceTree:
-    """Return a package without the sources of the other target, and its manifest without them."""
-    from kousoku.codegen.generate import MANIFEST_FILE
-    from kousoku.model.manifest import Manifest
+def _files(order: Order, target: Emitted) -> SourceTree:
+    """Return a package as it is written into its folder, without sources of the other target."""
+    from kousoku.cli.scenes import as_committed
+    from kousoku.codegen.generate import without
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
-    kept = {name: text for name, text in tree.items() if not name.endswith(left_out)}
-    manifest = Manifest.from_json(tree[MANIFEST_FILE])
-    files = tuple(file for file in manifest.files if file[0] in kept)
-    return kept | {MANIFEST_FILE: replace(manifest, files=files).to_json()}
+    tree = without(order.make(), *left_out)
+    is_committed = order.folder.resolve().is_relative_to(generated_folder())
+    return as_committed(tree) if is_committed else tree
 
 
 def _orders(name: str, out: Path | None) -> list[Order]:
@@ -128,25 +124,17 @@ def _orders(name: str, out: Path | None) -> list[Order]:
 
 def _scene_order(path: Path, out: Path | None) -> Order:
     from kousoku.cli.scenes import scene_folder
-    from kousoku.codegen.dynamics.generate import generate_dynamics
-    from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.read import read_scene
+    from kousoku.loading import Given, generated, naming
 
-    scene = read_scene(path)
+    given = Given.of(path)
+    scene = given.read()
     folder = scene_folder(scene.name) if out is None else out / scene.name
-    if scene.is_spatial:
-        return Order(
-            folder, partial(_made, path, partial(generate_dynamics, references=True), scene)
-        )
-    return Order(folder, partial(_made, path, generate_scene, scene))
 
+    def make() -> SourceTree:
+        with naming(given.file):
+            return generated(scene, references=True)
 
-def _made(path: Path, make: "Callable[[Scene], SourceTree]", scene: "Scene") -> SourceTree:
-    """Return the solver of a scene; what is wrong with it is told with its file."""
-    from kousoku.cli.scenes import naming
-
-    with naming(path):
-        return make(scene)
+    return Order(folder, make)
 
 
 def _kinds_folder() -> Path:

@@ -22,6 +22,7 @@ FILES = {
     "kernels.h",
     "kernels.py",
     "kernels_batch.c",
+    "lanes.h",
     "manifest.json",
     "reference.json.gz",
 }

@@ -95,7 +95,7 @@ def test_tolerances_near_rounding_do_not_stagnate(load: Load, tolerance: float) 
 def test_run_that_needs_too_many_steps_is_stopped_and_keeps_its_rows(load: Load) -> None:
     with pytest.raises(MotionError, match=r"at t = \S+ s: 20 steps are made .* larger tol") as stop:
         load(chain(3)).simulate(10.0, samples=1001, most_steps=20)
-    motion = stop.value.trajectory
+    motion = stop.value.result
     assert isinstance(motion, Motion)
     assert 10 < len(motion) < 1001
     assert not motion.is_complete
@@ -118,7 +118,7 @@ def test_motion_that_is_too_fast_for_any_step_stops_at_its_last_good_state(load:
     builder.joint("hinge", type="revolute", bodies=("ground", "rod"), at=(0, 0, 0), axis=(0, 0, 1))
     with pytest.raises(MotionError, match=r"at t = .* no step can be taken.*joints\.hinge") as stop:
         load(builder.build()).simulate(1.0)
-    motion = stop.value.trajectory
+    motion = stop.value.result
     assert isinstance(motion, Motion)
     assert len(motion) == 1
     assert np.isfinite(motion.position["rod"]).all()

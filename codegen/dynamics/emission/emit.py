@@ -15,6 +15,7 @@ from kousoku.codegen.emit import along, environment, manifest, template
 from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
 from kousoku.runtime.integrate.methods import METHODS
+from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -23,13 +24,6 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 MOTION_FILE = "motion.json"
-#: What a row has for each output beyond positions and velocities.
-PARTS_OF_ROWS = {
-    "accelerations": "v_dot",
-    "coordinates": "coordinates",
-    "reactions": "reactions",
-    "energies": "energies",
-}
 TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",

@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import is_driven, start_plac
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
+from kousoku.model.system import METRES
 from kousoku.model.varying import fixed_system, is_varying
 from kousoku.runtime.integrate.state import fields_as_data
 
@@ -26,6 +27,8 @@ if TYPE_CHECKING:
 LENGTHS = ("point", "distance", "length", "n2", "p2")
 #: Regions that hold what is given, or what no evaluation finds.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
+#: Names of units by their lengths in metres.
+UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.items()}
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
@@ -53,6 +56,7 @@ def motion_data(
         "format": 1,
         "name": system.name,
         "unit": system.unit,
+        "unit_name": UNIT_NAMES[system.unit],
         **_start(program),
         "bodies": _bodies(program, system, q, v),
         "parameters": [[name, value] for name, value in system.parameters],

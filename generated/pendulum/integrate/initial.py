@@ -1,0 +1,552 @@
+"""Initial values of a run: coordinates, or whole bodies, where the scene does not start.
+
+Coordinates are led from the start of the scene by small steps, on the branch on which it is
+assembled. All is asked of :meth:`Evaluate`, which compiled solvers and those in NumPy have: rates
+of coordinates are linear in v, so that unit velocities tell their Jacobian J, and ``dv`` projects
+onto the constraints: what it makes of M⁻¹Jᵀ is the least motion that moves the coordinates.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .body_tables import composed, crossed, rotated
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import Protocol, TypeAlias
+
+    import numpy.typing as npt
+
+    from .body_tables import BodyPlaces
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+    class Evaluate(Protocol):
+        """What a scene computes at time 0, by the names of ``places`` of ``motion.json``."""
+
+        def __call__(self, q: Array, v: Array) -> Mapping[str, Array]:
+            """Compute it."""
+
+
+#: The largest correction after a step, and the longest step, lengths relative to the scene's.
+CLOSE, LONGEST = 0.02, 0.3
+#: The largest change of direction from step to step, relative; other branches lead elsewhere.
+SMOOTH = 0.5
+#: The shortest step, as a part of the way; what steps that fail and that succeed are changed by:
+#: halves would meet the middle of a way, where a parallelogram may lie flat.
+SHORTEST, SHRINK, GROW = 1e-7, 0.6, 1.7
+#: Corrections on the way, and at its end, that are small enough; how many are tried.
+NEAR, ROUNDING, MOST = 1e-6, 1e-15, 30
+#: A coordinate depends on others where so little of its motion is its own, squared.
+DEPENDENT = 1e-10
+#: One that is not given stays as in the scene where so much of its motion is its own, squared.
+APART = 1e-4
+#: What values may miss: coordinates that others determine, and bodies that are placed.
+AGREES, MISSES = 1e-9, 1e-6
+#: What turns a body back, of Euler parameters.
+BACK = np.array([1.0, -1.0, -1.0, -1.0])
+#: What is free has settled; how many steps tell the next one.
+SETTLED, DEPTH = 1e-13, 8
+#: A whole turn, and so many that are tried to close gears.
+TURN, MOST_TURNS = 2.0 * np.pi, 1000
+
+
+class Start(NamedTuple):
+    """A scene where it starts.
+
+    Parameters
+    ----------
+    evaluate : Evaluate
+        With the parameters of the run.
+    q, v : array
+        Where the scene starts, on the constraints.
+    bodies : sequence of BodyPlaces
+        In the order of the scene.
+    coordinates : mapping of str to (int, int, float)
+        Where value and rate of each coordinate stand among the coordinates, and its unit [SI].
+    rows : sequence of (str, str)
+        Joint or driver of each constraint, and its unit, in the order of ``C_dot``.
+    works : sequence of int
+        Places in q that are no positions.
+    length : float [m]
+        A length of the scene.
+    unit : float [m]
+        Its unit of length.
+    """
+
+    evaluate: Evaluate
+    q: Array
+    v: Array
+    bodies: Sequence[BodyPlaces]
+    coordinates: Mapping[str, tuple[int, int, float]]
+    rows: Sequence[tuple[str, str]]
+    works: Sequence[int]
+    length: float
+    unit: float
+
+
+class Jacobian(NamedTuple):
+    """What moves the coordinates at some position.
+
+    Parameters
+    ----------
+    J : (n, nv) array
+        Rates of all coordinates per velocity.
+    ways : (n, nv) array
+        Least motion for each coordinate, on the constraints, and before it is brought onto them.
+    free : (n, nv) array
+        The same before they are brought onto them.
+    rows : (rows, nv) array
+        C_q where J is not zero.
+    """
+
+    J: Array
+    ways: Array
+    free: Array
+    rows: Array
+
+
+class Leader:
+    """What leads coordinates of a scene.
+
+    Parameters
+    ----------
+    start : Start
+        Where it starts.
+    """
+
+    def __init__(self, start: Start) -> None:
+        self.start, self.evaluate = start, start.evaluate
+        self.names = [*start.coordinates]
+        table = np.array([*start.coordinates.values()]).reshape(-1, 3).T
+        self.values, self.rates = table[:2].astype(int)
+        self.units = table[2]
+        self.rest = np.zeros(len(start.v))
+        self.sizes = np.ones(len(start.v))
+        self.sizes_q = np.ones(len(start.q))
+        own: dict[tuple[int, ...], None] = {}
+        for body in start.bodies:
+            for places, sizes in ((body.r, self.sizes_q), (body.v, self.sizes)):
+                sizes[_indices(places)] = start.length
+            own.setdefault(tuple(_indices((*body.v, *body.omega_b))))
+        self.moves = np.ones(len(start.q))
+        self.moves[[*start.works]] = 0.0
+        places = {k for body in start.bodies for k in _indices((*body.r, *body.p))}
+        self.turns = [k for k in range(len(start.q)) if k not in places.union(start.works)]
+        probe = np.cos(np.arange(len(start.v)))  # no direction in particular
+        responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
+        moved = [one for one, rates in zip(own, responses, strict=True) if rates.any()]
+        self.support = sorted({k for one in moved for k in one})
+
+    def _rates(self, v: Array) -> Array:
+        return self.evaluate(self.start.q, v)["coordinates"][self.rates]
+
+    def value(self, q: Array) -> Array:
+        """Return the coordinates at a position."""
+        return self.evaluate(q, self.rest)["coordinates"][self.values]
+
+    def jacobian(self, q: Array) -> Jacobian:
+        """Return what moves the coordinates."""
+        still = self.evaluate(q, self.rest)
+        jacobian = np.zeros((len(self.names), len(self.rest)))
+        rows = np.zeros((len(still["C_dot"]), len(self.rest)))
+        weights = np.ones(len(self.rest))
+        for k in self.support:
+            unit = self.rest.copy()
+            unit[k] = 1.0
+            found = self.evaluate(q, unit)
+            jacobian[:, k] = found["coordinates"][self.rates]
+            rows[:, k] = found["C_dot"] - still["C_dot"]
+            mass = 2.0 * found["energies"][0]
+            weights[k] = 1.0 / mass if mass > 0.0 else 1.0
+        free = jacobian * weights
+        ways = free + [self.evaluate(q, way)["dv"] - still["dv"] for way in free]
+        return Jacobian(jacobian, ways.reshape(jacobian.shape), free, rows)
+
+    def independent(
+        self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
+    ) -> list[int]:
+        """Return the coordinates that can be moved apart from those before; given ones first."""
+        chosen: list[int] = []
+        whole = at.J @ at.ways.T
+        own = np.einsum("kv,kv->k", at.J, at.free)
+        for k in dict.fromkeys((*given, *first, *range(len(own)))):
+            rest = whole[k, k]
+            if chosen:
+                among = whole[np.ix_(chosen, chosen)]
+                rest -= whole[k, chosen] @ np.linalg.solve(among, whole[chosen, k])
+            if rest > (DEPENDENT if k in given else APART) * own[k]:
+                chosen.append(k)
+        return chosen
+
+    def size(self, u: Array) -> float:
+        """Return the largest element of a displacement, lengths relative to the scene's."""
+        return float(np.max(np.abs(u) / self.sizes, initial=0.0))
+
+    def displaced(self, q: Array, u: Array) -> Array:
+        """Return a position that is displaced by a velocity in unit time."""
+        return q + self.moves * self.evaluate(q, u)["q_dot"]
+
+    def met(
+        self, q: Array, ways: Array, chosen: Sequence[int], goal: Array, enough: float
+    ) -> tuple[Array, float]:
+        """Return a position near q that meets constraints and the goal, and what it still misses.
+
+        That is infinite where the first correction is not small.
+        """
+        before = last = np.inf
+        for attempt in range(MOST):
+            found = self.evaluate(q, self.rest)
+            miss = goal - found["coordinates"][self.values][chosen]
+            change = (found["q_moved"] - q) / self.sizes_q
+            moves = miss @ ways
+            left = max(float(np.max(np.abs(change), initial=0.0)), self.size(moves))
+            if not left <= (before if attempt else CLOSE):
+                return q, last
+            q = self.displaced(found["q_moved"], moves)
+            if left <= enough:
+                return q, left
+            before, last = last, left  # joints and coordinates are met in turn
+        return q, last
+
+    def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
+        """Return a position on the way to values of coordinates, and which part of it was made."""
+        if not chosen:
+            return q, 1.0
+        begin = self.value(q)[chosen]
+        way = wanted - begin
+        made, step = 0.0, 1.0
+        ways = self._ways(self.jacobian(q), chosen)
+        while made < 1.0:
+            direction = way @ ways
+            size = self.size(direction)
+            step = min(step, LONGEST / size if size > 0.0 else 1.0)
+            following = min(made + step, 1.0)
+            goal = wanted if following == 1.0 else begin + following * way
+            tried = self.displaced(q, (following - made) * direction)
+            tried, left = self.met(tried, ways, chosen, goal, NEAR)
+            if left <= NEAR:
+                at = self._ways(self.jacobian(tried), chosen)
+                if self.size(way @ at - direction) <= SMOOTH * size:
+                    q, ways, made, step = tried, at, following, GROW * step
+                    continue
+            step *= SHRINK
+            if not step >= SHORTEST:
+                return q, made
+        return q, 1.0
+
+    def _ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
+        """Return the least motions that move one of the coordinates each."""
+        among = at.J[chosen] @ at.ways[chosen].T
+        try:
+            found: Array = np.linalg.solve(among.T, at.ways[chosen])
+        except np.linalg.LinAlgError:
+            return np.full((len(chosen), len(self.rest)), np.inf)
+        return found
+
+    def polished(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
+        """Return a position that meets constraints and values of coordinates to rounding."""
+        before = np.inf
+        for _ in range(MOST):
+            q, left = self.met(q, self._ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING)
+            if left <= ROUNDING or not left < 0.5 * before:
+                break
+            before = left
+        return q
+
+    def difference(self, q: Array) -> Array:
+        """Return the displacement from the start to a position; of a turn twice sin of its half."""
+        u = self.rest.copy()
+        for body in self.start.bodies:
+            ends = []
+            for at in (self.start.q, q):
+                ends.append([_taken(places, at) for places in (body.r, body.p)])
+            (r_start, p_start), (r, p) = ends
+            found = r - r_start
+            if body.p:
+                found = np.append(found, 2.0 * composed(p_start * BACK, p)[1:])
+            for k, x in zip((*body.v, *body.omega_b), found, strict=True):
+                if isinstance(k, int):
+                    u[k] = x
+        return u
+
+    def nearest(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
+        """Return the position next to the start where coordinates have their values.
+
+        What is free beyond them comes back as near as it can, so that the way does not matter: a
+        fixed point, found by Anderson's method.
+        """
+        steps: list[Array] = []
+        wishes: list[Array] = []
+        here = q
+        for _ in range(2 * MOST):
+            at = self.jacobian(here)
+            ways = self._ways(at, chosen)
+            wish = -self.difference(here)
+            for _ in range(2):
+                wish = self.on_constraints(here, wish)
+                wish = wish - (at.J[chosen] @ wish) @ ways
+            if self.size(wish) <= SETTLED:
+                return here
+            step = wish
+            if wishes:
+                changes = np.diff([*wishes, wish], axis=0)[-DEPTH:]
+                parts = np.linalg.lstsq((changes / self.sizes).T, wish / self.sizes, rcond=None)[0]
+                step = wish - parts @ (changes + steps[-len(changes) :])
+            step = step * min(1.0, LONGEST / self.size(step))
+            here, left = self.met(self.displaced(here, step), ways, chosen, wanted, ROUNDING)
+            if not left <= NEAR:
+                break
+            wishes.append(wish)
+            steps.append(step)
+        return q
+
+    def on_constraints(self, q: Array, u: Array) -> Array:
+        """Return a displacement that opens no joint."""
+        found: Array = u + (self.evaluate(q, u)["dv"] - self.evaluate(q, self.rest)["dv"])
+        return found
+
+    def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
+        """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
+        v, ways = self.start.v, self._ways(at, chosen)
+        for _ in range(2):  # the second time takes away what is rounded in the first
+            v = v + self.evaluate(q, v)["dv"]
+            v = v + (wanted - at.J[chosen] @ v) @ ways
+        return v
+
+    def open_rows(self, left: Array, speed: float) -> list[str]:
+        """Return the joints whose rows do not hold, and how far."""
+        worst: dict[str, float] = {}
+        for (name, unit), size in zip(self.start.rows, np.abs(left), strict=True):
+            if not size <= MISSES * speed * (self.start.length if unit == "m" else 1.0):
+                worst[f"{name} by {{}} {unit}"] = max(
+                    size, worst.get(f"{name} by {{}} {unit}", 0.0)
+                )
+        return [text.format(f"{size:.3g}") for text, size in worst.items()]
+
+    def residuals(self, q: Array) -> Array:
+        """Return what is left of all rows."""
+        found = self.evaluate(q, self.rest)
+        return np.concatenate([found["C"], found["C_left_out"]])
+
+    def turned(self, q: Array) -> None:
+        """Add whole turns to the angles of q that close gears: no orientation tells them."""
+        left = self.residuals(q)
+        slopes = np.zeros((len(left), len(q)))
+        for k in self.turns:
+            other = q.copy()
+            other[k] += TURN
+            slopes[:, k] = self.residuals(other) - left
+        counts = np.repeat(np.arange(1.0, MOST_TURNS), 2) * np.tile([1.0, -1.0], MOST_TURNS - 1)
+        for k in self.turns:
+            rows = np.flatnonzero(np.abs(slopes[:, k]) > MISSES)
+            geared = [m for m in self.turns if m != k and np.abs(slopes[rows, m]).max(initial=0.0)]
+            if not len(rows) or np.abs(left[rows]).max() <= MISSES:
+                continue
+            own, others = slopes[rows, k], slopes[np.ix_(rows, geared)]
+            beyond = left[rows] + np.outer(counts, own)
+            turns = np.round(-beyond @ np.linalg.pinv(others).T)
+            misses = np.abs(beyond + turns @ others.T).max(axis=1)
+            best = int(np.argmax(misses <= MISSES))
+            if misses[best] <= MISSES:
+                q[k] += TURN * counts[best]
+                q[geared] += TURN * turns[best]
+                left = self.residuals(q)
+
+    def opening(self, q: Array, v: Array) -> list[str]:
+        """Return the joints that velocities open."""
+        return [
+            f"{text}/s"
+            for text in self.open_rows(self.evaluate(q, v)["C_dot"], max(1.0, self.size(v)))
+        ]
+
+    def drivers(self, at: Jacobian, k: int) -> str:
+        """Return the drivers that move a coordinate."""
+        slopes = at.J[k]
+        size = float(np.linalg.norm(slopes))
+        return ", ".join(
+            name
+            for (name, _), row in zip(self.start.rows, at.rows, strict=True)
+            if name.startswith("drivers.")
+            and abs(row @ slopes) >= (1.0 - AGREES) * size * np.linalg.norm(row) > 0.0
+        )
+
+
+def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
+    """Return where a scene starts when some coordinates and rates are given.
+
+    Coordinates that are not given stay as they are in the scene where they do not depend on those
+    that are; rates likewise, at last. What else is free moves as little as it can.
+
+    Parameters
+    ----------
+    start : Start
+        The scene.
+    initial : mapping of str to float
+        Values by the names of coordinates, ``theta``, and rates, ``theta_dot``, in the unit of the
+        scene; angles count turns.
+
+    Returns
+    -------
+    q, v : array
+        On the constraints.
+
+    Raises
+    ------
+    ValueError
+        They cannot be reached, or contradict drivers or each other.
+    """
+    leader, q = Leader(start), start.q
+    at = leader.jacobian(q)
+    values = {leader.names.index(name): x for name, x in initial.items() if name in leader.names}
+    rates = {
+        leader.names.index(name.removesuffix("_dot")): x
+        for name, x in initial.items()
+        if name not in leader.names
+    }
+    if values:
+        wanted = leader.value(q)
+        wanted[[*values]] = [*values.values()] * leader.units[[*values]]
+        chosen = leader.independent(at, [*values])
+        q, made = leader.led(start.q, chosen, wanted[chosen])
+        if made < 1.0 and not values.keys() >= set(chosen):
+            chosen = [k for k in chosen if k in values]
+            q, made = leader.led(start.q, chosen, wanted[chosen])
+        if made < 1.0:
+            raise ValueError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
+        q = leader.nearest(leader.polished(q, chosen, wanted[chosen]), chosen, wanted[chosen])
+        q[[*start.works]] = start.q[[*start.works]]
+        at = leader.jacobian(q)
+        _require(leader, at, values, leader.value(q), "")
+    wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
+    wanted[[*rates]] = [*rates.values()] * leader.units[[*rates]]
+    chosen = leader.independent(at, [*rates], [*values])
+    v = leader.moving(q, at, chosen, wanted[chosen])
+    _require(leader, at, rates, start.evaluate(q, v)["coordinates"][leader.rates], "_dot")
+    return q, v
+
+
+def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Array]:
+    """Return where a scene starts when its bodies are placed, or are given velocities.
+
+    Parameters
+    ----------
+    start : Start
+        The scene.
+    q0 : array, optional
+        For each body r of its frame's origin in frame O, in the unit of the scene, then its Euler
+        parameters, scalar first, unless it is a point.
+    v0 : array, optional
+        For each body the velocity of that origin in frame O, then ω′ [rad/s] unless it is a point.
+
+    Returns
+    -------
+    q, v : array
+        On the constraints.
+
+    Raises
+    ------
+    ValueError
+        Bodies or velocities are not where the solver can have them, or joints are open.
+    """
+    leader, problems = Leader(start), []
+    q, v = start.q.copy(), start.v.copy()
+    for values, places, taken in ((q0, "r p", q), (v0, "v omega_b", v)):
+        if values is None:
+            continue
+        known = np.zeros(len(taken), bool)
+        rest = np.asarray(values, float)
+        for body in start.bodies:
+            count = 3 + len(getattr(body, places.split()[1]))
+            given, rest = rest[:count].copy(), rest[count:]
+            to = getattr(body, places.split()[0]) + getattr(body, places.split()[1])
+            given[:3] *= start.unit
+            found = _of_masses(body, q, given, is_position=taken is q)
+            problems += _put(body.name, found, to, taken, known, start.length)
+    if not problems and q0 is not None:
+        leader.turned(q)
+        problems += leader.open_rows(leader.residuals(q), 1.0)
+        q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING)
+    if not problems and v0 is not None:
+        problems += leader.opening(q, v)
+        v = v + start.evaluate(q, v)["dv"]
+    if problems:
+        raise ValueError(f"q0 or v0 cannot be: {'; '.join(problems)}")
+    if v0 is None:
+        at, rates = leader.jacobian(q), start.evaluate(start.q, start.v)["coordinates"]
+        chosen = leader.independent(at, [])
+        v = leader.moving(q, at, chosen, rates[leader.rates][chosen])
+    return q, v
+
+
+def _of_masses(body: BodyPlaces, q: Array, given: Array, *, is_position: bool) -> Array:
+    """Return position or velocity of the centre of mass and the principal frame."""
+    if not body.p:
+        return given
+    arm, axes = np.array(body.origin_b, float), np.array(body.axes_b, float)
+    p = _taken(body.p, q)
+    if is_position:
+        turned = composed(given[3:], axes * BACK)
+        turned = -turned if turned @ p < 0.0 else turned
+        return np.concatenate([given[:3] - rotated(turned, arm), turned])
+    omega = rotated(axes, given[3:])
+    return np.concatenate([given[:3] - rotated(p, crossed(omega, arm)), omega])
+
+
+def _put(
+    name: str, found: Array, to: Sequence[float], taken: Array, known: Array, length: float
+) -> Iterator[str]:
+    """Put a body where it stands in q or v; yield what does not agree with what is there."""
+    misses = []
+    for k, (place_, value) in enumerate(zip(to, found, strict=True)):
+        is_fixed = not isinstance(place_, int) or known[place_]
+        if is_fixed:
+            has = taken[place_] if isinstance(place_, int) else place_
+            misses.append(abs(value - has) / (length if k < 3 else 1.0))
+        else:
+            taken[place_], known[place_] = value, True
+    if max(misses, default=0.0) > MISSES * max(1.0, float(np.max(np.abs(found)))):
+        yield (
+            f"body {name} by {max(misses):.3g}, relative to {length:.6g} m: the scene is proven to"
+            " keep it in a plane or on a line, or another body is fixed to it"
+        )
+
+
+def _too_far(leader: Leader, q: Array, values: Mapping[int, float], made: float) -> str:
+    """Say how far coordinates were led."""
+    reached, begun = (leader.value(at) / leader.units for at in (q, leader.start.q))
+    parts = [
+        f"{leader.names[k]} comes from {begun[k]:.6g} to {reached[k]:.6g} of {wanted:.6g}"
+        for k, wanted in values.items()
+    ]
+    return (
+        f"initial values are not reached: {', '.join(parts)} ({100.0 * made:.3g} % of the way);"
+        " joints or drivers lead no further, as at a dead centre, or rows become dependent there"
+    )
+
+
+def _require(
+    leader: Leader, at: Jacobian, given: Mapping[int, float], found: Array, suffix: str
+) -> None:
+    """Refuse what is not met: drivers determine it, or coordinates depend on each other."""
+    problems = []
+    for k, wanted in given.items():
+        has = found[k] / leader.units[k]
+        if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
+            name = f"{leader.names[k]}{suffix}"
+            drivers = leader.drivers(at, k)
+            why = f"{drivers} says so at t = 0" if drivers else "it follows from what else is there"
+            problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
+    if problems:
+        raise ValueError(f"initial values do not fit: {'; '.join(problems)}")
+
+
+def _taken(places: Sequence[float], q: Array) -> Array:
+    return np.array([q[k] if isinstance(k, int) else k for k in places])
+
+
+def _indices(places: Sequence[float]) -> list[int]:
+    return [place for place in places if isinstance(place, int)]
