@@ -132,6 +132,7 @@ def _catalog() -> Catalog:
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
     records = json.loads(text)["$defs"]
+    known: dict[str, joints.JointKind | joints.Coupling]
     known = {**joints.JOINTS, **joints.COUPLINGS}
     sections = {
         "kinds": _kinds(),

@@ -38,8 +38,8 @@ def test_every_key_of_a_record_is_in_the_catalog_with_its_meaning() -> None:
         keys = {key for entry in found[section].values() for key in entry.keys}
         assert keys == set(record.__struct_fields__), section
     assert set(found["bodies"]["body"].keys) == set(spatial.Body.__struct_fields__)
-    for section in found.values():
-        for entry in section.values():
+    for table in found.values():
+        for entry in table.values():
             assert entry.title
             assert "\n" not in entry.title
             assert all(entry.keys.values()), entry
