@@ -30,7 +30,9 @@ if TYPE_CHECKING:
         SolveError,
     )
     from kousoku.model.scene import Scene
+    from kousoku.runtime.integrate.result import Result
     from kousoku.runtime.run import Interrupted, Run, SavedRun
+    from kousoku.saved import open_run
 
 __version__ = "0.1.0"
 
@@ -46,6 +48,8 @@ _MODULES = {
     "explain": "checking",
     "verify": "checking",
     "Mechanism": "mechanism",
+    "open_run": "saved",
+    "Result": "runtime.integrate.result",
     "Scene": "model.scene",
     "SceneBuilder": "model.builder",
     "Run": "runtime.run",
@@ -66,6 +70,7 @@ __all__ = [
     "KousokuError",
     "Mechanism",
     "MotionError",
+    "Result",
     "Run",
     "SavedRun",
     "Scene",
@@ -81,6 +86,7 @@ __all__ = [
     "kinds",
     "load",
     "number",
+    "open_run",
     "verify",
 ]
 

@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.interpret import ARRAY
 from kousoku.codegen.interpret import evaluate as evaluated
-from kousoku.labels import columns_of, is_turn, rows_of
+from kousoku.labels import columns_of, is_turn, listed, rows_of
 from kousoku.model.errors import SolveError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
@@ -47,7 +47,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.model.mechanism import Instance, System
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.model.mechanism import Instance, MovingBody, System
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
 
@@ -162,14 +163,27 @@ class Equations:
         self._row_scale = np.array([1 / self.unit if unit == "m" else 1.0 for unit in units])
         self._column_scale = np.array([1.0 if is_turn(x) else self.unit for x in self.columns])
         self._places = tuple(np.array(own, int) for own in zip(*self._recorded.places, strict=True))
-        #: The bodies that the scene gives no mass.
-        self.massless = tuple(body.name for body in self.system.bodies if not body.mass > 0.0)
+        #: What M lacks, empty where it has all: a rod may be thin about one axis.
+        self.lacks = _lack(self.system.bodies)
+
+    @property
+    def is_weighed(self) -> bool:
+        """Whether the scene gives all masses, and so has M and f."""
+        return not self.lacks
+
+    @cached_property
+    def _freedom(self) -> Freedom:
+        return freedom_of(fixed_system(self.system), self._program)
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Joints in so large a loop that nothing is known of whether their rows are redundant."""
+        return self._freedom.unknown
 
     @cached_property
     def redundant(self) -> npt.NDArray[np.bool_]:
         """Which rows depend on the others wherever the scene moves, (m,)."""
-        freedom = freedom_of(fixed_system(self.system), self._program)
-        left = {(row.instance, row.row) for row in freedom.dropped}
+        left = {(row.instance, row.row) for row in self._freedom.dropped}
         return np.array([(row.instance, row.row) in left for row in self._program.rows], bool)
 
     def state(
@@ -393,6 +407,14 @@ def _filled(
         if len(later) == len(rest) or not later:
             return found
         rest = later
+
+
+def _lack(bodies: Sequence[MovingBody]) -> str:
+    """Say which bodies have no mass, or no moments of inertia though they can turn."""
+    light = [body.name for body in bodies if not body.mass > 0.0]
+    still = [x.name for x in bodies if x.mass > 0.0 and not x.is_point and not any(x.inertia)]
+    pairs = (("mass", light), ("moments of inertia", still))
+    return " and ".join(f"no {what} of {listed(names)}" for what, names in pairs if names)
 
 
 def _places(system: System) -> tuple[BodyPlaces, ...]:

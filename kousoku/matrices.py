@@ -16,6 +16,7 @@ import numpy as np
 
 from kousoku.equations import equations_of
 from kousoku.labels import is_turn, listed
+from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
 
@@ -67,6 +68,8 @@ class Matrices:
     redundant : (m,) array of bool
         Rows that depend on the others wherever the scene moves. Of rows that depend on each other
         these can be left out; which of them is a choice.
+    unknown : tuple of str
+        Joints in a loop of so many rows that nothing is known of which of theirs are redundant.
     without : str
         Why there are no M and f; empty where there are.
     mass, force : array
@@ -83,6 +86,7 @@ class Matrices:
     columns: tuple[str, ...]
     units: tuple[str, ...]
     redundant: npt.NDArray[np.bool_]
+    unknown: tuple[str, ...]
     without: str
     mass: Array
     force: Array
@@ -128,7 +132,11 @@ class Matrices:
             f"  columns: {listed(self.columns)}",
             f"  rows: {listed(self.rows)}",
         ]
-        return "\n".join([*lines, f"  redundant: {listed(left)}"] if left else lines)
+        if left:
+            lines.append(f"  redundant: {listed(left)}")
+        if self.unknown:
+            lines.append(f"  not known whether redundant: rows of {listed(self.unknown)}")
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         m, n = self.C_q.shape
@@ -148,7 +156,7 @@ class Matrices:
 
 
 class Evaluation(NamedTuple):
-    """Evaluation and multipliers of a scene as it is written.
+    """Accelerations and multipliers of a scene as it is written.
 
     Parameters
     ----------
@@ -190,14 +198,16 @@ def matrices(
     Parameters
     ----------
     scene : Scene
-        A checked scene of bodies.
+        A checked scene.
     t : float [s]
         When.
     q : array
         For each body of the scene r (3) of the origin of its frame, in frame O and the unit of the
-        scene, then its Euler parameters (4), scalar first and of any norm, unless it is a point.
+        scene, then its Euler parameters (4), scalar first and of any norm, unless it is a point; of
+        a linkage x and y of each node.
     v : array
-        For each body ṙ (3) in frame O, then ω′ (3) [rad/s] in its own frame, unless it is a point.
+        For each body ṙ (3) in frame O, then ω′ (3) [rad/s] in its own frame, unless it is a point;
+        of a linkage the velocity of each node.
     parameters : mapping of str to float, optional
         Those that are not as in the scene.
     angles : mapping of str to float [rad], optional
@@ -210,8 +220,10 @@ def matrices(
     SolveError
         A number, parameter or angle is not possible.
     SceneError, AssemblyError
-        It is no scene of bodies, or its bodies do not fit together.
+        The bodies of the scene do not fit together.
     """
+    if not scene.is_spatial:
+        return _of_linkage(scene, t, q, v, parameters or angles)
     equations = equations_of(scene)
     numbers, state = equations.numbers(equations.state(t, q, v, parameters, angles))
     return _labelled(equations, numbers, state)
@@ -252,9 +264,35 @@ def evaluate(
     return Evaluation(v_dot, lam, is_unique, found.rows, found.columns)
 
 
+def _of_linkage(
+    scene: Scene, t: float, q: npt.ArrayLike, v: npt.ArrayLike, more: object
+) -> Matrices:
+    """Return the matrices of a linkage, which has no masses."""
+    if more:
+        raise SolveError(f"{scene.name}: a linkage of nodes has no parameters, and counts no turns")
+    equations = LinkageEquations(scene)
+    rows = equations.at(t, q, v)
+    n = len(equations.columns)
+    return Matrices(
+        scene.name,
+        float(t),
+        C=np.array([row.C for row in rows]),
+        C_q=np.array([row.C_q for row in rows]).reshape(-1, n),
+        nu=np.array([row.nu for row in rows]),
+        gamma=np.array([row.gamma for row in rows]),
+        rows=tuple(row.label for row in rows),
+        columns=equations.columns,
+        units=tuple(row.unit for row in rows),
+        redundant=np.zeros(len(rows), bool),
+        unknown=(),
+        without="a linkage of nodes has no masses",
+        mass=np.zeros((n, n)),
+        force=np.zeros(n),
+    )
+
+
 def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
     """Return matrices with the names of rows and columns."""
-    massless = equations.massless
     return Matrices(
         equations.name,
         state.time,
@@ -263,7 +301,8 @@ def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
         columns=equations.columns,
         units=equations.units,
         redundant=equations.redundant,
-        without=f"{listed(massless)} without a mass" if massless else "",
+        unknown=equations.unknown,
+        without=equations.lacks,
         mass=numbers.M,
         force=numbers.f,
     )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -212,8 +212,8 @@ class MotionError(SolveError):
         self.result = result
         super().__init__(problem)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return type(self), (str(self), self.result)
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.result)  # a pool of processes hands it on
 
 
 class LedgerError(KousokuError):

@@ -16,6 +16,7 @@ from kousoku.runtime.given import (
     require_callable,
     require_numbers,
     require_options,
+    require_shape,
     shown,
     times_of,
 )
@@ -232,10 +233,7 @@ class DynamicsSolver:
         state = []
         for name, given, start in (("q", q, there.q), ("v", v, there.v)):
             array = numbers_of(self.name, name, start if given is None else given)
-            if array.shape != start.shape:
-                raise SolveError(
-                    f"{self.name}: {name} has the shape {array.shape}, wanted {start.shape}"
-                )
+            require_shape(self.name, name, array, start)
             state.append(array)
         work = np.zeros(self.target.work_size)
         if self.target.evaluate(float(time), state[0], state[1], values, work) != 0:

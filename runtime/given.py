@@ -142,6 +142,18 @@ def times_of(scene: str, end: object, times: object, samples: object) -> Array:
     return chosen
 
 
+def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
+    """Refuse an array that has too many or too few numbers.
+
+    Raises
+    ------
+    SolveError
+        The message says which shape is wanted.
+    """
+    if given.shape != wanted.shape:
+        raise SolveError(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
+
+
 def require_callable(scene: str, progress: object) -> None:
     """Refuse what cannot be called with the time reached and the last time.
 

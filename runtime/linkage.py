@@ -61,6 +61,9 @@ class LinkageSolver:
     library: Library
     module: ModuleType
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return solver_of, (self.library,)
+
     @property
     def mechanism(self) -> Mechanism:
         """Nodes, links, inputs, unknowns and blocks."""

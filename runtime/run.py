@@ -3,25 +3,25 @@
 from __future__ import annotations
 
 import sys
-import time
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.given import require_callable, require_numbers
-from kousoku.runtime.initial import started_at
+from kousoku.runtime.given import numbers_of, require_callable, require_numbers, require_shape
+from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import Status
-from kousoku.runtime.options import KINEMATICS
+from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
 
     import numpy.typing as npt
 
@@ -108,38 +108,97 @@ class Run:
         self.solver = solver
         self.times = times
         self.options = options
-        self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
-        self._there = with_parameters(solver, self._values)
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status: int = Status.PAUSED
         target = solver.target
-        try:
-            self._rows = np.empty((len(times), target.row_size))
-        except MemoryError:
-            raise SolveError(
-                f"{solver.name}: no room for {len(times)} rows of {target.row_size} numbers; ask"
-                " for fewer times"
-            ) from None
+        self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
+        self._there = with_parameters(solver, self._values)
+        self._q, self._v = self._there.q.copy(), self._there.v.copy()
+        self._rows = self._room()
+        self._is_shown = False
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
+        self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
+        self._go = target.runner(options.settings(), times, self._memory)
+        self._places = {name: solver.state[name].place for name in ("time", "next_row", "steps")}
+        self._pace = STEPS
         if saved is None:
             self._start()
         else:
             self._check(saved)
             self._rows[: len(saved.rows)] = saved.rows
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.solver, self.times, self.options, self.save())
+
+    def restart(
+        self,
+        parameters: Mapping[str, float] | None = None,
+        q: Array | None = None,
+        v: Array | None = None,
+    ) -> Run:
+        """Start over at time 0 with the same times and options, in the same memory.
+
+        It costs a few microseconds beyond the solver's own work: arguments are not looked up again.
+        Results that were taken before stay as they are.
+
+        Parameters
+        ----------
+        parameters : mapping of str to float, optional
+            Those that are not as in the scene; as before unless given.
+        q, v : array, optional
+            Where to begin, as in ``solver.q`` and ``solver.v``, in SI units; as before unless
+            given, or as the scene has it with new parameters. They are projected onto the
+            constraints.
+
+        Raises
+        ------
+        SolveError
+            A number is not possible, or the start is not.
+        """
+        if parameters is not None:
+            options = replace(self.options, parameters=with_values(self.solver, parameters))
+            values = np.array([value for _, value in options.parameters])
+            self._there, self.options = with_parameters(self.solver, values), options
+            self._values[:] = values
+            self._q[:], self._v[:] = self._there.q, self._there.v
+        if q is not None or v is not None:
+            self.options = replace(self.options, initial=Initial())
+        for name, own, given in (("q", self._q, q), ("v", self._v, v)):
+            if given is not None:
+                array = numbers_of(self.solver.name, name, given)
+                require_shape(self.solver.name, name, array, own)
+                own[:] = array
+        if self._is_shown:
+            self._rows, self._is_shown = self._room(), False
+        self.seconds["run"] = 0.0
+        self._status = Status.PAUSED
+        self._start()
+        return self
+
+    def _room(self) -> Array:
+        """Return room for all rows."""
+        size = self.solver.target.row_size
+        try:
+            return np.empty((len(self.times), size))
+        except MemoryError:
+            raise SolveError(
+                f"{self.solver.name}: no room for {len(self.times)} rows of {size} numbers; ask"
+                " for fewer times"
+            ) from None
+
     def _start(self) -> None:
-        begin = time.perf_counter()
-        given = (self._there.q, self._there.v, self._values)
-        status = self.solver.target.start(0.0, *given, self._memory)
+        begin = perf_counter()
+        status = self._begin()
         if status == Status.GOOD and any(self.options.initial):
             y = self.solver.state["y"].view(self.state)
             led = started_at(self._there, self.options.initial, self._values, y)
-            status = self.solver.target.start(0.0, *led, self._values, self._memory)
-        self.seconds["start"] = time.perf_counter() - begin
+            status = self.solver.target.starter(0.0, *led, self._values, self._memory)()
+        self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
-        require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
+        if self.solver.design is not None:
+            require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
@@ -171,21 +230,17 @@ class Run:
     @property
     def time(self) -> float:
         """The time reached [s]: rows up to it are written, or will be in the next call."""
-        return self._number("time")
+        return self.state.item(self._places["time"])
 
     @property
     def written(self) -> int:
         """How many rows are written."""
-        return int(self._number("next_row"))
+        return int(self.state.item(self._places["next_row"]))
 
     @property
     def steps(self) -> int:
         """How many steps were made."""
-        return int(self._number("steps"))
-
-    def _number(self, name: str) -> float:
-        """Return a number of the state."""
-        return float(self.solver.state[name].view(self.state))
+        return int(self.state.item(self._places["steps"]))
 
     def advance(self, max_steps: int = STEPS, max_rows: int = BUFFER) -> int:
         """Go on for some steps and rows; return 0 at the end, else why it returned.
@@ -204,13 +259,12 @@ class Run:
         """
         counts = {"max_steps": max_steps, "max_rows": max_rows}
         require_numbers(self.solver.name, is_whole=True, least=1, **counts)
-        begin = time.perf_counter()
-        settings = self.options.settings()
-        place = self._rows[self.written :]
-        self._status = self.solver.target.run(
-            settings, self.times, min(max_steps, sys.maxsize), self._memory, place[:max_rows]
-        )
-        self.seconds["run"] += time.perf_counter() - begin
+        return self._advance(min(max_steps, sys.maxsize), max_rows)
+
+    def _advance(self, max_steps: int, max_rows: int) -> int:
+        begin, first = perf_counter(), self.written
+        self._status = self._go(max_steps, self._rows[first : first + max_rows])
+        self.seconds["run"] += perf_counter() - begin
         return self._status
 
     def finish(self, progress: Callable[[float, float], object] | None = None) -> Motion:
@@ -229,13 +283,12 @@ class Run:
             The user stopped it; so has the interrupt.
         """
         require_callable(self.solver.name, progress)
-        steps = STEPS
         try:
-            while self.advance(min(steps, self._steps_left())) in GOES_ON:
+            while self._advance(min(self._pace, self._steps_left()), BUFFER) in GOES_ON:
                 if self._steps_left() <= 0:
                     raise MotionError(self._too_many(), self.motion())
                 pulse = self.seconds["run"] / max(self.steps, 1)
-                steps = max(1, int(PULSE / pulse)) if pulse else STEPS
+                self._pace = max(1, int(PULSE / pulse)) if pulse else STEPS
                 if progress is not None:
                     progress(self.time, float(self.times[-1]))
         except KeyboardInterrupt:
@@ -273,13 +326,15 @@ class Run:
         """Return what was computed so far."""
         rows = self._rows[: self.written]
         rows.flags.writeable = False
-        state, seconds = self.state.copy(), dict(self.seconds)
+        self._is_shown = True  # its rows are not written over
+        options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
+        solver = self.solver
         return Motion(
             self._there.layout,
             rows,
-            target=self.solver.target.name,
-            method=self.options.method,
-            ledger=lambda: ledger_of(self.solver, state, self.options, seconds),
+            target=solver.target.name,
+            method=options.method,
+            ledger=lambda: ledger_of(solver, state, options, seconds),
             is_complete=len(rows) == len(self.times),
         )
 

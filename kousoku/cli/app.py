@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from kousoku import __version__
+from kousoku.cli.animate import animate
 from kousoku.cli.cache import cache
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
@@ -57,6 +58,7 @@ app.command("verify")(verify)
 app.command("explain")(explain)
 app.command("solve")(solve)
 app.command("simulate")(simulate)
+app.command("animate")(animate)
 app.command("ledger")(ledger)
 app.command("list")(list_names)
 app.command("cache")(cache)

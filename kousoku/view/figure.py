@@ -8,6 +8,7 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
 
 from kousoku.plots import STYLE
 from kousoku.view.shapes import LIGHT, METAL
@@ -23,7 +24,7 @@ AXIS, EDGE = "#b02020", "#2b3140"
 
 
 def draw(picture: Picture) -> Figure:
-    """Draw what a picture shows where it starts; a planar mechanism has axes with its unit.
+    """Draw what a picture shows where it starts, over a grid whose unit is told.
 
     Parameters
     ----------
@@ -74,6 +75,7 @@ def _draw_names(axes: Axes, picture: Picture, camera: Camera) -> None:
     wanted = [(body.name, k, body.at, color_of(body.color, 2), "bold") for k, body in bodies]
     wanted += [(m.name, m.j, m.s_j, "#5b6474", "normal") for m in picture.shapes.joints]
     taken: list[tuple[float, float]] = []
+    halo = [withStroke(linewidth=2.5, foreground="white")]
     for name, body, s, color, weight in wanted:
         (x, y), _ = camera.seen(placed(picture, 0, body, s))
         for dx, dy in ((110.0, -90.0), (110.0, 130.0), (-110.0, -90.0), (-110.0, 130.0)):
@@ -82,17 +84,17 @@ def _draw_names(axes: Axes, picture: Picture, camera: Camera) -> None:
                 side = "left" if dx > 0 else "right"
                 axes.text(
                     x + dx, y + dy, name, color=color, weight=weight, ha=side, va="center",
-                    fontsize=8, zorder=9, parse_math=False,
+                    fontsize=8, zorder=9, parse_math=False, path_effects=halo,
                 )  # fmt: skip
                 break
 
 
 def _draw_directions(axes: Axes, camera: Camera, note: str) -> None:
-    x, y = 430.0, SIZE[1] - 620.0
+    x, y = 400.0, SIZE[1] - 380.0
     for k, ink in enumerate(("#b3261e", "#2e7d32", "#1a56c4")):
         dx, dy = 280 * camera.axes[0, k], -280 * camera.axes[1, k]
         if np.hypot(dx, dy) >= 30.0:
             axes.plot([x, x + dx], [y, y + dy], color=ink, linewidth=1.4, zorder=8)
             at = (x + 1.35 * dx, y + 1.35 * dy)
             axes.text(*at, "xyz"[k], color=ink, ha="center", va="center", style="italic")
-    axes.text(120.0, SIZE[1] - 130.0, note, color="#5b6474", fontsize=8, parse_math=False)
+    axes.text(820.0, SIZE[1] - 180.0, note, color="#5b6474", fontsize=8, parse_math=False)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.view.meshes import mesh_of
+from kousoku.view.meshes import coarse, mesh_of
 from kousoku.view.shapes import LIGHT, METAL, rotation, vertices_of
 
 if TYPE_CHECKING:
@@ -36,8 +36,10 @@ LARGEST = 460_000
 """Bytes of a picture that moves; it has as many frames as fit."""
 FRAMES = 15.0
 """Frames in a second of a picture that moves, at most."""
-COARSE = 10
-"""Sides of a cylinder in a picture that moves."""
+COARSE = 8
+"""Sides of a cylinder in a picture that moves, which has half as many pieces, too."""
+STRIP = 400.0
+"""Height below a picture for what says where x, y and z are."""
 STYLE = (
     ".e{fill:none;stroke:#2b3140;stroke-width:8;stroke-linecap:round;opacity:.7}"
     ".g{fill:none;stroke:#8a94a6;stroke-width:7;opacity:.35}"
@@ -45,7 +47,7 @@ STYLE = (
     ".p{fill:none;stroke-width:16;opacity:.55;stroke-linejoin:round}"
     "text{font:130px system-ui,sans-serif;fill:#3c4555}"
     ".s{stroke:#6b7280;stroke-linecap:round}"
-    "@media(prefers-color-scheme:dark){text{fill:#c3cad6}.e{stroke:#0b0d11}.x{stroke:#ff7a70}}"
+    "@media(prefers-color-scheme:dark){text{fill:#c3cad6}.x{stroke:#ff7a70}}"
 )
 
 
@@ -108,9 +110,13 @@ class Camera:
         Width and height of the picture.
     margin : float
         What is left free on all sides.
+    strip : float
+        What is left free below for the directions of frame O.
     """
 
-    def __init__(self, picture: Picture, size: tuple[float, float], margin: float) -> None:
+    def __init__(
+        self, picture: Picture, size: tuple[float, float], margin: float, strip: float = STRIP
+    ) -> None:
         azimuth, elevation = picture.view()
         east, north, up = picture.directions()
         level = np.sin(azimuth) * east - np.cos(azimuth) * north
@@ -123,7 +129,7 @@ class Camera:
         self.radius = float(np.linalg.norm(points - self.middle, axis=1).max()) or 1.0
         self._distance = np.inf if picture.normal is not None else FAR * self.radius
         self._scale, self._center = 1.0, np.zeros(2)
-        self._size = np.array(size)
+        self._size = np.array([size[0], size[1] - strip])
         flat, _ = self.seen(points)
         flat = (flat - self._size / 2) * [1.0, -1.0]
         least, most = flat.min(axis=0), flat.max(axis=0)
@@ -196,18 +202,15 @@ def drawn(picture: Picture, row: int, camera: Camera, sides: int = 0) -> list[Fa
     items: list[Face | Stroke] = []
     for body, shape in enumerate(picture.shapes.bodies):
         for part in shape.parts:
-            items += _faces(picture, row, camera, body, part, sides)
+            points = placed(picture, row, body, vertices_of(part, sides))
+            items += _faces(part, points, camera, sides)
     items += _lines(picture, row, camera)
     return sorted(items, key=lambda item: item.depth)
 
 
-def _faces(
-    picture: Picture, row: int, camera: Camera, body: int, part: Part, sides: int
-) -> Iterator[Face]:
-    name = f"{part.mesh} {sides}" if sides and part.mesh.startswith("cylinder") else part.mesh
-    mesh = mesh_of(name)
-    own = np.array(mesh.vertices) @ part.matrix[:, :3].T + part.matrix[:, 3]
-    points = placed(picture, row, body, own)
+def _faces(part: Part, points: Array, camera: Camera, sides: int) -> Iterator[Face]:
+    """Yield the faces of a part that are seen; its vertices are in frame O."""
+    mesh = mesh_of(coarse(part.mesh, sides))
     flat, near = camera.seen(points)
     for corners, edges, tone in zip(mesh.faces, mesh.edges, mesh.tones, strict=True):
         places = list(corners)
@@ -319,8 +322,7 @@ def still_svg(
     """
     row = 0 if time is None else int(np.abs(picture.time - time).argmin())
     camera = _camera(picture, size)
-    body, used = _frame(drawn(picture, row, camera))
-    return _document(picture, camera, size, body, used, "")
+    return _document(picture, camera, size, *_frame(drawn(picture, row, camera)))
 
 
 def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: int = LARGEST) -> str:
@@ -356,7 +358,7 @@ def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: in
         f"@keyframes f{{0%{{visibility:visible}}{shown:.4f}%{{visibility:hidden}}}}"
         "@media(prefers-reduced-motion:reduce){.f{animation:none}}"
     )
-    return _document(picture, camera, size, "\n".join(parts), used, style)
+    return _document(picture, camera, size, "\n".join(parts), used, style=style)
 
 
 def _camera(picture: Picture, size: tuple[int, int]) -> Camera:
@@ -370,7 +372,8 @@ def _document(
     size: tuple[int, int],
     body: str,
     used: set[tuple[int, int]],
-    style: str,
+    *,
+    style: str = "",
 ) -> str:
     grid, step = grid_seen(picture, camera)
     fills = "".join(
@@ -381,20 +384,21 @@ def _document(
     for path in paths_seen(picture, camera):
         color = color_of(path.color, 8)
         lines += f'<path class="p" style="stroke:{color}" d="{_line(path.points)}"/>'
-    note = f"grid {step:.3g} {picture.unit}"
-    texts = f'<text x="120" y="{10 * size[1] - 110}">{note}</text>{_directions(camera, size)}'
+    note = f"grid {step:.3g} [{picture.unit}]"
+    texts = f'<text x="820" y="{10 * size[1] - 150}">{note}</text>{_directions(camera, size)}'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{size[0]}" height="{size[1]}"'
         f' viewBox="0 0 {10 * size[0]} {10 * size[1]}" role="img">'
         f"<title>{html.escape(picture.title)}</title>"
-        f"<style>{STYLE}path{{stroke-width:5;stroke-linejoin:round}}{fills}{style}</style>\n"
+        f"<style>{STYLE}path{{stroke-width:5;stroke-linejoin:round}}{fills}"
+        f".o{{stroke:#2b3140;stroke-width:7}}{style}</style>\n"
         f"{lines}\n{body}\n{texts}</svg>\n"
     )
 
 
 def _directions(camera: Camera, size: tuple[int, int]) -> str:
     """Return the directions of frame O, at the lower left."""
-    x, y = 430.0, 10.0 * size[1] - 620.0
+    x, y = 400.0, 10.0 * size[1] - 380.0
     found = []
     for k, ink in enumerate(("#d0453b", "#3d9a50", "#4a7fe0")):
         dx, dy = 280 * camera.axes[0, k], -280 * camera.axes[1, k]
@@ -430,17 +434,17 @@ def _frame(items: Sequence[Face | Stroke]) -> tuple[str, set[tuple[int, int]]]:
             add(look, _line(item.points))
             continue
         used.add((item.color, item.shade))
-        add(f'class="{_class(item.color, item.shade)}"', _line(item.points) + "z")
-        if item.edges:
+        is_outlined = item.edges == (1 << len(item.points)) - 1
+        look = f"{_class(item.color, item.shade)}{' o' if is_outlined else ''}"
+        add(f'class="{look}"', _line(item.points) + "z")
+        if item.edges and not is_outlined:
             add('class="e"', _edges(item))
     return "".join(f'<path {look} d="{"".join(paths)}"/>' for look, paths in runs), used
 
 
 def _edges(face: Face) -> str:
-    """Return the sides of a face that are drawn, as lines that are as long as can be."""
+    """Return the sides of a face that are drawn."""
     count = len(face.points)
-    if face.edges == (1 << count) - 1:
-        return _line(face.points) + "z"
     found = []
     for k in range(count):
         if face.edges >> k & 1:

@@ -219,10 +219,10 @@ def test_impossible_numbers_are_refused_by_name(
         solver.evaluate(0.0, parameters=given)
     values = np.array([*({"m": 2.0, "L": 150.0} | given).values()])
     memory = Memory(np.zeros(solver.target.state_size), np.zeros(solver.target.work_size))
-    assert solver.target.start(0.0, solver.q, solver.v, values, memory) == Status.BAD_ARGUMENT
-    assert (
-        solver.target.evaluate(0.0, solver.q, solver.v, values, memory.work) == Status.BAD_ARGUMENT
-    )
+    start = solver.target.starter(0.0, solver.q, solver.v, values, memory)
+    assert start() == Status.BAD_ARGUMENT
+    evaluated = solver.target.evaluate(0.0, solver.q, solver.v, values, memory.work)
+    assert evaluated == Status.BAD_ARGUMENT
 
 
 @pytest.mark.usefixtures("compiler")
