@@ -11,7 +11,7 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.given import require_numbers, shown, unknown
-from kousoku.runtime.initial import Initial, initial_of
+from kousoku.runtime.initial import SCENE, Initial, initial_of
 from kousoku.runtime.integrate.settings import Settings
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ class Options:
     method: str
     most_steps: int
     parameters: tuple[tuple[str, float], ...]
-    initial: Initial = Initial()
+    initial: Initial = SCENE
 
     def settings(self) -> Settings:
         """Return what a solver takes."""
