@@ -51,6 +51,8 @@ def initial_of(
     SolveError
         There is no such coordinate, or a number is none.
     """
+    if initial is q0 is v0 is None:
+        return SCENE
     if initial is None:
         bodies = (
             () if given is None else tuple(numbers_of(solver.name, name, given).ravel().tolist())
@@ -67,8 +69,8 @@ def initial_of(
     names = [one.name for one in solver.coordinates]
     if initial and not names:
         raise SolveError(
-            f"{solver.name}: initial {shown([*initial])}: no coordinate is known: the scene has"
-            ' none, or was generated without "coordinates"; add it to outputs'
+            f"{solver.name}: no coordinates for initial {shown([*initial])}: the scene names none,"
+            ' or was generated without "coordinates"; load(..., outputs=[..., "coordinates"])'
         )
     lengths = {name for one in solver.coordinates if one.is_length for name in _names(one.name)}
     known = [own for pair in map(_names, names) for own in pair]

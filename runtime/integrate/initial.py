@@ -433,7 +433,11 @@ def _require(
         if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
             name = f"{leader.names[k]}{suffix}"
             drivers = leader.drivers(at, k)
-            why = f"{drivers} says so at t = 0" if drivers else "it follows from the rest, or it is at a dead centre"
+            why = (
+                f"{drivers} says so at t = 0"
+                if drivers
+                else "it follows from the rest, or it is at a dead centre"
+            )
             problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
     if problems:
         raise InitialError(f"initial values do not fit: {'; '.join(problems)}")

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables
+from .initial import Start, evaluated, lead
 from .methods import METHODS
+from .placing import place
 from .scene import state_of
 from .settings import (
     BAD_ARGUMENT,
@@ -87,6 +89,9 @@ def simulate(
     largest_step: float = 1e300,
     most_steps: int = 1_000_000,
     parameters: Mapping[str, float] | None = None,
+    initial: Mapping[str, float] | None = None,
+    q0: Array | None = None,
+    v0: Array | None = None,
 ) -> Motion:
     """Move the scene from time 0, in Python: a hundred times as long as compiled.
 
@@ -100,7 +105,7 @@ def simulate(
         The last of ``samples`` times from 0 on.
     times : sequence of float [s], optional
         The times to write, instead of both.
-    tolerance, method, step, largest_step, most_steps, parameters
+    tolerance, method, step, largest_step, most_steps, parameters, initial, q0, v0
         As of ``kousoku.runtime.options.options_of``.
 
     Raises
@@ -136,6 +141,10 @@ def simulate(
             )
         _put_design(data, q, v, workspace)
     status = solver.start(0.0, q, v, given, state, workspace)
+    if status == GOOD and any(one is not None for one in (initial, q0, v0)):
+        start = _start_of(solver, data, given, state_of(solver.scene, state).y)
+        q, v = lead(start, initial) if initial is not None else place(start, q0, v0)
+        status = solver.start(0.0, q, v, given, state, workspace)
     if status == GOOD:
         status, _ = solver.run(settings, chosen, most_steps, state, workspace, rows)
     if status != GOOD:
@@ -148,13 +157,32 @@ def _put_design(data: dict[str, Any], q: Array, v: Array, workspace: Array) -> N
     """Put in the numbers that depend on parameters: of the start, and of the frames of bodies."""
     base, size = data["design"]["place"]
     numbers = workspace[base : base + size].copy()
-    for place, at in data["design"]["start"]:
-        part, k = (q, place) if place < len(q) else (v, place - len(q))
-        part[k] = numbers[at]
+    for k, at in data["design"]["start"]:
+        part, own = (q, k) if k < len(q) else (v, k - len(q))
+        part[own] = numbers[at]
     for body in data["bodies"]:
         for name in ("origin_b", "axes_b"):
             given = body[name]
             body[name] = [numbers[x] if isinstance(x, int) else x for x in given]
+
+
+def _start_of(solver: Solver, data: dict[str, Any], parameters: Array, y: Array) -> Start:
+    """Return where the scene starts, from where initial values are led."""
+    nq, unit = solver.scene.nq, data["unit"]
+    return Start(
+        evaluated(solver.evaluate, parameters, solver.scene.work_size, data["places"]),
+        y[:nq].copy(),
+        y[nq:].copy(),
+        [BodyPlaces.from_data(body) for body in data["bodies"]],
+        {
+            one["name"]: (*one["columns"][:2], unit if one["is_length"] else 1.0)
+            for one in data["coordinates"]
+        },
+        [*data["rows"], *data["left_out"], *data["reduced"]],
+        [at for _, at in data["works"]],
+        data["length"],
+        unit,
+    )
 
 
 def _motion_of(solver: Solver, data: dict[str, Any], method: str, rows: Array) -> Motion:
