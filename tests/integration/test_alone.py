@@ -188,6 +188,36 @@ def test_copied_folder_of_bodies_moves_with_numpy_alone(top: Path) -> None:
     np.testing.assert_array_equal(energies, wanted.energy["kinetic"])
 
 
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_starts_where_it_is_told_to(tmp_path: Path) -> None:
+    scene = read_scene(ROOT / "scenes" / "loop_free.toml")
+    write_tree(tmp_path / "my_loop", generate_dynamics(scene, ["coordinates"]))
+    got = run(
+        "import my_loop, numpy as np\n"
+        "initial = {'crank_angle': 0.5, 'crank_angle_dot': 2.0}\n"
+        "first = my_loop.simulate(times=[0.0], initial=initial)\n"
+        "names = list(first.position)\n"
+        "q0 = [x for k in names for x in (*first.position[k][0], *first.orientation[k][0])]\n"
+        "v0 = [x for k in names for x in (*first.velocity[k][0], *first.angular_velocity[k][0])]\n"
+        "second = my_loop.simulate(times=[0.0], q0=q0, v0=v0)\n"
+        "found = [one.parts['coordinates'].tolist()[0] for one in (first, second)]\n"
+        "print(json.dumps(found))\n"
+        "my_loop.simulate(1.0, initial={'crank': 1.0})",
+        tmp_path,
+    )
+    assert "wanted of ['crank_angle', 'rocking', 'crank_angle_dot', 'rocking_dot']" in got.stderr
+    first, second = json.loads(got.stdout)
+    solver = load_dynamics(tmp_path / "my_loop", target="numpy")
+    initial = {"crank_angle": 0.5, "crank_angle_dot": 2.0}
+    wanted = solver.simulate(times=[0.0], initial=initial)
+    assert first == [
+        table[name][0]
+        for name in ("crank_angle", "rocking")
+        for table in (wanted.coordinate, wanted.coordinate_rate)
+    ]
+    np.testing.assert_allclose(second, first, rtol=1e-12)
+
+
 def test_copied_folder_of_bodies_says_what_is_not_possible(top: Path) -> None:
     got = run("import my_top\nmy_top.simulate(1.0, most_steps=2)", top.parent)
     assert "ArithmeticError: heavy_top: most_steps are made, at t = " in got.stderr
