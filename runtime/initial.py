@@ -66,7 +66,8 @@ def initial_of(
             f"{solver.name}: initial {shown(initial)}; wanted a mapping of coordinates, or of rates"
             ' as "theta_dot", to numbers'
         )
-    names = [name for name, *_ in solver.layout.coordinates]
+    coordinates = solver.layout.coordinates
+    names = [name for name, *_ in coordinates]
     if initial and not names:
         raise SolveError(
             f"{solver.name}: no coordinates for initial {shown([*initial])}: the scene names none,"
