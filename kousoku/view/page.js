@@ -52,7 +52,7 @@
         mesh.f.forEach((corners, k) => {
           const places = corners.map((corner) => corner + first);
           const normal = normalOf(places, vertices);
-          const [edges, tone] = mesh.e[k];
+          const [edges, tone] = mesh.e[k] || [0, 0];
           faces.push({ places, normal, owner, color, edges, tone });
         });
       }
@@ -337,7 +337,8 @@
   function drawFace({ places, normal, owner, color, edges, tone }) {
     const { lamp } = bodies[owner];
     const light = lamp[0] * normal[0] + lamp[1] * normal[1] + lamp[2] * normal[2];
-    const shade = Math.round((SHADES - 1) * Math.min(1, Math.max(0, 0.12 + 0.88 * light - 0.22 * tone)));
+    const bright = Math.min(1, Math.max(0, 0.12 + 0.88 * light - 0.22 * tone));
+    const shade = Math.round((SHADES - 1) * bright);
     const fill = palettes[color][shade];
     context.fillStyle = fill;
     context.strokeStyle = fill;
@@ -548,11 +549,19 @@
   }
 
   let taken = [];
+  const BESIDE = [
+    [12, -10],
+    [12, 16],
+    [-12, -10],
+    [-12, 16],
+    [0, -20],
+    [0, 26],
+  ];
 
   /** Write a text beside a point where nothing is written yet, or not at all. */
-  function write(text, x, y, color, places = [[12, -10], [12, 16], [-12, -10], [-12, 16], [0, -20], [0, 26]]) {
+  function write(text, x, y, color) {
     const wide = context.measureText(text).width;
-    for (const [dx, dy] of places) {
+    for (const [dx, dy] of BESIDE) {
       const left = x + dx - (dx < 0 ? wide : dx === 0 ? wide / 2 : 0);
       const box = [left - 3, y + dy - 13, left + wide + 3, y + dy + 5];
       if (box[0] < 0 || box[2] > width || box[1] < 0 || box[3] > height) continue;
