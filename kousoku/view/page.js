@@ -79,6 +79,7 @@
   const [vertices, faces] = unpack();
   const seen = new Float64Array(vertices.length); // right, up, toward the viewer
   const flat = new Float64Array((vertices.length / 3) * 2); // on the screen
+  const below = new Float64Array(flat.length); // their shadows, on the screen
   const poses = bodies.map(() => ({ r: [0, 0, 0], a: [1, 0, 0, 0, 1, 0, 0, 0, 1] }));
 
   // ---- where bodies are -----------------------------------------------------------------------
@@ -328,9 +329,9 @@
     }
   }
 
-  function trace(places) {
-    context.moveTo(flat[2 * places[0]], flat[2 * places[0] + 1]);
-    for (let k = 1; k < places.length; k++) context.lineTo(flat[2 * places[k]], flat[2 * places[k] + 1]);
+  function trace(places, at) {
+    context.moveTo(at[2 * places[0]], at[2 * places[0] + 1]);
+    for (let k = 1; k < places.length; k++) context.lineTo(at[2 * places[k]], at[2 * places[k] + 1]);
     context.closePath();
   }
 
@@ -344,7 +345,7 @@
     context.strokeStyle = fill;
     context.lineWidth = 0.8;
     context.beginPath();
-    trace(places);
+    trace(places, flat);
     context.fill();
     context.stroke(); // or the background shines through between faces
     if (!edges) return;
@@ -416,21 +417,20 @@
     if (!scene.flat) drawShadow(camera);
   }
 
+  /** Straight down on the floor: all that faces upward, as one shape. */
   function drawShadow(camera) {
     const up = camera.map((axis) => dot(axis, floor.normal));
     const base = floor.height - dot(floor.normal, middle);
+    for (let k = 0; k < seen.length; k += 3) {
+      const fall = seen[k] * up[0] + seen[k + 1] * up[1] + seen[k + 2] * up[2] - base;
+      const [x, y] = screen(seen[k] - fall * up[0], seen[k + 1] - fall * up[1], seen[k + 2] - fall * up[2]);
+      below[(2 * k) / 3] = x;
+      below[(2 * k) / 3 + 1] = y;
+    }
     context.fillStyle = colors.shadow;
     context.beginPath();
     for (const { places, normal, owner } of faces) {
-      if (dot(bodies[owner].up, normal) <= 0.02) continue;
-      places.forEach((v, k) => {
-        const point = [seen[3 * v], seen[3 * v + 1], seen[3 * v + 2]];
-        const fall = dot(point, up) - base;
-        const [x, y] = screen(point[0] - fall * up[0], point[1] - fall * up[1], point[2] - fall * up[2]);
-        if (k) context.lineTo(x, y);
-        else context.moveTo(x, y);
-      });
-      context.closePath();
+      if (dot(bodies[owner].up, normal) > 0.02) trace(places, below);
     }
     context.fill();
   }
