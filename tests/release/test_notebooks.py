@@ -73,7 +73,12 @@ def joined(outputs: list[Any]) -> list[Any]:
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebook_shows_what_is_committed(path: Path, request: pytest.FixtureRequest) -> None:
+def test_notebook_shows_what_is_committed(
+    path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv(
+        "KOUSOKU_STILLS", "1"
+    )  # the kernel gets it: a page would be no output to keep
     committed = nbformat.read(path, as_version=4)
     notebook = nbformat.read(path, as_version=4)
     with warnings.catch_warnings():
