@@ -24,7 +24,7 @@ quick: $(call installed,test)  ## while you work: no compiler, a minute at most
 test: $(call installed,test)  ## for every change: all that must hold on a user's machine
 	$(PYTEST) -m "not release" $(TESTS)
 
-release-test: $(call installed,test)  ## besides: all proofs, notebooks, packaging, reproducibility
+release-test: $(call installed,test) $(call installed,browser)  ## besides: all proofs, notebooks, packaging, reproducibility
 	$(PYTEST) -m release $(TESTS)
 
 slow: $(call installed,test)  ## measure which tests take too long for quick

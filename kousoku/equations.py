@@ -47,6 +47,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.model.mechanism import Instance, MovingBody, System
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
@@ -171,10 +172,18 @@ class Equations:
         return not self.lacks
 
     @cached_property
+    def _freedom(self) -> Freedom:
+        return freedom_of(fixed_system(self.system), self._program)
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Joints in so large a loop that nothing is known of whether their rows are redundant."""
+        return self._freedom.unknown
+
+    @cached_property
     def redundant(self) -> npt.NDArray[np.bool_]:
         """Which rows depend on the others wherever the scene moves, (m,)."""
-        freedom = freedom_of(fixed_system(self.system), self._program)
-        left = {(row.instance, row.row) for row in freedom.dropped}
+        left = {(row.instance, row.row) for row in self._freedom.dropped}
         return np.array([(row.instance, row.row) in left for row in self._program.rows], bool)
 
     def state(

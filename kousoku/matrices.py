@@ -68,6 +68,8 @@ class Matrices:
     redundant : (m,) array of bool
         Rows that depend on the others wherever the scene moves. Of rows that depend on each other
         these can be left out; which of them is a choice.
+    unknown : tuple of str
+        Joints in a loop of so many rows that nothing is known of which of theirs are redundant.
     without : str
         Why there are no M and f; empty where there are.
     mass, force : array
@@ -84,6 +86,7 @@ class Matrices:
     columns: tuple[str, ...]
     units: tuple[str, ...]
     redundant: npt.NDArray[np.bool_]
+    unknown: tuple[str, ...]
     without: str
     mass: Array
     force: Array
@@ -129,7 +132,11 @@ class Matrices:
             f"  columns: {listed(self.columns)}",
             f"  rows: {listed(self.rows)}",
         ]
-        return "\n".join([*lines, f"  redundant: {listed(left)}"] if left else lines)
+        if left:
+            lines.append(f"  redundant: {listed(left)}")
+        if self.unknown:
+            lines.append(f"  not known whether redundant: rows of {listed(self.unknown)}")
+        return "\n".join(lines)
 
     def _repr_html_(self) -> str:
         m, n = self.C_q.shape
@@ -149,7 +156,7 @@ class Matrices:
 
 
 class Evaluation(NamedTuple):
-    """Evaluation and multipliers of a scene as it is written.
+    """Accelerations and multipliers of a scene as it is written.
 
     Parameters
     ----------
@@ -277,6 +284,7 @@ def _of_linkage(
         columns=equations.columns,
         units=tuple(row.unit for row in rows),
         redundant=np.zeros(len(rows), bool),
+        unknown=(),
         without="a linkage of nodes has no masses",
         mass=np.zeros((n, n)),
         force=np.zeros(n),
@@ -293,6 +301,7 @@ def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
         columns=equations.columns,
         units=equations.units,
         redundant=equations.redundant,
+        unknown=equations.unknown,
         without=equations.lacks,
         mass=numbers.M,
         force=numbers.f,

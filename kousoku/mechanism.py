@@ -275,20 +275,36 @@ class Mechanism:
         return self._bodies("a run that goes on").resume(saved)
 
     def matrices(
-        self, t: float, q: Array, v: Array, parameters: Mapping[str, float] | None = None
+        self,
+        t: float,
+        q: npt.ArrayLike,
+        v: npt.ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        *,
+        angles: Mapping[str, float] | None = None,
     ) -> Matrices:
-        """Return M, C_q, ν, γ and f of the scene as written; see :mod:`kousoku.matrices`."""
+        """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
+
+        ``loop.matrices(*run.state(k))`` has those of a row of a run.
+        """
         from kousoku.matrices import matrices
 
-        return matrices(self.scene, t, q, v, parameters)
+        return matrices(self.scene, t, q, v, parameters, angles=angles)
 
     def evaluate(
-        self, t: float, q: Array, v: Array, parameters: Mapping[str, float] | None = None
+        self,
+        t: float,
+        q: npt.ArrayLike,
+        v: npt.ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        *,
+        angles: Mapping[str, float] | None = None,
     ) -> Evaluation:
-        """Return accelerations v̇ and multipliers λ at a state; see :mod:`kousoku.matrices`."""
+        """Return accelerations and multipliers, see :func:`kousoku.matrices.evaluate`."""
         from kousoku.matrices import evaluate
 
-        return evaluate(self.scene, self._bodies("accelerations"), t, q, v, parameters)
+        solver = self._bodies("accelerations")
+        return evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
 
     def plot(self, parameters: Mapping[str, float] | None = None) -> Figure:
         """Draw the mechanism where the scene puts it; needs matplotlib."""

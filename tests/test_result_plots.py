@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -20,9 +20,8 @@ pytestmark = pytest.mark.usefixtures("compiler")
 SCENES = Path(__file__).parents[1] / "scenes"
 
 
-def moved(name: str, end: float = 1.0, outputs: list[str] | None = None) -> Result:
-    given: list[ks.Output] | None = outputs  # type: ignore[assignment]
-    return ks.load(SCENES / f"{name}.toml", outputs=given).simulate(end, samples=31)
+def moved(name: str, end: float = 1.0, outputs: Any = None) -> Result:
+    return ks.load(SCENES / f"{name}.toml", outputs=outputs).simulate(end, samples=31)
 
 
 @pytest.fixture(scope="module")
@@ -30,8 +29,8 @@ def loop() -> Result:
     return moved("loop", 2.0, ["coordinates", "reactions", "energies"])
 
 
-def labels(figure: object) -> list[str]:
-    return [axes.get_ylabel() for axes in figure.axes]  # type: ignore[attr-defined]
+def labels(figure: Any) -> list[str]:
+    return [axes.get_ylabel() for axes in figure.axes]
 
 
 def test_what_was_asked_for_is_drawn_with_its_names_and_units(loop: Result) -> None:

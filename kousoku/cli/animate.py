@@ -57,9 +57,7 @@ def animate(
     from kousoku.saved import open_run
 
     place = Path(f"{file.stem}.html") if out is None else out
-    if place.suffix.lower() not in {".html", ".htm", ".svg"}:
-        raise SolveError(f"--out {place}: wanted a file *.html or *.svg")
-    require_place("--out", place)
+    require_place("--out", place, (".html", ".svg"))
     stop = ""
     if file.suffix == ".npz":
         result = open_run(file)

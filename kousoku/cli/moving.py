@@ -8,18 +8,18 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.integrate.result import SUFFIXES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
 
     from kousoku.mechanism import Mechanism
+    from kousoku.model.scene import Output
     from kousoku.runtime.integrate.result import Result
 
 #: Number of the format of ``--json``, told by its schema.
@@ -153,7 +153,8 @@ def loaded(wish: Wish) -> Mechanism:
     """Load the mechanism of a scene file."""
     from kousoku.loading import load
 
-    return load(wish.file, outputs=wish.outputs, target=wish.target.value)  # type: ignore[arg-type]
+    outputs = cast("Sequence[Output] | None", wish.outputs)
+    return load(wish.file, outputs=outputs, target=wish.target.value)
 
 
 def check_destinations(wish: Wish) -> None:
@@ -164,24 +165,31 @@ def check_destinations(wish: Wish) -> None:
     SolveError
         A suffix is unknown, a folder is missing, or matplotlib is.
     """
+    from kousoku.runtime.integrate.result import SUFFIXES
+
     out, plot = wish.out, wish.plot
     if out is not None:
-        if out.suffix not in SUFFIXES:
-            wanted = " or ".join(SUFFIXES)
-            raise SolveError(f"--out {out}: the name must end in {wanted}")
-        require_place("--out", out)
+        require_place("--out", out, SUFFIXES)
     if plot is not None:
         if find_spec("matplotlib") is None:
             raise SolveError("--plot needs matplotlib: pip install kousoku[plot]")
         if plot.suffix in PICTURES:
-            require_place("--plot", plot)
+            require_place("--plot", plot, PICTURES)
         elif plot.exists() and not plot.is_dir():
             wanted = " or ".join(PICTURES)
             raise SolveError(f"--plot {plot}: is a file; wanted a folder, or a name with {wanted}")
 
 
-def require_place(option: str, path: Path) -> None:
-    """Refuse a file that cannot be there."""
+def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:
+    """Refuse a file that cannot be there.
+
+    Raises
+    ------
+    SolveError
+        Its suffix is unknown, it is a folder, or its folder is missing.
+    """
+    if path.suffix not in suffixes:
+        raise SolveError(f"{option} {path}: the name must end in {' or '.join(suffixes)}")
     if path.is_dir():
         raise SolveError(f"{option} {path}: is a folder, wanted a file")
     if not path.absolute().parent.is_dir():

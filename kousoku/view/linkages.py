@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import itertools
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.view.meshes import cylinder_name
 from kousoku.view.shapes import (
     GROUND,
     LIGHT,
@@ -20,6 +21,7 @@ from kousoku.view.shapes import (
     box,
     cylinder,
     pedestal,
+    rotation,
 )
 
 if TYPE_CHECKING:
@@ -91,108 +93,124 @@ def _times_of(result: Any, scene: Scene) -> Array:
 
 def _linkage(scene: Scene, nodes: Mapping[str, Array]) -> tuple[Shapes, Array, Array]:
     """Return shapes of a linkage, and where its bodies are, row by row."""
-    first = np.array([rows[0] for rows in nodes.values()])
-    size = float(np.linalg.norm(first.max(axis=0) - first.min(axis=0))) or 1.0
-    thick, wide = 0.9 * THIN * size, 1.6 * THIN * size
-    bodies = [BodyShape("ground", GROUND)]
-    position, turn = [], []
-    rows = len(next(iter(nodes.values())))
-    links = [name for name in scene.links if not scene.is_ground(name)]
-    layers: dict[str, list[float]] = {}
-    owners: dict[str, tuple[int, Array]] = {}
-    for k, name in enumerate(links):
-        start, end = (nodes[node] for node in scene.links[name].nodes)
-        length = float(np.linalg.norm(end[0] - start[0]))
-        height = 2.2 * thick * k
-        color = 2 + k % (len(LIGHT) - 2)
-        middle = np.array([length / 2, 0.0, height])
-        half = np.diag([length / 2 + 0.7 * wide, wide, thick])
-        shape = BodyShape(name, color, [box(middle, half, color, size)], middle)
-        bodies.append(shape)
-        position.append(_lifted(start))
-        angle = np.unwrap(np.arctan2(end[:, 1] - start[:, 1], end[:, 0] - start[:, 0])) / 2
-        zero = np.zeros(rows)
-        turn.append(np.stack([np.cos(angle), zero, zero, np.sin(angle)], axis=1))
-        for node, x in zip(scene.links[name].nodes, (0.0, length), strict=True):
-            layers.setdefault(node, []).append(height)
-            owners.setdefault(node, (len(bodies) - 1, np.array([x, 0.0, 0.0])))
-    struts = []
-    for name, slider in scene.sliders.items():
-        along = np.array([*slider.direction, 0.0]) / np.hypot(*slider.direction)
-        across = np.cross(OUT, along)
-        way = (nodes[slider.node] - np.array(slider.through)) @ along[:2]
-        columns = np.column_stack([3.2 * wide * along, 2.0 * wide * across, 1.4 * thick * OUT])
-        block = BodyShape(name, METAL, [box(np.zeros(3), columns, METAL, size)])
-        bodies.append(block)
-        position.append(_lifted(nodes[slider.node]))
-        turn.append(np.tile([1.0, 0.0, 0.0, 0.0], (rows, 1)))
-        low, high = way.min() - 6 * wide, way.max() + 6 * wide
-        through = np.array([*slider.through, 0.0])
-        rail = np.column_stack([(high - low) / 2 * along, 0.5 * wide * across, thick * OUT])
-        middle = through + (high + low) / 2 * along
-        side = -1.0 if across[1] >= 0.0 else 1.0  # the rail is below the block
-        bodies[0].parts.append(box(middle + side * 2.5 * wide * across, rail, GROUND, size))
-        struts.append(Strut("guide", 0, 0, through + low * along, through + high * along, wide))
-    marks = []
-    for name, node in scene.nodes.items():
-        owner, s = (0, np.array([*node.at, 0.0])) if node.fixed else owners.get(name, (0, None))
-        if s is None:
-            continue
-        heights = layers.get(name, [0.0])
-        low, high = min(heights) - 1.5 * thick, max(heights) + 1.5 * thick
-        if node.fixed:
-            bodies[0].parts.append(pedestal(s, OUT, UP, 4.2 * THIN * size))
-        bodies[owner].parts.append(_pin(s, low, high, 0.75 * wide))
-        marks.append(JointMark(name, owner, owner, s, s))
-    for name, rigid in scene.rigid.items():
-        bodies_of = {link: k + 1 for k, link in enumerate(links)}
-        held = [link for link in rigid.links if link in bodies_of]
-        _brace(scene, nodes, rigid.at, held, bodies, bodies_of, (position, turn), size)
-    shapes = Shapes(tuple(bodies), tuple(marks), (), tuple(struts), UP, size)
-    return shapes, np.stack(position, axis=1), np.stack(turn, axis=1)
+    made = _LinkageShapes(scene, nodes)
+    made.add_links()
+    made.add_sliders()
+    made.add_nodes()
+    made.add_braces()
+    shapes = Shapes(tuple(made.bodies), tuple(made.marks), (), tuple(made.struts), UP, made.size)
+    return shapes, np.stack(made.position, axis=1), np.stack(made.turn, axis=1)
+
+
+class _LinkageShapes:
+    """The shapes of a linkage while they are collected; its bars lie in layers, one above another.
+
+    Parameters
+    ----------
+    scene : Scene
+        The linkage.
+    nodes : mapping of str to (rows, 2)
+        Where its nodes are.
+    """
+
+    def __init__(self, scene: Scene, nodes: Mapping[str, Array]) -> None:
+        first = np.array([rows[0] for rows in nodes.values()])
+        self._scene, self._nodes = scene, nodes
+        self.size = float(np.linalg.norm(np.ptp(first, axis=0))) or 1.0
+        self._thick, self._wide = 0.9 * THIN * self.size, 1.6 * THIN * self.size
+        self.bodies = [BodyShape("ground", GROUND)]
+        self.position: list[Array] = []
+        self.turn: list[Array] = []
+        self.marks: list[JointMark] = []
+        self.struts: list[Strut] = []
+        self._places: dict[str, int] = {}
+        self._layers: dict[str, list[float]] = {}
+        self._owners: dict[str, tuple[int, Array]] = {}
+
+    def add_links(self) -> None:
+        """Add a bar for each link that moves; its frame is at its first node, x along it."""
+        links = [name for name in self._scene.links if not self._scene.is_ground(name)]
+        for k, name in enumerate(links):
+            ends = self._scene.links[name].nodes
+            start, end = (self._nodes[node] for node in ends)
+            length = float(np.linalg.norm(end[0] - start[0]))
+            height = 2.2 * self._thick * k
+            color = 2 + k % (len(LIGHT) - 2)
+            middle = np.array([length / 2, 0.0, height])
+            half = np.diag([length / 2 + 0.7 * self._wide, self._wide, self._thick])
+            bar = box(middle, half, color, self.size)
+            self._places[name] = len(self.bodies)
+            for node, x in zip(ends, (0.0, length), strict=True):
+                self._layers.setdefault(node, []).append(height)
+                self._owners.setdefault(node, (len(self.bodies), np.array([x, 0.0, 0.0])))
+            angle = np.arctan2(end[:, 1] - start[:, 1], end[:, 0] - start[:, 0])
+            self._add(BodyShape(name, color, [bar], middle), start, np.unwrap(angle))
+
+    def add_sliders(self) -> None:
+        """Add a block for each slider, and a rail below it as long as its way."""
+        for name, slider in self._scene.sliders.items():
+            along = np.array([*slider.direction, 0.0]) / np.hypot(*slider.direction)
+            across = np.cross(OUT, along)
+            wide, thick = self._wide, self._thick
+            columns = np.column_stack([3.2 * wide * along, 2.0 * wide * across, 1.4 * thick * OUT])
+            block = box(np.zeros(3), columns, METAL, self.size)
+            place = self._nodes[slider.node]
+            self._add(BodyShape(name, METAL, [block]), place, np.zeros(len(place)))
+            way = (place - np.array(slider.through)) @ along[:2]
+            low, high = way.min() - 6 * wide, way.max() + 6 * wide
+            through = np.array([*slider.through, 0.0])
+            rail = np.column_stack([(high - low) / 2 * along, 0.5 * wide * across, thick * OUT])
+            below = -2.5 * wide * across if across[1] >= 0.0 else 2.5 * wide * across
+            middle = through + (high + low) / 2 * along + below
+            self.bodies[0].parts.append(box(middle, rail, GROUND, self.size))
+            ends = through + low * along, through + high * along
+            self.struts.append(Strut("guide", 0, 0, *ends, wide))
+
+    def add_nodes(self) -> None:
+        """Add a pin for each node, and a pedestal for each that is fixed."""
+        for name, node in self._scene.nodes.items():
+            owner, s = self._owners.get(name, (0, np.array([*node.at, 0.0])))
+            if node.fixed:
+                owner, s = 0, np.array([*node.at, 0.0])
+                self.bodies[0].parts.append(pedestal(s, OUT, UP, 4.2 * THIN * self.size))
+            heights = self._layers.get(name, [0.0])
+            low, high = min(heights) - 1.5 * self._thick, max(heights) + 1.5 * self._thick
+            pin = cylinder(s + low * OUT, s + high * OUT, 0.75 * self._wide, METAL, 1e300)
+            self.bodies[owner].parts.append(Part(cylinder_name(1), pin.matrix, METAL))
+            self.marks.append(JointMark(name, owner, owner, s, s))
+
+    def add_braces(self) -> None:
+        """Add bars between links that are connected rigidly, to the first of them."""
+        for rigid in self._scene.rigid.values():
+            held = [link for link in rigid.links if link in self._places]
+            if len(held) < 2:
+                continue
+            arms = [self._arm(link, rigid.at) for link in held]
+            reach = 0.35 * min(float(np.linalg.norm(arm)) for arm in arms)
+            body = self._places[held[0]]
+            back = rotation(self.turn[body - 1][0])
+            origin = _lifted(self._nodes[rigid.at])[0] - self.position[body - 1][0]
+            points = [(origin + reach * arm / np.linalg.norm(arm)) @ back for arm in arms]
+            shape = self.bodies[body]
+            for a, b in pairwise(points):
+                across = np.cross(OUT, b - a)
+                across *= 0.5 * self._wide / np.linalg.norm(across)
+                columns = np.column_stack([(b - a) / 2, across, 0.9 * self._thick * OUT])
+                middle = (a + b) / 2 + shape.at[2] * OUT
+                shape.parts.append(box(middle, columns, shape.color, self.size))
+
+    def _add(self, shape: BodyShape, place: Array, angle: Array) -> None:
+        zero = np.zeros(len(angle))
+        self.bodies.append(shape)
+        self.position.append(_lifted(place))
+        self.turn.append(np.stack([np.cos(angle / 2), zero, zero, np.sin(angle / 2)], axis=1))
+
+    def _arm(self, link: str, at: str) -> Array:
+        """Return the direction of a link from one of its nodes where the motion starts."""
+        other = self._scene.links[link].other(at)
+        arm: Array = _lifted(self._nodes[other][:1] - self._nodes[at][:1])[0]
+        return arm
 
 
 def _lifted(points: Array) -> Array:
     return np.column_stack([points, np.zeros(len(points))])
-
-
-def _pin(s: Array, low: float, high: float, radius: float) -> Part:
-    pin = cylinder(s + low * OUT, s + high * OUT, radius, METAL, 1e300)
-    return Part("cylinder 1", pin.matrix, METAL)
-
-
-def _brace(
-    scene: Scene,
-    nodes: Mapping[str, Array],
-    at: str,
-    held: list[str],
-    bodies: list[BodyShape],
-    places: Mapping[str, int],
-    poses: tuple[list[Array], list[Array]],
-    size: float,
-) -> None:
-    """Add to the first link bars from it to the others of a rigid connection."""
-    center = nodes[at][0]
-    reach = 0.35 * min(float(np.linalg.norm(_arm(scene, nodes, link, at))) for link in held)
-    if len(held) < 2:
-        return
-    body = places[held[0]]
-    angle = 2 * np.arctan2(poses[1][body - 1][0, 3], poses[1][body - 1][0, 0])
-    back = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-    points = []
-    for link in held:
-        arm = _arm(scene, nodes, link, at)
-        place = center + reach * arm / np.linalg.norm(arm)
-        points.append(back @ (place - poses[0][body - 1][0, :2]))
-    for a, b in itertools.pairwise(points):
-        middle = np.array([*(a + b) / 2, bodies[body].parts[0].matrix[2, 3]])
-        along = np.array([*(b - a) / 2, 0.0])
-        across = np.cross(OUT, along)
-        across *= 0.8 * THIN * size / np.linalg.norm(across)
-        columns = np.column_stack([along, across, 0.8 * THIN * size * OUT])
-        bodies[body].parts.append(box(middle, columns, bodies[body].color, size))
-
-
-def _arm(scene: Scene, nodes: Mapping[str, Array], link: str, at: str) -> Array:
-    found: Array = nodes[scene.links[link].other(at)][0] - nodes[at][0]
-    return found

@@ -6,9 +6,9 @@ along their length, since the painter's algorithm sorts faces by their middles.
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -72,6 +72,12 @@ def box_name(x: int, y: int, z: int) -> str:
 def cylinder_name(pieces: int) -> str:
     """Return the name of a cylinder along z that is cut so often."""
     return f"cylinder {pieces}"
+
+
+def coarse(name: str, sides: int) -> str:
+    """Return the name of a cylinder with so many sides and half its pieces, of others their own."""
+    kind, *cuts = name.split()
+    return f"{kind} {-(-int(cuts[0]) // 2)} {sides}" if sides and kind == "cylinder" else name
 
 
 class _Draft:
@@ -153,7 +159,7 @@ def _ball() -> Mesh:
     rings = 8
     heights = [-np.pi / 2 + np.pi * k / rings for k in range(rings + 1)]
     circles = [_ring(float(np.sin(h)), float(np.cos(h)), 14) for h in heights]
-    for below, above in itertools.pairwise(circles):
+    for below, above in pairwise(circles):
         for k in range(14):
             after = (k + 1) % 14
             corners = [below[k], below[after], above[after], above[k]]

@@ -289,7 +289,9 @@
         for (let c = 0; c < 3; c++) m.push(axis[0] * a[c] + axis[1] * a[c + 3] + axis[2] * a[c + 6]);
         t.push(dot(axis, d));
       }
-      body.seen = m;
+      const about = ([x, y, z]) => [0, 1, 2].map((c) => x * m[c] + y * m[c + 3] + z * m[c + 6]);
+      body.lamp = about(LIGHT); // directions in the frame of the body
+      body.up = about(camera.map((axis) => dot(axis, floor.normal)));
       for (let v = body.from; v < body.to; v++) {
         const x = vertices[3 * v];
         const y = vertices[3 * v + 1];
@@ -333,9 +335,8 @@
   }
 
   function drawFace({ places, normal, owner, color, edges, tone }) {
-    const m = bodies[owner].seen;
-    let light = 0;
-    for (let c = 0; c < 3; c++) light += LIGHT[c] * dot(m.slice(3 * c, 3 * c + 3), normal);
+    const { lamp } = bodies[owner];
+    const light = lamp[0] * normal[0] + lamp[1] * normal[1] + lamp[2] * normal[2];
     const shade = Math.round((SHADES - 1) * Math.min(1, Math.max(0, 0.12 + 0.88 * light - 0.22 * tone)));
     const fill = palettes[color][shade];
     context.fillStyle = fill;
@@ -420,10 +421,7 @@
     context.fillStyle = colors.shadow;
     context.beginPath();
     for (const { places, normal, owner } of faces) {
-      const m = bodies[owner].seen;
-      let high = 0;
-      for (let c = 0; c < 3; c++) high += up[c] * dot(m.slice(3 * c, 3 * c + 3), normal);
-      if (high <= 0.02) continue;
+      if (dot(bodies[owner].up, normal) <= 0.02) continue;
       places.forEach((v, k) => {
         const point = [seen[3 * v], seen[3 * v + 1], seen[3 * v + 2]];
         const fall = dot(point, up) - base;
@@ -841,6 +839,7 @@
   slider.min = String(start);
   slider.max = String(end);
   find("names").checked = scene.names;
+  find("axes").checked = scene.names;
   find("forces").checked = scene.forcesShown;
   find("forces").parentElement.hidden = scene.loads.length === 0;
   find("paths").parentElement.hidden = scene.paths.length === 0;

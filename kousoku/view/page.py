@@ -36,7 +36,7 @@ FOLDER = Path(__file__).parent
 LARGEST = 32767
 """The largest 16-bit integer: a motion is kept in parts of it."""
 FEW = 12
-"""Bodies whose names are written from the start, and forces that are named by who asks."""
+"""Bodies whose names and axes are drawn from the start, and forces that are named by who asks."""
 FEW_FORCES = 4
 """Forces that are drawn from the start when nobody names them."""
 METRES = {
@@ -57,7 +57,10 @@ def page_of(picture: Picture) -> str:
     style = (FOLDER / "page.css").read_text(encoding="utf-8")
     digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
     parts = {
-        "POLICY": f"default-src 'none'; script-src 'sha256-{digest}'; style-src 'unsafe-inline'; img-src data:",
+        "POLICY": (
+            f"default-src 'none'; script-src 'sha256-{digest}';"
+            " style-src 'unsafe-inline'; img-src data:"
+        ),
         "TITLE": html.escape(picture.title),
         "STYLE": style,
         "SCENE": safe_json(data_of(picture)),
@@ -247,8 +250,8 @@ class Animation:
         from kousoku.model.errors import SolveError
 
         place = Path(path)
-        match place.suffix.lower():
-            case ".html" | ".htm":
+        match place.suffix:
+            case ".html":
                 text = self.html
             case ".svg":
                 from kousoku.view.stills import moving_svg

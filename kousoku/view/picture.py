@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MOST_NUMBERS = 400_000
+MOST_NUMBERS = 250_000
 """Numbers of a motion that a page holds at most."""
 TURN = 0.4
 """Angle that a body may turn from one frame to the next [rad]."""

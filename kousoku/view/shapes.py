@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from itertools import combinations
 from math import ceil
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from kousoku.joint_shapes import SHAPES, SIGNS, Ball, Box, Cylinder
-from kousoku.view.meshes import box_name, cylinder_name, mesh_of
+from kousoku.view.meshes import box_name, coarse, cylinder_name, mesh_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -35,8 +36,8 @@ DARK = (
 )
 """All colours, on white and on black."""
 
-THIN = 0.009
-"""Radius of what has no thickness, as a part of the size of the mechanism."""
+THIN, SLENDER = 0.009, 0.07
+"""Radius of what has no thickness: parts of the mechanism's size and of the length of a body."""
 PIECES = 9.0
 """Pieces of a solid that is as long as the mechanism."""
 WIDE = 2.5
@@ -274,6 +275,10 @@ class _SpatialShapes:
         marks = {name: self._mark(name, joint) for name, joint in self._scene.joints.items()}
         self._marks = [mark for mark in marks.values() if mark is not None]
         self._size = self._measured()
+        self._thin = THIN * self._size
+        lengths = [length for k in range(1, len(self._bodies)) for length in self._lengths(k)]
+        if lengths:
+            self._thin = min(self._thin, SLENDER * float(np.median(lengths)))
         self._add_springs()
         for name, body in self._scene.bodies.items():
             self._add_body(name, body)
@@ -328,7 +333,7 @@ class _SpatialShapes:
         for name, body in self._scene.bodies.items():
             place = self._places[name]
             points.append(self._placed(place, np.zeros((1, 3))))
-            for part in _solids(body, 1.0, 0):
+            for part in _solids(body, 1.0, 0.0, 0):
                 points.append(self._placed(place, _corners(part)))
             if body.center is not None:
                 points.append(self._placed(place, _numbers(body.center)[None]))
@@ -351,15 +356,20 @@ class _SpatialShapes:
                 found.append(point)
         return found
 
+    def _lengths(self, place: int) -> Iterator[float]:
+        """Yield how far the points are from each other where others hold a body."""
+        for a, b in combinations(self._anchors(place), 2):
+            yield float(np.linalg.norm(a - b))
+
     def _add_body(self, name: str, body: Body) -> None:
         place = self._places[name]
         shape = self._bodies[place]
         center, like = _like_its_inertia(body, shape.color, self._size)
         anchors = self._anchors(place)
-        parts = list(_solids(body, self._size, shape.color))
+        parts = list(_solids(body, self._size, self._thin, shape.color))
         points = [_numbers(point.at) for point in body.mass_points]
         joined = anchors + [p for p in points if not any(_is_at(p, a) for a in anchors)]
-        radius = THIN * self._size
+        radius = self._thin
         if not parts and len(joined) < 2:
             # Only one joint, or none: what its mass looks like says more than a stick.
             parts = [like if like is not None else ball(center, 2.6 * radius, shape.color)]
@@ -395,9 +405,7 @@ class _SpatialShapes:
             body = (mark.i, mark.j)[side]
             self._bodies[body].parts.append(_sign_part(solid, bases[side]))
         if kind == "rod":
-            self._struts.append(
-                Strut("rod", mark.i, mark.j, mark.s_i, mark.s_j, 2 * THIN * self._size)
-            )
+            self._struts.append(Strut("rod", mark.i, mark.j, mark.s_i, mark.s_j, 2 * self._thin))
         slides = kind in SLIDING
         half = 0.3 * self._size if slides else 3.4 * unit
         ends_of = ((mark.i, mark.s_i), (mark.j, mark.s_j))[: JOINTS[kind].axes]
@@ -412,7 +420,7 @@ class _SpatialShapes:
 
     def _unit_of(self, mark: JointMark) -> float:
         """Return how long 1 of a joint's sign is, by the thickness of what meets there."""
-        radius = THIN * self._size
+        radius = self._thin
         for body, point in ((mark.i, mark.s_i), (mark.j, mark.s_j)):
             for part in self._bodies[body].parts:
                 if not part.mesh.startswith("cylinder") or not _is_inside(part, point):
@@ -421,7 +429,7 @@ class _SpatialShapes:
                 thick = float(np.linalg.norm(part.matrix[:, 0]))
                 if half > 1.5 * thick:
                     radius = max(radius, thick)
-        return 3.75 * min(radius, 0.035 * self._size)
+        return 3.75 * min(radius, 4.0 * self._thin)
 
     def _add_springs(self) -> None:
         for force in self._scene.forces.values():
@@ -429,10 +437,10 @@ class _SpatialShapes:
                 continue
             i, j = (self._places[body] for body in force.bodies)
             a, b = map(_numbers, force.points)
-            self._struts.append(Strut("spring", i, j, a, b, 1.2 * THIN * self._size))
+            self._struts.append(Strut("spring", i, j, a, b, 1.2 * self._thin))
             for body, point in ((i, a), (j, b)):
                 if body == 0:
-                    unit = 3.75 * THIN * self._size
+                    unit = 3.75 * self._thin
                     self._bodies[0].parts.append(pedestal(point, None, self._up, unit))
 
 
@@ -473,9 +481,17 @@ def _corners(part: Part) -> Array:
     return found
 
 
-def vertices_of(part: Part) -> Array:
-    """Return the vertices of a part in the frame of its body, (n, 3)."""
-    mesh = np.array(mesh_of(part.mesh).vertices)
+def vertices_of(part: Part, sides: int = 0) -> Array:
+    """Return the vertices of a part in the frame of its body, (n, 3).
+
+    Parameters
+    ----------
+    part : Part
+        The part.
+    sides : int
+        Faces around a cylinder; its own unless given.
+    """
+    mesh = np.array(mesh_of(coarse(part.mesh, sides)).vertices)
     found: Array = mesh @ part.matrix[:, :3].T + part.matrix[:, 3]
     return found
 
@@ -517,7 +533,7 @@ def pedestal(at: Array, axis: Array | None, up: Array, unit: float) -> Part:
     return Part("pedestal", _moved(columns, at), GROUND)
 
 
-def _solids(body: Body, size: float, color: int) -> Iterator[Part]:
+def _solids(body: Body, size: float, thin: float, color: int) -> Iterator[Part]:
     """Yield the solids of a body in its frame."""
     from kousoku.model.quaternions import quaternion
 
@@ -533,7 +549,7 @@ def _solids(body: Body, size: float, color: int) -> Iterator[Part]:
         yield cylinder(a, b, float(tube.radius), color, size)
     for rod in body.rods:
         a, b = map(_numbers, rod.ends)
-        yield cylinder(a, b, THIN * size, color, size)
+        yield cylinder(a, b, thin, color, size)
     for sphere in body.spheres:
         yield ball(_numbers(sphere.at), float(sphere.radius), color)
 

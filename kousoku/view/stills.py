@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.view.meshes import mesh_of
+from kousoku.view.meshes import coarse, mesh_of
 from kousoku.view.shapes import LIGHT, METAL, rotation, vertices_of
 
 if TYPE_CHECKING:
@@ -202,17 +202,15 @@ def drawn(picture: Picture, row: int, camera: Camera, sides: int = 0) -> list[Fa
     items: list[Face | Stroke] = []
     for body, shape in enumerate(picture.shapes.bodies):
         for part in shape.parts:
-            items += _faces(picture, row, camera, body, part, sides)
+            points = placed(picture, row, body, vertices_of(part, sides))
+            items += _faces(part, points, camera, sides)
     items += _lines(picture, row, camera)
     return sorted(items, key=lambda item: item.depth)
 
 
-def _faces(
-    picture: Picture, row: int, camera: Camera, body: int, part: Part, sides: int
-) -> Iterator[Face]:
-    mesh = mesh_of(_coarse(part.mesh, sides) if sides else part.mesh)
-    own = np.array(mesh.vertices) @ part.matrix[:, :3].T + part.matrix[:, 3]
-    points = placed(picture, row, body, own)
+def _faces(part: Part, points: Array, camera: Camera, sides: int) -> Iterator[Face]:
+    """Yield the faces of a part that are seen; its vertices are in frame O."""
+    mesh = mesh_of(coarse(part.mesh, sides))
     flat, near = camera.seen(points)
     for corners, edges, tone in zip(mesh.faces, mesh.edges, mesh.tones, strict=True):
         places = list(corners)
@@ -227,12 +225,6 @@ def _faces(
         bright = min(1.0, max(0.0, 0.12 + 0.88 * light - 0.22 * tone))
         shade = round((SHADES - 1) * bright)
         yield Face(ring, part.color, shade, edges, float(near[places].mean()))
-
-
-def _coarse(mesh: str, sides: int) -> str:
-    """Return the name of a cylinder with fewer faces, of other meshes their own."""
-    kind, *cuts = mesh.split()
-    return f"{kind} {-(-int(cuts[0]) // 2)} {sides}" if kind == "cylinder" else mesh
 
 
 def _lines(picture: Picture, row: int, camera: Camera) -> Iterator[Stroke]:
@@ -330,8 +322,7 @@ def still_svg(
     """
     row = 0 if time is None else int(np.abs(picture.time - time).argmin())
     camera = _camera(picture, size)
-    body, used = _frame(drawn(picture, row, camera))
-    return _document(picture, camera, size, body, used, "")
+    return _document(picture, camera, size, *_frame(drawn(picture, row, camera)))
 
 
 def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: int = LARGEST) -> str:
@@ -367,7 +358,7 @@ def moving_svg(picture: Picture, size: tuple[int, int] = (640, 420), largest: in
         f"@keyframes f{{0%{{visibility:visible}}{shown:.4f}%{{visibility:hidden}}}}"
         "@media(prefers-reduced-motion:reduce){.f{animation:none}}"
     )
-    return _document(picture, camera, size, "\n".join(parts), used, style)
+    return _document(picture, camera, size, "\n".join(parts), used, style=style)
 
 
 def _camera(picture: Picture, size: tuple[int, int]) -> Camera:
@@ -381,7 +372,8 @@ def _document(
     size: tuple[int, int],
     body: str,
     used: set[tuple[int, int]],
-    style: str,
+    *,
+    style: str = "",
 ) -> str:
     grid, step = grid_seen(picture, camera)
     fills = "".join(

@@ -123,6 +123,34 @@ class Result:
         """The times [s]."""
         raise NotImplementedError
 
+    def state(self, k: int) -> tuple[float, Array, Array]:
+        """Return time, q and v of a row, as the scene is written.
+
+        Returns
+        -------
+        t : float [s]
+            The time.
+        q : array
+            For each body of the scene r of the origin of its frame in frame O [unit], then its
+            Euler parameters, scalar first, unless it is a point; of a linkage x and y of each node.
+        v : array
+            For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point; of a
+            linkage the rates of x and y.
+
+        Raises
+        ------
+        IndexError
+            There is no such row.
+        """
+        if not -len(self) <= k < len(self):
+            raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
+        q, v = self._state(k)
+        return float(self.time[k]), q, v
+
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return q and v of a row that there is, as the scene is written."""
+        raise NotImplementedError
+
     @property
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted."""

@@ -148,6 +148,14 @@ class Trajectory(Result):
             )
         return self.times
 
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return x and y of all nodes, and their rates."""
+        q, v = (
+            np.concatenate([table[node][k] for node in self.positions])
+            for table in (self.positions, self.velocities)
+        )
+        return q, v
+
     @property
     def alpha(self) -> Array:
         """The input, (rows,), or with several inputs all of them, (rows, inputs)."""

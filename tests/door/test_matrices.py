@@ -7,6 +7,8 @@ reduced and left out what they could.
 from __future__ import annotations
 
 import pickle
+import subprocess
+import sys
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+import kousoku as ks
 from kousoku.codegen.linkage import generate_scene
 from kousoku.equations import equations_of
 from kousoku.matrices import evaluate, matrices
@@ -34,7 +37,6 @@ if TYPE_CHECKING:
     from kousoku.runtime.dynamics import DynamicsSolver
 
     Array = npt.NDArray[np.float64]
-    State = tuple[float, Array, Array]
 
 SCENES = Path(__file__).parents[2] / "scenes"
 FILES = {path.stem: path for folder in (SCENES, SCENES / "adams") for path in folder.glob("*.toml")}
@@ -45,22 +47,6 @@ OF_NODES = [name for name, scene in READ.items() if not scene.is_spatial]
 ROUNDING = 1e-9
 #: All rows at all of its states, but where these lie in other positions than the rest of the way.
 TIMES = (0.0, 0.11, 0.37, 0.5)
-
-
-def as_written(solver: DynamicsSolver, motion: Any, k: int) -> State:
-    """Return a row of a motion from its tables."""
-    state = [
-        np.concatenate(
-            [
-                getattr(motion, table)[body.name][k]
-                for body in solver.bodies
-                for table in tables
-                if body.name in getattr(motion, table)
-            ]
-        )
-        for tables in (("position", "orientation"), ("velocity", "angular_velocity"))
-    ]
-    return float(motion.time[k]), state[0], state[1]
 
 
 def require_equations_hold(found: Matrices, v: Array, v_dot: Array, length: float) -> None:
@@ -94,7 +80,7 @@ def test_the_equations_of_committed_scenes_hold_along_a_motion(
     length = equations_of(scene).length
 
     for k in range(len(TIMES)):
-        t, q, v = as_written(solver, motion, k)
+        t, q, v = motion.state(k)
         found = matrices(scene, t, q, v)
         v_dot = np.concatenate(
             [
@@ -131,10 +117,10 @@ def test_multipliers_are_the_forces_of_joints(
     motion = solver.simulate(times=TIMES)
     compared = 0
     for k in range(len(TIMES)):
-        t, q, v = as_written(solver, motion, k)
+        t, q, v = motion.state(k)
         found, told = matrices(scene, t, q, v), evaluate(scene, solver, t, q, v)
         size = float(np.abs(told.lam).max())
-        for place in solver.reactions:
+        for place in solver.layout.reactions:
             own = [n for n, row in enumerate(found.rows) if row.startswith(f"{place.joint}: ")]
             if place.joint in motion.not_unique or not own or not told.is_unique[own].all():
                 continue
@@ -252,16 +238,9 @@ def test_the_equations_of_linkages_hold_and_they_have_no_masses(
     scene = msgspec.structs.replace(READ[name], outputs=("velocities", "accelerations"))
     folder = shared_tree(scene.name, ("linkage", scene), lambda: generate_scene(scene))
     found = load_scene(folder, target="numpy").solve()
-    (key, *_) = scene.inputs
-    given = scene.inputs[key]
-    assert given.rate
-    assert not given.acceleration
     for k in range(0, len(found.residual), 7):
-        q, v, v_dot = (
-            np.concatenate([table[node][k] for node in scene.nodes])
-            for table in (found.positions, found.velocities, found.accelerations)
-        )
-        t = (found.inputs[key][k] - given.start) / given.rate
+        t, q, v = found.state(k)
+        v_dot = np.concatenate([found.accelerations[node][k] for node in scene.nodes])
         there = matrices(scene, t, q, v)
         length = float(np.abs(q).max())
         require_equations_hold(there, v, v_dot, length)
@@ -269,6 +248,24 @@ def test_the_equations_of_linkages_hold_and_they_have_no_masses(
     with pytest.raises(SolveError, match="no M and no f: a linkage of nodes has no masses"):
         _, *_ = there
     assert "no masses" in repr(there)
+
+
+@pytest.mark.parametrize("name", ["pendulum", "piston_crank"])
+def test_the_door_takes_the_states_of_its_runs(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, compiler: object
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
+    mechanism = ks.load(FILES[name])
+    run = mechanism.simulate(times=[0.0, 0.25])
+    t, q, v = run.state(-1)
+    found = mechanism.matrices(t, q, v)
+    assert t == 0.25
+    assert np.abs(found.C).max() < 1e-12
+    assert found.C_q @ v == pytest.approx(found.nu, abs=1e-12)
+    with pytest.raises(IndexError, match="no row 2: there are 2"):
+        run.state(2)
+    if name == "pendulum":
+        assert mechanism.evaluate(t, q, v).is_unique.all()
 
 
 BAR = {
@@ -390,3 +387,14 @@ def test_scenes_without_all_masses_have_all_but_m_and_f() -> None:
     assert found.C_q.shape == (18, 18)
     with pytest.raises(SolveError, match="no M and no f: no mass of rocker; take C, C_q"):
         _ = found.f
+
+
+def test_matrices_start_no_sympy() -> None:
+    program = f"""
+import sys
+from kousoku.matrices import matrices
+from kousoku.model.read import read_scene
+matrices(read_scene({str(FILES["pendulum"])!r}), 0, [0, 0, 0, 1, 0, 0, 0], [0] * 6)
+assert "sympy" not in sys.modules
+"""
+    subprocess.run([sys.executable, "-c", program], check=True)

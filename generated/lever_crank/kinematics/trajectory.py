@@ -172,7 +172,7 @@ class Trajectory(Result):
         return super()._no_column(name)
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
         """Where columns stand: the input is called ``alpha``, several ones by their names."""
         found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
         for name in self.inputs:
@@ -204,11 +204,11 @@ class Trajectory(Result):
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns of a node, of the last one that moves unless it is named."""
-        parts = [[x for x in self._places if x.startswith(f"{node}.")] for node in self.positions]
+        parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
         if of is None:
             own = [one for one in parts if len(self) and any(np.ptp(self[name]) for name in one)]
-            return [*self._places][: len(self.inputs)] + (own or parts)[-1]
-        return [x for x in self._places if x.startswith(f"{of}.")]
+            return [*self.places][: len(self.inputs)] + (own or parts)[-1]
+        return [x for x in self.places if x.startswith(f"{of}.")]
 
     def summary(self) -> dict[str, Any]:
         """Return what a program may want to know, ready for JSON."""

@@ -38,8 +38,8 @@ SMOOTH = 0.5
 #: The shortest step, as a part of the way; what steps that fail and that succeed are changed by:
 #: halves would meet the middle of a way, where a parallelogram may lie flat.
 SHORTEST, SHRINK, GROW = 1e-7, 0.6, 1.7
-#: Corrections on the way, and at its end, that are small enough; how many are tried.
-NEAR, ROUNDING, MOST = 1e-6, 1e-15, 30
+#: Corrections on the way, and at its end, that are small enough; how many may grow, and are tried.
+NEAR, ROUNDING, FIRST, MOST = 1e-6, 1e-15, 3, 30
 #: A coordinate depends on others where so little of its motion is its own, squared.
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
@@ -48,8 +48,8 @@ APART = 1e-4
 AGREES, MISSES = 1e-9, 1e-6
 #: What turns a body back, of Euler parameters.
 BACK = np.array([1.0, -1.0, -1.0, -1.0])
-#: What is free has settled; how many steps tell the next one.
-SETTLED, DEPTH = 1e-13, 8
+#: So many freedoms of bodies that no coordinate names are held.
+MOST_HELD = 100
 #: A whole turn, and so many that are tried to close gears.
 TURN, MOST_TURNS = 2.0 * np.pi, 1000
 
@@ -136,7 +136,8 @@ class Leader:
         self.moves[[*start.works]] = 0.0
         places = {k for body in start.bodies for k in _indices((*body.r, *body.p))}
         self.turns = [k for k in range(len(start.q)) if k not in places.union(start.works)]
-        probe = np.cos(np.arange(len(start.v)))  # no direction in particular
+        self.held = np.zeros((0, len(start.q)))
+        self.probe = probe = self.sizes * np.cos(np.arange(len(start.v)))  # no special direction
         responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
         moved = [one for one, rates in zip(own, responses, strict=True) if rates.any()]
         self.support = sorted({k for one in moved for k in one})
@@ -145,20 +146,25 @@ class Leader:
         return self.evaluate(self.start.q, v)["coordinates"][self.rates]
 
     def value(self, q: Array) -> Array:
-        """Return the coordinates at a position."""
-        return self.evaluate(q, self.rest)["coordinates"][self.values]
+        """Return the coordinates at a position, then what is held."""
+        return self.values_of(self.evaluate(q, self.rest), q)
+
+    def values_of(self, found: Mapping[str, Array], q: Array) -> Array:
+        """Return the same of what is evaluated."""
+        return np.concatenate([found["coordinates"][self.values], self.held @ q])
 
     def jacobian(self, q: Array) -> Jacobian:
         """Return what moves the coordinates."""
         still = self.evaluate(q, self.rest)
-        jacobian = np.zeros((len(self.names), len(self.rest)))
+        jacobian = np.zeros((len(self.names) + len(self.held), len(self.rest)))
         rows = np.zeros((len(still["C_dot"]), len(self.rest)))
         weights = np.ones(len(self.rest))
         for k in self.support:
             unit = self.rest.copy()
             unit[k] = 1.0
             found = self.evaluate(q, unit)
-            jacobian[:, k] = found["coordinates"][self.rates]
+            held = self.held @ (found["q_dot"] * self.moves)
+            jacobian[:, k] = np.concatenate([found["coordinates"][self.rates], held])
             rows[:, k] = found["C_dot"] - still["C_dot"]
             mass = 2.0 * found["energies"][0]
             weights[k] = 1.0 / mass if mass > 0.0 else 1.0
@@ -173,7 +179,7 @@ class Leader:
         chosen: list[int] = []
         whole = at.J @ at.ways.T
         own = np.einsum("kv,kv->k", at.J, at.free)
-        for k in dict.fromkeys((*given, *first, *range(len(own)))):
+        for k in dict.fromkeys((*given, *first, *range(len(self.names)))):
             rest = whole[k, k]
             if chosen:
                 among = whole[np.ix_(chosen, chosen)]
@@ -197,19 +203,17 @@ class Leader:
 
         That is infinite where the first correction is not small.
         """
-        before = last = np.inf
+        last = np.inf
         for attempt in range(MOST):
-            found = self.evaluate(q, self.rest)
-            miss = goal - found["coordinates"][self.values][chosen]
-            change = (found["q_moved"] - q) / self.sizes_q
-            moves = miss @ ways
-            left = max(float(np.max(np.abs(change), initial=0.0)), self.size(moves))
-            if not left <= (before if attempt else CLOSE):
-                return q, last
-            q = self.displaced(found["q_moved"], moves)
+            moved = self.evaluate(q, self.rest)["q_moved"]
+            moves = (goal - self.value(moved)[chosen]) @ ways
+            change = float(np.max(np.abs(moved - q) / self.sizes_q, initial=0.0))
+            left = max(change, self.size(moves))
+            if not left <= (CLOSE if attempt < FIRST else last):
+                break
+            q, last = self.displaced(moved, moves), left
             if left <= enough:
-                return q, left
-            before, last = last, left  # joints and coordinates are met in turn
+                break
         return q, last
 
     def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
@@ -257,57 +261,42 @@ class Leader:
             before = left
         return q
 
-    def difference(self, q: Array) -> Array:
-        """Return the displacement from the start to a position; of a turn twice sin of its half."""
-        u = self.rest.copy()
-        for body in self.start.bodies:
-            ends = []
-            for at in (self.start.q, q):
-                ends.append([_taken(places, at) for places in (body.r, body.p)])
-            (r_start, p_start), (r, p) = ends
-            found = r - r_start
-            if body.p:
-                found = np.append(found, 2.0 * composed(p_start * BACK, p)[1:])
-            for k, x in zip((*body.v, *body.omega_b), found, strict=True):
-                if isinstance(k, int):
-                    u[k] = x
-        return u
+    def hold(self, at: Jacobian, chosen: Sequence[int]) -> None:
+        """Hold bodies where coordinates leave them free: first they do not turn, then not move.
 
-    def nearest(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
-        """Return the position next to the start where coordinates have their values.
-
-        What is free beyond them comes back as near as it can, so that the way does not matter: a
-        fixed point, found by Anderson's method.
+        Both are linear in q: where a body is, and 2(p₀*∘p), with p₀ at the start.
         """
-        steps: list[Array] = []
-        wishes: list[Array] = []
-        here = q
-        for _ in range(2 * MOST):
-            at = self.jacobian(here)
-            ways = self._ways(at, chosen)
-            wish = -self.difference(here)
-            for _ in range(2):
-                wish = self.on_constraints(here, wish)
-                wish = wish - (at.J[chosen] @ wish) @ ways
-            if self.size(wish) <= SETTLED:
-                return here
-            step = wish
-            if wishes:
-                changes = np.diff([*wishes, wish], axis=0)[-DEPTH:]
-                parts = np.linalg.lstsq((changes / self.sizes).T, wish / self.sizes, rcond=None)[0]
-                step = wish - parts @ (changes + steps[-len(changes) :])
-            step = step * min(1.0, LONGEST / self.size(step))
-            here, left = self.met(self.displaced(here, step), ways, chosen, wanted, ROUNDING)
-            if not left <= NEAR:
+        pairs = [*zip(at.J[chosen], self._ways(at, chosen), strict=True)]
+        turns = [(k, body, n) for body in self.start.bodies for n, k in enumerate(body.omega_b)]
+        moves = [(k, body, n) for body in self.start.bodies for n, k in enumerate(body.v)]
+        columns = {k: rest for k, *rest in (*turns, *moves) if isinstance(k, int)}
+        for k, (body, n) in columns.items():
+            if self.size(self._left(self.probe, pairs)) <= NEAR or len(self.held) == MOST_HELD:
                 break
-            wishes.append(wish)
-            steps.append(step)
-        return q
+            unit = self.rest.copy()
+            unit[k] = 1.0
+            way = self._left(unit, pairs)
+            if way[k] > APART:
+                pairs.append((unit, way / way[k]))
+                row = np.zeros(len(self.start.q))
+                if k in body.v:
+                    row[_indices(body.r[n : n + 1])] = 1.0
+                else:
+                    back = _taken(body.p, self.start.q) * BACK
+                    for m, place_ in enumerate(body.p):
+                        if isinstance(place_, int):
+                            row[place_] = 2.0 * composed(back, np.eye(4)[m])[1 + n]
+                self.held = np.vstack([self.held, row])
+                self.support = sorted({*self.support, *_indices((*body.v, *body.omega_b))})
 
-    def on_constraints(self, q: Array, u: Array) -> Array:
-        """Return a displacement that opens no joint."""
-        found: Array = u + (self.evaluate(q, u)["dv"] - self.evaluate(q, self.rest)["dv"])
-        return found
+    def _left(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
+        """Return what of a displacement at the start opens no joint and changes nothing of pairs."""
+        q = self.start.q
+        for _ in range(2):
+            u = u + (self.evaluate(q, u)["dv"] - self.evaluate(q, self.rest)["dv"])
+            for slopes, way in pairs:
+                u = u - (slopes @ u) * way
+        return u
 
     def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
         """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
@@ -408,17 +397,26 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
         if name not in leader.names
     }
     if values:
+        named = leader.independent(at, [*values])
+        leader.hold(at, named)
+        count = len(leader.names)
         wanted = leader.value(q)
         wanted[[*values]] = [*values.values()] * leader.units[[*values]]
-        chosen = leader.independent(at, [*values])
-        q, made = leader.led(start.q, chosen, wanted[chosen])
-        if made < 1.0 and not values.keys() >= set(chosen):
-            chosen = [k for k in chosen if k in values]
+        # what is not given is held only where all of it can be
+        tries = (
+            [*named, *range(count, len(wanted))],
+            named,
+            [k for k in named if k in values],
+        )
+        for chosen in tries:
             q, made = leader.led(start.q, chosen, wanted[chosen])
-        if made < 1.0:
+            if made == 1.0:
+                break
+        else:
             raise ValueError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
-        q = leader.nearest(leader.polished(q, chosen, wanted[chosen]), chosen, wanted[chosen])
+        q = leader.polished(q, chosen, wanted[chosen])
         q[[*start.works]] = start.q[[*start.works]]
+        leader.held = leader.held[:0]
         at = leader.jacobian(q)
         _require(leader, at, values, leader.value(q), "")
     wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]

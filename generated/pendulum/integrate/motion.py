@@ -258,7 +258,7 @@ class Motion(Result):
         ledger: Any = None,
         is_complete: bool = True,
     ) -> None:
-        self._layout, self._rows, self._ledger = layout, rows, ledger
+        self.layout, self.rows, self._ledger = layout, rows, ledger
         self._tables: dict[str, Any] = {}
         self.name, self.unit = layout.name, layout.unit_name
         self.target, self.method, self.is_complete = target, method, is_complete
@@ -266,16 +266,16 @@ class Motion(Result):
     def __getstate__(self) -> dict[str, Any]:
         """Return what is pickled: rows, not the tables that are made of them."""
         ledger = None if self._ledger is None else self.ledger
-        state = {key: value for key, value in self.__dict__.items() if key != "_places"}
+        state = {key: value for key, value in self.__dict__.items() if key != "places"}
         return state | {"_tables": {}, "_ledger": ledger}
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self.rows)
 
     @property
     def time(self) -> Array:
         """The times [s]."""
-        return self._rows[:, 0]
+        return self.rows[:, 0]
 
     @property
     def ledger(self) -> Any:
@@ -289,7 +289,7 @@ class Motion(Result):
     @property
     def parameters(self) -> Mapping[str, float]:
         """The parameters of the run."""
-        return Named({}) if self._ledger is None else Named(dict(self.ledger.parameters))
+        return Named(dict(getattr(self._ledger and self.ledger, "parameters", {})))
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -302,12 +302,12 @@ class Motion(Result):
         Coordinates and their rates, else what moves of the last body that does; of a body what
         moves of it.
         """
-        shown = [name + ending for name, *_ in self._layout.coordinates for ending in ("", "_dot")]
+        shown = [name + ending for name, *_ in self.layout.coordinates for ending in ("", "_dot")]
         if shown and of is None:
             return shown
         bodies = [of] if of else self._names("body")[::-1]
         parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
-        parts += [[x for x in self._places if x.startswith(f"{body}.")] for body in bodies]
+        parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
         moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
         return self._moving(next(moving, parts[-1]))
 
@@ -318,20 +318,20 @@ class Motion(Result):
         Constraints depend on each other there. What they have is the least that moves all bodies
         so: Σ |force|² + |torque|²/ℓ² over the joints of such constraints is as small as can be.
         """
-        return self._layout.not_unique
+        return self.layout.not_unique
 
     @property
     def reaction_length(self) -> float:
         """ℓ, a length of the scene, in its unit."""
-        return self._layout.length / self._layout.unit
+        return self.layout.length / self.layout.unit
 
     def _names(self, sort: str) -> Sequence[str]:
         if sort == "body":
-            return [body.name for body in self._layout.bodies]
-        drivers = [one[8:] for one in self._layout.checked if one.startswith("drivers.")]
-        joints = [one for one in self._layout.checked if not one.startswith("drivers.")]
-        if self._layout.reactions:  # those too of several bodies: gear.wheel
-            named = [one.joint for one in self._layout.reactions]
+            return [body.name for body in self.layout.bodies]
+        drivers = [one[8:] for one in self.layout.checked if one.startswith("drivers.")]
+        joints = [one for one in self.layout.checked if not one.startswith("drivers.")]
+        if self.layout.reactions:  # those too of several bodies: gear.wheel
+            named = [one.joint for one in self.layout.reactions]
             both = [[x for x in named if x.partition(".")[0] in own] for own in (joints, drivers)]
             joints, drivers = both
         return joints if sort == "joint" else drivers
@@ -345,13 +345,13 @@ class Motion(Result):
         values = self._tables[name]
         sort = "bodies" if name in BODY else "joints" if name in JOINT else "the scene"
         what, output = f"{name.replace('_', ' ')} of {sort}", OUTPUTS.get(name)
-        if output is None or PARTS_OF_ROWS[output] in self._layout.sizes:
+        if output is None or PARTS_OF_ROWS[output] in self.layout.sizes:
             return Named(values, f"{self.name}: no {what}")
         return Named(values, advice=f"{self.name}: {not_generated(what, output)}")
 
     def _make(self, name: str) -> None:
-        layout, tables = self._layout, self._tables
-        parts = layout.parts(self._rows)
+        layout, tables = self.layout, self._tables
+        parts = layout.parts(self.rows)
         if name in BODY:
             tables |= {key: {} for key in BODY}
             v_dot = parts.get("v_dot")
@@ -381,8 +381,9 @@ class Motion(Result):
                 }
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
-        layout, found = self._layout, {"time": Column("time", "", None, "s")}
+    def places(self) -> dict[str, Column]:
+        """Where each column stands, in order."""
+        layout, found = self.layout, {"time": Column("time", "", None, "s")}
 
         def unit_of(table: str) -> str:
             own = IN_METRES.get(table) if self.unit == "m" else None
@@ -423,8 +424,29 @@ class Motion(Result):
                     return str(error).removeprefix(f"{self.name}: ")
         if owner == "energy" and not self.energy:
             return not_generated("energies", "energies")
-        more = "" if "coordinates" in self._layout.sizes else '; generated without "coordinates"'
-        return super()._no_column(name) + more
+        more = (
+            "" if "coordinates" in self.layout.sizes else not_generated("coordinate", "coordinates")
+        )
+        return super()._no_column(name) + f"; {more}" * bool(more)
+
+    @property
+    def drivers(self) -> Sequence[str]:
+        """The drivers."""
+        return self._names("driver")
+
+    def center_of_mass(self, body: str) -> Array | None:
+        """Return where the centre of mass of a body is, None where it is one with others.
+
+        Returns
+        -------
+        (n, 3) array [unit], frame O
+            The path.
+        """
+        bodies = self.layout.bodies
+        own = next(one for one in bodies if one.name == body)
+        if sum(one.r == own.r for one in bodies) > 1:
+            return None
+        return _columns(own.r, self.layout.parts(self.rows)["q"]).T / self.layout.unit
 
     def state(self, k: int) -> tuple[float, Array, Array]:
         """Return time, q and v of a row, as the scene is written.
@@ -441,7 +463,7 @@ class Motion(Result):
         """
         if not -len(self) <= k < len(self):
             raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
-        row, layout = self._rows[k : k + 1 or None], self._layout
+        row, layout = self.rows[k : k + 1 or None], self.layout
         parts = layout.parts(row)
         tables = body_tables(layout.bodies, parts["q"], parts["v"], None, layout.unit)
         q, v = (
@@ -459,7 +481,7 @@ class Motion(Result):
         """Return the same motion with another ledger."""
         options = dict[str, Any](target=self.target, method=self.method)
         options["is_complete"] = self.is_complete
-        return Motion(self._layout, self._rows, ledger=ledger, **options)
+        return Motion(self.layout, self.rows, ledger=ledger, **options)
 
     def summary(self) -> dict[str, object]:
         """Return what a program may want to know, ready for JSON."""

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-import tempfile
 from collections.abc import Mapping
-from difflib import get_close_matches
 from functools import cached_property
 from importlib import import_module
 from pathlib import Path
@@ -149,7 +147,7 @@ class Result:
         return ()
 
     @cached_property
-    def _places(self) -> dict[str, Column]:
+    def places(self) -> dict[str, Column]:
         """Where each column stands, in order."""
         raise NotImplementedError
 
@@ -158,32 +156,31 @@ class Result:
         raise NotImplementedError
 
     @property
-    def units(self) -> Mapping[str, str]:
+    def units(self) -> dict[str, str]:
         """The unit of each column; ``-`` where it has none."""
-        return Named({name: place.unit for name, place in self._places.items()}, self.name)
+        return {name: place.unit for name, place in self.places.items()}
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
-        if name not in self._places:
+        if name not in self.places:
             raise NotInResultError(f"{self.name}: {self._no_column(name)}")
-        table, owner, component, _ = self._places[name]
+        table, owner, component, _ = self.places[name]
         values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
-        near = get_close_matches(str(name), self._places, n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
-        return f"no column {shown(name)}: there are {_listed([*self._places])}{hint}"
+        columns = [*self.places]
+        return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
-        return name in self._places
+        return name in self.places
 
     def __iter__(self) -> Iterator[str]:
-        return iter(self._places)
+        return iter(self.places)
 
     def columns(self) -> dict[str, Array]:
         """Return all columns by name."""
-        return {name: self[name] for name in self._places}
+        return {name: self[name] for name in self.places}
 
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
@@ -211,8 +208,8 @@ class Result:
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
-            calls = ", ".join(f"{one}({one[0].upper()}…)" for one in self.PARTS)
-            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: ask for {calls}")
+            calls = ", ".join(f".{one}(…)" for one in self.PARTS)
+            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
         if name not in (names := self._names(sort)):
             raise NotInResultError(f"{self.name}: {unknown(sort, name, names)}")
         return Part(self, name, self.PARTS[sort])
@@ -220,13 +217,14 @@ class Result:
     def to_pandas(self) -> Any:
         """Return the columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
         frame = self._late("pandas", "table").DataFrame(self.columns())
-        frame.attrs |= {"name": self.name, "units": dict(self.units)}
+        frame.attrs |= {"name": self.name, "units": self.units}
         return frame
 
     def save(self, path: str | Path) -> None:
         """Write the columns to a ``.csv``, ``.npz`` or ``.parquet`` file, whole or not at all.
 
-        A CSV file has one line of names, then one line a row with all digits of the doubles.
+        A CSV file has one line of names, then one line a row with all digits of the doubles. A run
+        that is kept as ``.npz`` can be opened again, :func:`kousoku.open_run`.
 
         Raises
         ------
@@ -246,6 +244,8 @@ class Result:
             lines = [",".join(table), *(",".join(map(repr, row)) for row in rows)]
             buffer.write(("\n".join(lines) + "\n").encode())
         elif path.suffix == ".npz":
+            if self.mechanism is not None:
+                table |= import_module("kousoku.saved").arrays_of(self)
             np.savez(buffer, **table)
         else:
             self._late("pyarrow", "table")
@@ -276,7 +276,9 @@ class Result:
             raise ModuleNotFoundError(line, name=error.name) from None
 
     def _repr_html_(self) -> str:
-        return f"<pre>{import_module('html').escape(repr(self))}</pre>"
+        from html import escape
+
+        return f"<pre>{escape(repr(self))}</pre>"
 
     def __repr__(self) -> str:
         lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
@@ -284,7 +286,7 @@ class Result:
             if names := self._names(sort):
                 plural = sort.replace("body", "bodie") + "s"
                 lines.append(f"  {plural}: {_listed(names)}")
-        return "\n".join([*lines, f"  columns: {_listed([*self._places])}"])
+        return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
 
     def _extent(self) -> str:
         return f"{len(self)} rows, {self.unit}, {self.target}"
@@ -295,9 +297,14 @@ def unknown(what: str, name: object, known: Sequence[str]) -> str:
     of = "its formulas have" if what == "parameter" else "there are"
     if not known:
         return f"no {what} {shown(name)}: {of} none"
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{_near(name, known)}"
+
+
+def _near(name: object, known: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
     near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
+    return f"; did you mean {near[0]!r}?" if near else ""
 
 
 def not_generated(what: str, output: str) -> str:
@@ -330,6 +337,8 @@ def _listed(names: Sequence[str]) -> str:
 
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
+    import tempfile
+
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         part = Path(folder) / path.name
