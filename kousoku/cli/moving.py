@@ -244,7 +244,8 @@ def _show(
 def _print_rows(result: Result, wish: Wish) -> None:
     """Print what was asked for, thinned to a table that is read at one glance."""
     names = list(wish.columns or result.main_columns(wish.of))[:MOST_COLUMNS]
-    names = [*dict.fromkeys(["time", *names])]
+    if "time" in result:  # a linkage that is solved at divisions has none
+        names = [*dict.fromkeys(["time", *names])]
     units = result.units
     heads = [f"{name} [{units[name]}]" if units[name] else name for name in names]
     rows = [[f"{result[name][k]:z.9f}" for name in names] for k in at_one_glance(len(result))]
