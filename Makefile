@@ -9,7 +9,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --quiet
 # Each stamp remembers one set of extras; a changed pyproject.toml installs them again.
 installed = $(VENV)/.has-$(1)
 
-.PHONY: demo quick test release-test slow lint types generate-check notebooks ledger bench bench-solvers compiler clean
+.PHONY: demo quick test release-test slow lint types generate-check notebook notebooks ledger bench bench-solvers compiler clean
 .NOTPARALLEL:
 
 demo: $(call installed,plot)  ## derive, emit, verify, solve the mechanisms of the 1981 paper, draw
@@ -43,6 +43,9 @@ generate-check: $(call installed,plot)  ## the committed generated/ is what the 
 
 notebooks: $(call installed,test)  ## execute the notebooks again and compare their outputs
 	$(BIN)/python -m pytest --quiet tests/release/test_notebooks.py
+
+notebook: $(call installed,notebook)  ## open the first mechanism in Jupyter
+	$(BIN)/jupyter lab notebooks/first_mechanism.ipynb
 
 ledger: $(call installed,test)  ## write the ledger's index and pages anew, after its entries
 	$(BIN)/python -m kousoku.ledger.index
