@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .result import SHOWN, Column, Named, Result, not_generated
+from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -293,7 +293,7 @@ class Motion(Result):
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
-            raise AttributeError(f"{self.name}: no ledger: install kousoku, which keeps it")
+            raise NotInResultError(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
@@ -320,8 +320,8 @@ class Motion(Result):
         bodies = [of] if of else self._names("body")[::-1]
         parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
         parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
-        moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
-        return self._moving(next(moving, parts[-1]))
+        moving = (self._moving(one, self.reaction_length) for one in parts)
+        return next(filter(None, moving), parts[0])
 
     @property
     def not_unique(self) -> tuple[str, ...]:
