@@ -267,8 +267,8 @@ def test_a_constraint_in_vectors_has_verified_kernels(tmp_path: Path) -> None:
     numbers = {
         name: np.linspace(0.2, 1.0, q.size).reshape(q.shape) for name, q in own.inputs.items()
     }
-    given = {q.name: numbers[q.name] for q in own.functions[1].inputs}
-    gamma = library.rates(**given, outputs=["gamma"])[0]
+    given: dict[str, Any] = {q.name: numbers[q.name] for q in own.functions[1].inputs}
+    gamma = library.rates(*given.values(), outputs=["gamma"])[0]
     assert np.allclose(gamma, own.at(given)["gamma"], rtol=1e-13, atol=0)
 
 
