@@ -15,6 +15,7 @@ from sympy import Determinant, Symbol, sqrt
 from sympy.matrices.expressions import Identity, Inverse, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.checking import verify as verify_any
 from kousoku.codegen.generate import generate, write_tree
 from kousoku.deriving import body, kernels, number
 from kousoku.deriving import derive as derive_own
@@ -280,6 +281,10 @@ def test_kernels_without_a_folder_are_kept_by_their_content(
     assert library.kernel(3.0)[0] == 3.0
     assert library.folder.parents[1] == tmp_path / "kernels"
     assert kernels(hand_made(X), target="numpy").folder == library.folder
+    assert kernels(library.folder, target="numpy").manifest == library.manifest
+    report = verify_any(hand_made(X), target="numpy")
+    assert report.ok
+    assert report.folder == str(library.folder)
 
 
 def test_kernels_of_a_name_are_those_that_are_committed() -> None:
