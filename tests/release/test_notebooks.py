@@ -57,7 +57,9 @@ def clean(notebook: Any) -> None:
         cell.metadata = {}
         cell["id"] = f"cell-{number}"
         if cell.cell_type == "code":
-            cell.outputs = joined(cell.outputs)
+            # What goes to standard error tells about this machine, such as what was compiled.
+            kept = [output for output in cell.outputs if output.get("name") != "stderr"]
+            cell.outputs = joined(kept)
 
 
 def joined(outputs: list[Any]) -> list[Any]:
