@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from .body_tables import BodyPlaces, body_tables, crossed, rotated
-from .result import SHOWN, Column, Named, Result, not_generated, shown
+from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
+from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -108,6 +108,12 @@ class Layout:
         Whether all lies in one plane, so that no force leads out of it.
     length : float [m]
         A length of the scene: corrections are compared with it, and torques weighed by it.
+    notes : tuple of str
+        What the user of the scene may not expect, such as what assembly changed.
+    duration : float [s], optional
+        How long the scene moves unless a run says so.
+    jumps : tuple of str
+        Keys of forces that jump where a ``sign`` in their formula changes.
     """
 
     name: str
@@ -122,6 +128,9 @@ class Layout:
     works: tuple[tuple[str, int], ...]
     is_flat: bool
     length: float
+    notes: tuple[str, ...] = ()
+    duration: float | None = None
+    jumps: tuple[str, ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -144,6 +153,9 @@ class Layout:
             works=tuple((name, place) for name, place in data["works"]),
             is_flat=data["is_flat"],
             length=data["length"],
+            notes=tuple(data["notes"]),
+            duration=data["duration"],
+            jumps=tuple(data["jumps"]),
         )
 
     def at(self, design: Array) -> Layout:
@@ -281,7 +293,7 @@ class Motion(Result):
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
-            raise AttributeError(f"{self.name}: no ledger: install kousoku, which keeps it")
+            raise NotInResultError(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
@@ -294,7 +306,7 @@ class Motion(Result):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know before he trusts the numbers, a line each."""
-        return tuple(filter(None, [self.note()]))
+        return tuple(filter(None, [*self.layout.notes, self.note()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns that are shown where none are named.
@@ -308,8 +320,8 @@ class Motion(Result):
         bodies = [of] if of else self._names("body")[::-1]
         parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
         parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
-        moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
-        return self._moving(next(moving, parts[-1]))
+        moving = (self._moving(one, self.reaction_length) for one in parts)
+        return next(filter(None, moving), parts[0])
 
     @property
     def not_unique(self) -> tuple[str, ...]:
@@ -448,34 +460,10 @@ class Motion(Result):
             return None
         return _columns(own.r, self.layout.parts(self.rows)["q"]).T / self.layout.unit
 
-    def state(self, k: int) -> tuple[float, Array, Array]:
-        """Return time, q and v of a row, as the scene is written.
-
-        Returns
-        -------
-        t : float [s]
-            The time.
-        q : array
-            For each body of the scene r of the origin of its frame in frame O [unit], then its
-            Euler parameters, scalar first, unless it is a point.
-        v : array
-            For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point.
-        """
-        if not -len(self) <= k < len(self):
-            raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
-        row, layout = self.rows[k : k + 1 or None], self.layout
-        parts = layout.parts(row)
-        tables = body_tables(layout.bodies, parts["q"], parts["v"], None, layout.unit)
-        q, v = (
-            [
-                tables[name][body.name][0]
-                for body in layout.bodies
-                for name in names
-                if body.name in tables.get(name, {})
-            ]
-            for names in (("position", "orientation"), ("velocity", "angular_velocity"))
-        )
-        return float(row[0, 0]), np.concatenate(q), np.concatenate(v)
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return q and v of a row: of bodies in their own frames."""
+        parts = self.layout.parts(self.rows[k : k + 1 or None])
+        return written_state(self.layout.bodies, parts["q"][0], parts["v"][0], self.layout.unit)
 
     def with_ledger(self, ledger: Any) -> Motion:
         """Return the same motion with another ledger."""
@@ -493,6 +481,7 @@ class Motion(Result):
             "is_complete": self.is_complete,
             "not_unique": list(self.not_unique),
             "reaction_length": self.reaction_length,
+            "notes": list(self.notes),
             "ledger": self.ledger.as_data(),
         }
 
