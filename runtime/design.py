@@ -22,9 +22,6 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: A row that was left out does not hold when its residual is larger, relative to a length.
-OPEN = 1e-9
-
 
 @dataclass(frozen=True, slots=True)
 class Design:
@@ -101,42 +98,27 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     )
 
 
-def require_closed(solver: DynamicsSolver, values: Array, state: Array) -> None:
-    """Refuse parameters with which rows that were left out do not follow from the others.
+def not_closed(solver: DynamicsSolver, work: Array, limit: float) -> str:
+    """Return the joints that are open where a row was left out, and by how much.
 
     Parameters
     ----------
     solver : DynamicsSolver
-        A scene as it was loaded.
-    values : array
-        All parameters.
-    state : array
-        q and v at the start, where the rows that are kept hold.
-
-    Raises
-    ------
-    SolveError
-        Joints stay open; the message names them.
+        A scene.
+    work : array
+        Where its solver evaluated the rows that were left out.
+    limit : float
+        Residuals up to it are closed, relative to a length.
     """
-    if solver.design is None or not solver.left_out:
-        return
-    work = np.zeros(solver.target.work_size)
-    count = len(solver.q)
-    solver.target.evaluate(0.0, state[:count].copy(), state[count:].copy(), values, work)
     base, size = solver.places["C_left_out"]
     sizes = np.abs(work[base : base + size])
+    rows = (*solver.left_out, *solver.reduced)
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
-        joint, unit = solver.left_out[k]
-        if sizes[k] > OPEN * (solver.layout.length if unit == "m" else 1.0):
+        joint, unit = rows[k]
+        if not sizes[k] <= limit * (solver.length if unit == "m" else 1.0):
             worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
-    if worst:
-        raise SolveError(
-            f"{solver.name}: with {told(solver, values)}: joints stay open:"
-            f" {', '.join(list(worst.values())[:SHOWN])}; only with the parameters of the scene"
-            " their rows depend on those of other joints: give parameters that fit, or generate"
-            " the solver with them"
-        )
+    return ", ".join(list(worst.values())[:SHOWN])
 
 
 def told(solver: DynamicsSolver, values: Array) -> str:

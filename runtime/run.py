@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
-from kousoku.runtime.design import require_closed, told, with_parameters
+from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import numbers_of, require_callable, require_numbers, require_shape
 from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
+from kousoku.runtime.integrate.rows import COMES_OPEN, STAYS_OPEN
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
@@ -38,6 +39,8 @@ MESSAGES: dict[int, str] = {
     Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
     " determine the motion there, or a formula of a force has no finite value there",
     Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
+    Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
+    " others where they were looked at, do not depend on them here",
     Status.WRONG_STATE: "the state belongs to another solver",
 }
 #: What a run that is not over goes on after.
@@ -203,15 +206,23 @@ class Run:
             status = self._begin()
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
-            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
-        if self.solver.design is not None:
-            require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
+            where = "" if status == Status.NOT_CLOSED else self._where()
+            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
-        if status != Status.NOT_ASSEMBLED or self.solver.design is None:
+        if status not in {Status.NOT_ASSEMBLED, Status.NOT_CLOSED} or not self.solver.parameters:
             return MESSAGES[status]
         given = told(self.solver, self._values)
+        if status == Status.NOT_CLOSED:
+            joints = not_closed(self.solver, self._memory.work, STAYS_OPEN)
+            return (
+                f"with {given}: joints stay open, or come open where bodies move: {joints}; only"
+                " with the parameters of the scene their rows depend on those of other joints:"
+                " give parameters that fit, or generate the solver with them"
+            )
+        if self.solver.design is None:
+            return MESSAGES[status]
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
 
     def _check(self, saved: SavedRun) -> None:
@@ -326,6 +337,10 @@ class Run:
         )
 
     def _stop(self) -> str:
+        if self._status == Status.NOT_CLOSED:
+            joints = not_closed(self.solver, self._memory.work, COMES_OPEN)
+            time = f"before t = {self.times[self.written]:.9g} s"
+            return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
         return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.runtime.integrate.result import Named
+from kousoku.runtime.integrate.rows import COMES_OPEN
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_stop import SHOWN, key_of
@@ -32,8 +33,6 @@ LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
 #: Works that the ledger prints, the largest first.
 MOST_WORKS = 12
-#: A row that was left out is no longer met when its residual is larger, relative to a length.
-RELEASED = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -246,8 +245,8 @@ def ledger_of(
     state = {name: field.view(numbers) for name, field in solver.state.items()}
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     counts = {name: int(single[name]) for name in COUNTS}
-    layout, left_out = solver.layout, solver.left_out
-    checked = [*solver.rows, *left_out, *solver.reduced]
+    layout = solver.layout
+    checked = [*solver.rows, *solver.left_out, *solver.reduced]
     worst, first = state["violations"], len(solver.rows)
     works: dict[str, float] = {}
     violations: dict[str, Violation] = {}
@@ -271,7 +270,9 @@ def ledger_of(
         works=Named(works),
         momenta=momenta_of(solver.kept, changes) if options.checks else (),
         violations=Named(violations),
-        released=_released(worst[0], first, left_out, layout.length) if options.checks else (),
+        released=_released(worst[0], first, checked[first:], layout.length)
+        if options.checks
+        else (),
         seconds=Named(seconds),
         **counts,
     )
@@ -303,7 +304,7 @@ def _released(
 ) -> tuple[str, ...]:
     """Return the joints that came open where a row was left out: those rows from the first on."""
     sizes = worst[first : first + len(left_out)].tolist()
-    limits = [RELEASED * (length if unit == "m" else 1.0) for _, unit in left_out]
+    limits = [COMES_OPEN * (length if unit == "m" else 1.0) for _, unit in left_out]
     open_rows = [
         joint
         for (joint, _), size, limit in zip(left_out, sizes, limits, strict=True)

@@ -29,6 +29,8 @@ MESSAGES: dict[int, str] = {
     Status.STEP_TOO_SMALL: "no step can be taken",
     Status.NOT_PROJECTED: "the constraints cannot be met inside of a step",
     Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
+    Status.NOT_CLOSED: "joints come open, whose rows were left out as they depend on others in the"
+    " scene: with these parameters, or here, they do not",
     Status.BAD_ARGUMENT: "an argument is out of range, or a time is",
 }
 

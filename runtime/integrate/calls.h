@@ -42,6 +42,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
         momentum(work->w);
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
     }
+    if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
     s->key = KEY;
     return GOOD;
 }

@@ -5,6 +5,11 @@
 #define CLOSE 0.02
 /* the smallest part of the way from the parameters of the scene to those of the run */
 #define SHORTEST 1e-9
+/* how far bodies are moved to see whether joints come open, and the shortest way, relative to
+ * LENGTH; a direction that is smaller than this is none */
+#define ASIDE 0.05
+#define LEAST_ASIDE 1e-3
+#define NO_WAY 1e-6
 
 /* whether the numbers of the design in the workspace are possible */
 static int is_possible(const double *w)
@@ -33,13 +38,16 @@ static void set_parameters(const double *given, double part, double *w)
 
 /* brings positions to where bodies fit and drivers begin with the parameters of the run. That
  * may be far from where it is with those of the scene, so these become the others by small
- * steps: 0 if they cannot */
+ * steps: 0 if they cannot. Velocities stay as they are given, however many steps it takes: they are
+ * projected once, at the end of the way */
 static int continue_parameters(State *s, Work *work)
 {
     const double *given = s->parameters;
-    double *w = work->w, *y = work->k[0], drift = 0.0, reached = 0.0, part = 1.0;
+    double *w = work->w, *y = work->k[0], *v = work->k[1];
+    double drift = 0.0, reached = 0.0, part = 1.0;
     memcpy(y, s->y, NY * sizeof *y);
     if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) return 1;
+    memcpy(v, s->y + NQ, NV * sizeof *v);
     set_parameters(given, 0.0, w);
     follow_design(s->y, w);
     if (!project(s->time, 0.0, s->y, NULL, NULL, work, s, NULL)) return 0;
@@ -59,5 +67,49 @@ static int continue_parameters(State *s, Work *work)
             if (part < SHORTEST) return 0;
         }
     }
+    memcpy(s->y + NQ, v, NV * sizeof *v);
     return 1;
+}
+
+/* whether the parameters of a run are others than those of the scene */
+static int are_changed(const double *given)
+{
+    for (size_t k = 0; k != N_PARAMETERS; ++k) {
+        if (given[k] != values[k]) return 1;
+    }
+    return 0;
+}
+
+/* whether rows that are left out, because they depend on others with the parameters of the scene,
+ * do so with those of the run: at the start, which is in the workspace, and beside it, where all
+ * others let bodies move. The state stays as it is. */
+static int stay_closed(State *s, Work *work)
+{
+    enum { SINGLE = offsetof(State, y) / sizeof(double) };
+    double counts[SINGLE], *w = work->w, *y = work->k[0], *u = work->k[1], drift = 0.0;
+    check(w);
+    if (!are_closed(w, STAYS_OPEN)) return 0;
+    for (size_t k = 0; k < NV; ++k) { /* no special direction */
+        const double x = 0.6180339887498949 * (double)(k + 1);
+        u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
+    }
+    project_onto_tangent(s->y + NQ, work, u);
+    const double size = size_of(u);
+    if (pivot_ratio(work, s) < WEAK || !(size > NO_WAY)) return 1;
+    memcpy(counts, s, sizeof counts);
+    int is_good = 1;
+    for (double way = ASIDE; way > LEAST_ASIDE; way *= 0.5) {
+        place(s->time, s->y, w);
+        for (size_t k = 0; k < NV; ++k) w[W_DQ + k] = way / size * u[k];
+        displace(w, NULL);
+        memcpy(y, w + W_Q, NQ * sizeof *y);
+        memcpy(y + NQ, s->y + NQ, NV * sizeof *y);
+        if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
+            check(w);
+            is_good = are_closed(w, STAYS_OPEN);
+            break;
+        }
+    }
+    memcpy(s, counts, sizeof counts);
+    return is_good;
 }

@@ -45,3 +45,4 @@ class Status(IntEnum):
     NOT_ASSEMBLED = -3
     BAD_ARGUMENT = -4
     WRONG_STATE = -5
+    NOT_CLOSED = -6

@@ -176,6 +176,8 @@ for _place, (_name, _record) in enumerate(_records()):
     if isinstance(_record, Number):
         _record.place = _place  # numbers stand before arrays, so that a solver's sizes move none
 
+#: How many numbers stand before the arrays.
+SINGLE = sum(isinstance(_record, Number) for _, _record in _records())
 #: Levels at which constraints are checked: position, velocity, acceleration.
 LEVELS = 3
 

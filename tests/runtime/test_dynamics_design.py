@@ -240,7 +240,9 @@ axes = [[0, 1, 0], [0, 1, 0]]
 """
     solver = load(scene_from_toml(text.replace('name = "pendulum"', 'name = "door"')))
     solver.simulate(0.1, samples=2, parameters={"L": 100.0})
-    with pytest.raises(SolveError, match=r"with m = 2.5, L = 150: joints stay open: joints\."):
+    with pytest.raises(
+        SolveError, match=r"with m = 2.5, L = 150: joints stay open, or come open .*: joints\."
+    ):
         solver.simulate(0.1, samples=2, parameters={"m": 2.5})
 
 

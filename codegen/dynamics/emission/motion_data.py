@@ -8,7 +8,12 @@ from kousoku.codegen.dynamics.composition.auxiliary import WORK
 from kousoku.codegen.dynamics.composition.least_norm import ORIGIN, points_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.composition.reactions import ends_of
-from kousoku.codegen.dynamics.emission.view_numbers import is_driven, start_places
+from kousoku.codegen.dynamics.emission.view_numbers import (
+    LENGTHS,
+    is_driven,
+    row_of,
+    start_places,
+)
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
@@ -20,12 +25,10 @@ from kousoku.runtime.integrate.state import fields_as_data
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import Carried, Coordinate, Instance, MovingBody, System
     from kousoku.runtime.integrate.state import Field
 
-#: Kinds whose residuals are lengths; those of the others are angles.
-LENGTHS = ("point", "distance", "length", "n2", "p2")
 #: Regions that hold what is given, or what no evaluation finds.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
 #: Names of units by their lengths in metres.
@@ -71,9 +74,9 @@ def motion_data(
         "is_driven": is_driven(program, system),
         "is_weighed": program.is_weighed,
         "length": characteristic_length(system),
-        "rows": [_row(row, system.constraints[row.instance]) for row in program.rows],
-        "left_out": [_row(row, system.constraints[row.instance]) for row in program.left_out],
-        "reduced": [_row(row, system.constraints[row.instance]) for row in program.reduced],
+        "rows": [row_of(row, system) for row in program.rows],
+        "left_out": [row_of(row, system) for row in program.left_out],
+        "reduced": [row_of(row, system) for row in program.reduced],
         "checked": _checked(program, system),
         "places": {
             region.name: [region.base, region.size]
@@ -165,19 +168,12 @@ def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> flo
     return body.r[normal] + float(seen[normal])
 
 
-def _row(row: Row, instance: Instance) -> list[str]:
-    """Return the joint of a row, or the key of its driver, and the unit of its residual."""
-    is_length = instance.kind.partition("_")[0] in LENGTHS
-    name = f"drivers.{row.joint}" if instance.is_driver else row.joint
-    return [name, instance.unit or ("m" if is_length else "rad")]
-
-
 def _checked(program: Program, system: System) -> list[str]:
     """Return the joints and drivers of all rows, in the order of the scene."""
     rows = sorted(
         (*program.rows, *program.left_out, *program.reduced), key=lambda row: row.instance
     )
-    return list(dict.fromkeys(_row(row, system.constraints[row.instance])[0] for row in rows))
+    return list(dict.fromkeys(row_of(row, system)[0] for row in rows))
 
 
 def _reactions(program: Program, system: System) -> list[dict[str, object]]:

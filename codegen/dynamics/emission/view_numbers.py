@@ -14,9 +14,11 @@ from kousoku.model.varying import is_varying
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.recording.program import Program, Row
     from kousoku.model.mechanism import System
 
+#: Kinds whose residuals are lengths; those of the others are angles.
+LENGTHS = ("point", "distance", "length", "n2", "p2")
 #: An error that is compared with this counts as none.
 IGNORED = 1e300
 
@@ -102,8 +104,20 @@ def tables(
         "drivers": driver_rows(program, system) if switched else [],
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
+        "left_is_length": [
+            (name, int(unit == "m"))
+            for name, unit in (row_of(row, system) for row in (*program.left_out, *program.reduced))
+        ],
         "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
     }
+
+
+def row_of(row: Row, system: System) -> list[str]:
+    """Return the joint of a row, or the key of its driver, and the unit of its residual."""
+    instance = system.constraints[row.instance]
+    is_length = instance.kind.partition("_")[0] in LENGTHS
+    name = f"drivers.{row.joint}" if instance.is_driver else row.joint
+    return [name, instance.unit or ("m" if is_length else "rad")]
 
 
 def owners(program: Program) -> dict[int, str]:

@@ -6,8 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .projection import project
+from .pivot_monitor import WEAK, pivot_ratio
+from .projection import project, project_onto_tangent
+from .rows import STAYS_OPEN, are_closed
 from .scene import smaller
+from .state import SINGLE
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -21,6 +24,9 @@ if TYPE_CHECKING:
 CLOSE = 0.02
 #: The smallest part of the way from the parameters of the scene to those of the run.
 SHORTEST = 1e-9
+#: How far bodies are moved to see whether joints come open, and the shortest way, relative to a
+#: length of the scene; a direction that is smaller than this is none.
+ASIDE, LEAST_ASIDE, NO_WAY = 0.05, 1e-3, 1e-6
 
 
 def is_possible(w: Workspace) -> bool:
@@ -47,9 +53,11 @@ def continue_parameters(state: State, work: Work) -> bool:
     """Bring positions to where bodies fit and drivers begin with the parameters of the run.
 
     That may be far from where it is with those of the scene, so these become the others by small
-    steps. Returns whether they can.
+    steps. Velocities stay as they are given, however many steps it takes: they are projected once,
+    at the end of the way. Returns whether the parameters can be reached.
     """
     w, y, t, given = work.w, work.k[0], state.time, state.parameters
+    v = state.y[work.scene.nq :].copy()
     y[:] = state.y
     if 0.0 <= project(t, 0.0, y, None, None, work, state) <= CLOSE:
         return True
@@ -72,4 +80,37 @@ def continue_parameters(state: State, work: Work) -> bool:
             part = 0.5 * part
             if part < SHORTEST:
                 return False
+    state.y[work.scene.nq :] = v
     return True
+
+
+def stay_closed(state: State, work: Work) -> bool:
+    """Return whether rows that are left out depend on others with the parameters of the run, too.
+
+    They do with those of the scene. They are looked at where the run starts, which is in the
+    workspace, and beside it, where all others let bodies move. The state stays as it is.
+    """
+    w, y, scene = work.w, work.k[0], work.scene
+    w.run("check")
+    if not are_closed(work, STAYS_OPEN):
+        return False
+    x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
+    u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
+    project_onto_tangent(state.y[scene.nq :], work, u)
+    size = w.size_of(u)
+    if pivot_ratio(work, state) < WEAK or not size > NO_WAY:
+        return True
+    counts, way, is_good = state.numbers[:SINGLE].copy(), ASIDE, True
+    while way > LEAST_ASIDE:
+        w.place(state.time, state.y)
+        w.dq[:] = way / size * u
+        w.displace(None)
+        y[: scene.nq] = w.q
+        y[scene.nq :] = state.y[scene.nq :]
+        if 0.0 <= project(state.time, 0.0, y, None, None, work, state) <= CLOSE:
+            w.run("check")
+            is_good = are_closed(work, STAYS_OPEN)
+            break
+        way *= 0.5
+    state.numbers[:SINGLE] = counts
+    return is_good

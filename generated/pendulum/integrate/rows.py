@@ -25,6 +25,10 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
+#: A row that is left out does not hold at the start, or later, when its residual is larger,
+#: relative to a length of the scene.
+STAYS_OPEN, COMES_OPEN = 1e-9, 1e-6
+
 
 def energy_balance(work: Work, state: State) -> float:
     """Return the change of energy since the start that no force explains."""
@@ -33,6 +37,12 @@ def energy_balance(work: Work, state: State) -> float:
     for done in w.q[scene.nq - scene.works :]:
         balance -= done
     return float(balance)
+
+
+def are_closed(work: Work, limit: float) -> bool:
+    """Return whether the rows that are left out hold where they were evaluated last."""
+    limits = limit * work.scene.left_lengths
+    return bool((np.abs(work.w.C_left_out) <= limits).all())
 
 
 def note_checks(work: Work, state: State) -> None:
@@ -97,6 +107,8 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         w.run("energy")
     if s.checks:
         note_checks(work, state)
+    if s.checks and not is_passed and not are_closed(work, COMES_OPEN):
+        return Status.NOT_CLOSED
     if "reactions" in scene.parts and work.all is not None and work.all.is_on and not is_passed:
         least_norm_reactions(work.all, work)
     else:

@@ -89,6 +89,8 @@ class Scene:
         What depends on parameters at the start: its place in y, and in the design.
     positive : (n,) array
         Places of the design with numbers that must be positive.
+    left_lengths : (n,) array
+        What residuals of rows that are left out are compared with, as corrections are.
     """
 
     name: str
@@ -122,6 +124,7 @@ class Scene:
     drivers: Slots = field(init=False, repr=False)
     starts: Slots = field(init=False, repr=False)
     positive: Slots = field(init=False, repr=False)
+    left_lengths: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         kernels = [Kernel.read(*kernel) for kernel in self.kernels]
@@ -135,8 +138,8 @@ class Scene:
             found[name] = places(self.tables[name], width)
         for name in ("mass_places", "positive"):
             found[name] = places(self.tables[name], 1)[:, 0]
-        is_length = numbers(self.tables["is_length"])
-        found["lengths"] = np.where(is_length, self.length, 1.0)
+        for name, table in (("lengths", "is_length"), ("left_lengths", "left_is_length")):
+            found[name] = np.where(numbers(self.tables[table]), self.length, 1.0)
         for name, value in found.items():
             object.__setattr__(self, name, value)
 

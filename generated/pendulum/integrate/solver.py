@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .continuation import continue_parameters, is_possible
+from .continuation import continue_parameters, is_possible, stay_closed
 from .dense_output import prepare_dense
 from .kinematics import driven_step
 from .methods import METHODS
@@ -75,7 +75,7 @@ class Solver:
         Returns
         -------
         Status
-            ``GOOD``, ``NOT_ASSEMBLED`` or ``BAD_ARGUMENT``.
+            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED`` or ``BAD_ARGUMENT``.
         """
         state[:] = 0.0
         given = self.scene.parameters if parameters is None else parameters
@@ -107,6 +107,9 @@ class Solver:
         s.energy = energy_balance(work, s)
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
+        may_open = len(work.w.C_left_out) > 0 and (s.parameters != self.scene.parameters).any()
+        if may_open and not stay_closed(s, work):
+            return Status.NOT_CLOSED
         s.key = self.scene.key
         return Status.GOOD
 

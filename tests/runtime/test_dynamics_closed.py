@@ -1,0 +1,141 @@
+"""Parameters with which rows that were left out do not follow from the others are refused."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.errors import SolveError
+from kousoku.model.read import scene_from_toml
+from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.dynamics_targets import Memory
+from kousoku.runtime.integrate.settings import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
+
+pytestmark = pytest.mark.usefixtures("compiler", "numpy_solver")
+
+
+def cylinder(end: str) -> str:
+    return f"cylinders = [{{mass=1, radius=0.05, ends=[[0,0,0],{end}]}}]"
+
+
+def hinge(name: str, bodies: str, points: str, axes: str = "[[0,0,1],[0,0,1]]") -> str:
+    return f'[joints.{name}]\ntype="revolute"\nbodies={bodies}\npoints={points}\naxes={axes}\n'
+
+
+#: A parallelogram with a third crank: rows of three cranks depend on each other.
+CRANKS = f"""
+name = "cranks"
+unit = "m"
+gravity = [0, -9.81, 0]
+parameters = {{ h = 0.0, p = 0.5, L = 1.0, ax = 0.0 }}
+[bodies]
+c1 = {{ position = [0,0,0], angular_velocity = [0,0,1], {cylinder("[0,1,0]")} }}
+c2 = {{ position = [1,0,0], {cylinder("[0,1,0]")} }}
+cp = {{ position = [0,1,0], {cylinder("[1,0,0]")} }}
+c3 = {{ position = [0.5,1,0], {cylinder("[0,-1,0]")} }}
+{hinge("a1", '["ground","c1"]', "[[0,0,0],[0,0,0]]", '[["ax",0,1],["ax",0,1]]')}
+{hinge("b1", '["c1","cp"]', "[[0,1,0],[0,0,0]]")}
+{hinge("a2", '["ground","c2"]', "[[1,0,0],[0,0,0]]")}
+{hinge("b2", '["c2","cp"]', '[[0,"L",0],[1,0,0]]')}
+{hinge("a3", '["ground","c3"]', '[["p","h",0],[0,"h-1",0]]')}
+{hinge("b3", '["c3","cp"]', '[[0,0,0],["p",0,0]]')}
+"""
+#: With these a file is refused, or stands still.
+REFUSED = [{"L": 1.1}, {"h": 0.1}, {"h": 1e-4}, {"ax": 0.1}, {"p": 0.4, "h": -0.2}]
+
+
+@pytest.fixture
+def folder(bodies_folder: Callable[..., Path]) -> Path:
+    return bodies_folder(scene_from_toml(CRANKS), ("positions",))
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_joints_that_come_open_with_parameters_are_refused_at_the_start(
+    folder: Path, target: Any
+) -> None:
+    solver = load_dynamics(folder, target=target)
+    for given in REFUSED:
+        with pytest.raises(SolveError, match=r"stay open, or come open .*: joints\.\w+ by "):
+            solver.simulate(0.1, samples=2, parameters=given)
+        values = np.array([*(dict(solver.parameters) | given).values()])
+        memory = Memory(np.zeros(solver.target.state_size), np.zeros(solver.target.work_size))
+        there = solver.at(given)
+        start = solver.target.starter(0.0, there.q, there.v, values, memory)
+        assert start() == Status.NOT_CLOSED
+    moved = solver.simulate(0.1, samples=2, parameters={"p": 0.7})
+    assert moved.ledger.worst("position")[0] < 1e-13
+
+
+def test_the_folder_alone_refuses_them_too(folder: Path) -> None:
+    script = f"""
+import sys
+sys.modules["kousoku"] = None
+sys.path.insert(0, {str(folder.parent)!r})
+from cranks import simulate
+for given in {REFUSED!r}:
+    try:
+        simulate(0.1, samples=2, parameters=given)
+    except ArithmeticError as error:
+        assert "come open" in str(error), error
+    else:
+        raise AssertionError(given)
+simulate(0.1, samples=2, parameters={{"p": 0.7}})
+"""
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_to_look_beside_the_start_leaves_no_trace(folder: Path, target: Any) -> None:
+    solver = load_dynamics(folder, target=target)
+    found = [
+        solver.simulate(0.3, samples=4, parameters=given) for given in ({}, {"p": 0.5 + 1e-15})
+    ]
+    # rounding makes some corrections more or less; a look takes more
+    for name, apart in (("steps", 0), ("derivatives", 0), ("factorisations", 3)):
+        counts = [getattr(one.ledger, name) for one in found]
+        assert abs(counts[0] - counts[1]) <= apart
+
+
+#: A bar on a hinge: its start fits the scene, and with other parameters its place does not.
+ARM = """
+name = "arm"
+unit = "m"
+parameters = { L = 1.0 }
+[bodies.b]
+position = [1, 0, 0]
+velocity = [0, 2, 0]
+angular_velocity = [0, 0, 2]
+mass = 1
+inertia = { xx = 0.2, yy = 0.2, zz = 0.25 }
+[joints.h]
+type = "revolute"
+bodies = ["ground", "b"]
+points = [[0, 0, 0], ["-L", 0, 0]]
+axes = [[0, 0, 1], [0, 0, 1]]
+[coordinates]
+turn = { joint = "h" }
+"""
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_velocities_at_the_start_are_those_of_a_file_with_the_parameters(
+    bodies_folder: Callable[..., Path], target: Any
+) -> None:
+    def rate(text: str, given: Mapping[str, float]) -> float:
+        scene = scene_from_toml(text)
+        solver = load_dynamics(bodies_folder(scene, ("positions", "coordinates")), target=target)
+        return float(solver.simulate(0.1, samples=2, parameters=given)["turn_dot"][0])
+
+    for length in (2.0, 0.0, -3.0, 1.01, 40.0):
+        text = ARM.replace("L = 1.0", f"L = {length!r}").replace('"arm"', '"other"')
+        wanted = (2.0 * length + 0.25 * 2.0) / (length**2 + 0.25)
+        assert rate(ARM, {"L": length}) == pytest.approx(rate(text, {}), rel=1e-14)
+        assert rate(text, {}) == pytest.approx(wanted, rel=1e-14)
