@@ -35,8 +35,10 @@ from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
 from kousoku.model.system_forces import force_elements, gravity_law, gravity_of
+from kousoku.model.traced import Traced
+from kousoku.model.validate_mass import POSSIBLE
 from kousoku.model.validate_unused import OUTPUTS, output_problem
-from kousoku.model.varying import fixed, is_varying, positive_numbers, varying_scene
+from kousoku.model.varying import Varying, fixed, is_varying, positive_numbers, varying_scene
 from kousoku.model.zero_directions import check_zero_directions
 
 if TYPE_CHECKING:
@@ -115,7 +117,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         shown=places,
         parameters=tuple(scene.parameters.items()),
         only_held=len(coordinates.records) - needed,
-        positive=(*positive_numbers(scene), *_moments(bodies)),
+        positive=(*positive_numbers(scene), *_moments(scene, bodies)),
     )
 
 
@@ -143,10 +145,22 @@ def _bodies(scene: Scene, frames: dict[str, BodyFrame], unit: High) -> Iterator[
         yield _moving(name, body, frames[name], properties, unit)
 
 
-def _moments(bodies: Sequence[MovingBody]) -> Iterator[tuple[str, float]]:
-    """Yield the principal moments that depend on parameters."""
+def _moments(scene: Scene, bodies: Sequence[MovingBody]) -> Iterator[tuple[str, float]]:
+    """Yield what of principal moments depends on parameters, and is positive of a body.
+
+    That are the moments, and the sum of two less the third where they are given: those of solids
+    have it.
+    """
     for body in bodies:
-        yield from ((f"bodies.{body.name}.inertia", x) for x in filter(is_varying, body.inertia))
+        key = f"bodies.{body.name}.inertia"
+        yield from ((key, x) for x in filter(is_varying, body.inertia))
+        if scene.bodies[body.name].inertia is None or not is_varying(body.inertia):
+            continue
+        moments = [precise.number(x) for x in body.inertia]
+        for k, third in enumerate(moments):
+            two = precise.number(POSSIBLE) * (moments[k - 1] + moments[k - 2])
+            if isinstance(left := two - third, Traced):
+                yield f"{key}, the sum of two principal moments less the third,", Varying(left)
 
 
 def _moving(

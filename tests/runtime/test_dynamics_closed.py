@@ -139,3 +139,27 @@ def test_velocities_at_the_start_are_those_of_a_file_with_the_parameters(
         wanted = (2.0 * length + 0.25 * 2.0) / (length**2 + 0.25)
         assert rate(ARM, {"L": length}) == pytest.approx(rate(text, {}), rel=1e-14)
         assert rate(text, {}) == pytest.approx(wanted, rel=1e-14)
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_moments_that_no_body_has_are_refused(
+    bodies_folder: Callable[..., Path], target: Any
+) -> None:
+    text = """
+name = "tri"
+unit = "m"
+parameters = { zz = 0.25 }
+[bodies.b]
+position = [0, 0, 0]
+mass = 1
+angular_velocity = [1, 0.1, 2]
+inertia = { xx = 0.3, yy = 0.2, zz = "zz" }
+"""
+    solver = load_dynamics(bodies_folder(scene_from_toml(text), ("positions",)), target=target)
+    solver.simulate(0.1, samples=2, parameters={"zz": 0.5})  # as of a plate
+    for zz, left in ((5.0, "-4.5"), (0.05, "-0.05"), (0.6, "-0.1")):
+        with pytest.raises(SolveError, match=rf"bodies\.b\.inertia, the sum .* is {left}; wanted"):
+            solver.simulate(0.1, samples=2, parameters={"zz": zz})
+        memory = Memory(np.zeros(solver.target.state_size), np.zeros(solver.target.work_size))
+        start = solver.target.starter(0.0, solver.q, solver.v, np.array([zz]), memory)
+        assert start() == Status.BAD_ARGUMENT

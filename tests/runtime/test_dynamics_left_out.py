@@ -17,6 +17,7 @@ from kousoku.model.errors import MotionError
 from kousoku.model.read import read_scene
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.motion import Motion
 
 if TYPE_CHECKING:
     from kousoku.runtime.toolchain import Toolchain
@@ -41,9 +42,11 @@ def test_joint_that_comes_open_where_a_row_was_left_out_is_named(
 ) -> None:
     with pytest.raises(MotionError, match=r"joints come open: .*: joints\.hinge by") as stopped:
         load_dynamics(loose, target=target).simulate(0.5, samples=6)
-    ledger = stopped.value.result.ledger
+    motion = stopped.value.result
+    assert isinstance(motion, Motion)
+    ledger = motion.ledger
 
-    assert len(stopped.value.result) < 6
+    assert len(motion) < 6
     assert ledger.released == ("hinge",)
     assert ledger.violations["hinge"].metres[0] > 1e-6
     assert ledger.worst_joint("position") == "hinge"
