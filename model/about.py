@@ -38,11 +38,14 @@ class About:
         How long it moves unless a run says so.
     jumps : tuple of str
         Keys of forces that jump where a ``sign`` in their formula changes.
+    moved : sequence of sequence
+        What assembly changed: body, metres and radians, and those per second.
     """
 
     notes: tuple[str, ...] = ()
     duration: float | None = None
     jumps: tuple[str, ...] = ()
+    moved: Sequence[Sequence[object]] = ()
 
     @classmethod
     def of(cls, scene: Scene, notes: Sequence[str] = ()) -> About:

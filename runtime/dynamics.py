@@ -26,6 +26,7 @@ from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run, SavedRun
+from kousoku.runtime.run_ledger import Moved
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -77,6 +78,8 @@ class DynamicsSolver:
         Where what :meth:`evaluate` returns is in the memory for work, and how many numbers.
     state : mapping of str to Field
         Where what is in the state of a run.
+    moved : mapping of str to Moved
+        What assembly changed of bodies, the one that changed most first.
     design : Design, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
@@ -96,6 +99,7 @@ class DynamicsSolver:
     is_weighed: bool
     places: Mapping[str, tuple[int, int]]
     state: Mapping[str, Field]
+    moved: Mapping[str, Moved]
     design: Design | None = None
 
     @property
@@ -169,7 +173,7 @@ class DynamicsSolver:
         **options
             As in :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``method``, ``step``,
             ``largest_step``, ``checks``, ``most_steps``, ``parameters``, ``initial``, ``q0``,
-            ``v0``.
+            ``v0``, ``strict``.
 
         Raises
         ------
@@ -304,5 +308,6 @@ def load_dynamics(
         is_weighed=data["is_weighed"],
         places={name: (base, size) for name, (base, size) in data["places"].items()},
         state={field.name: field for field in fields_of(data["state"])},
+        moved={name: Moved(*sizes) for name, *sizes in data["moved"]},
         design=Design.from_data(data["design"]) if "design" in data else None,
     )

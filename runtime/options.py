@@ -32,7 +32,7 @@ METHODS = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run.
 OPTIONS = (
     *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
-    *("initial", "q0", "v0"),
+    *("initial", "q0", "v0", "strict"),
 )
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
@@ -51,6 +51,7 @@ class RunOptions(TypedDict, total=False):
     initial: Mapping[str, float | str] | None
     q0: Sequence[float] | None
     v0: Sequence[float] | None
+    strict: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,6 +107,7 @@ def options_of(
     initial: Mapping[str, float | str] | None = None,
     q0: Sequence[float] | Array | None = None,
     v0: Sequence[float] | Array | None = None,
+    strict: bool = False,
 ) -> Options:
     """Return the options of a run.
 
@@ -135,6 +137,8 @@ def options_of(
     q0, v0 : sequence of float, optional
         Instead of them position and velocity of all bodies, in the scene's order and unit: r of the
         body frame's origin and its Euler parameters; its velocity and ω′. Points have three each.
+    strict : bool
+        Whether a start is refused that assembly changed, by more than 1e-6 of length and speed.
 
     Raises
     ------
@@ -143,8 +147,15 @@ def options_of(
     """
     require_numbers(solver.name, tolerance=tolerance, largest_step=largest_step)
     require_numbers(solver.name, is_whole=True, most_steps=most_steps)
-    if not isinstance(checks, bool | np.bool_):
-        raise SolveError(f"{solver.name}: checks {shown(checks)}; wanted True or False")
+    for option, value in (("checks", checks), ("strict", strict)):
+        if not isinstance(value, bool | np.bool_):
+            raise SolveError(f"{solver.name}: {option} {shown(value)}; wanted True or False")
+    if strict and solver.moved:
+        changed = "; ".join(f"bodies.{body} by {one}" for body, one in solver.moved.items())
+        raise SolveError(
+            f"{solver.name}: assembly changed the start that the scene gives: {changed}; strict"
+            " refuses that: give positions and velocities that fit joints and drivers"
+        )
     if step is not None:
         require_numbers(solver.name, step=step)
         step = float(step)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,29 @@ LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
 #: Works that the ledger prints, the largest first.
 MOST_WORKS = 12
+
+
+class Moved(NamedTuple):
+    """What assembly changed of a body, from what the scene gives to what joints and drivers allow.
+
+    Parameters
+    ----------
+    moved, turned : float [m], float [rad]
+        Its frame.
+    velocity, angular_velocity : float [m/s], float [rad/s]
+        Where the scene gives one.
+    """
+
+    moved: float
+    turned: float
+    velocity: float
+    angular_velocity: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.moved:.3g} m, {self.turned:.3g} rad, {self.velocity:.3g} m/s,"
+            f" {self.angular_velocity:.3g} rad/s"
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +127,9 @@ class RunLedger:
         Joints that came open by more than 1e-6 of a length of the scene, or 1e-6 rad, at a
         constraint that was left out because it depends on others: elsewhere it does not, and the
         motion is not that of the scene.
+    moved : mapping of str to Moved
+        What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
+        speed: bodies, the one that changed most first.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
     """
@@ -132,6 +158,7 @@ class RunLedger:
     momenta: tuple[Momentum, ...]
     violations: Mapping[str, Violation]
     released: tuple[str, ...]
+    moved: Mapping[str, Moved]
     seconds: Mapping[str, float]
 
     def worst(self, level: str) -> tuple[float, float]:
@@ -164,6 +191,7 @@ class RunLedger:
             for joint, one in self.violations.items()
         }
         named["works"] = dict(self.works)
+        named["moved"] = {body: one._asdict() for body, one in self.moved.items()}
         named["momenta"] = [one.as_data() for one in self.momenta]
         named["parameters"] = dict(self.parameters)
         named["seconds"] = dict(self.seconds)
@@ -201,6 +229,10 @@ class RunLedger:
             f" {self.corrections} corrections of positions;"
             f" a step left the constraints by {self.drift:.1e} at most before it was brought back"
         ]
+        if self.moved:
+            body, changed = next(iter(self.moved.items()))
+            count = len(self.moved)
+            lines.append(f"assembly changed {count} bodies, most bodies.{body}: {changed}")
         if self.energy_error is not None:
             lines.append(
                 f"energy {self.energy:.9g} J at the start, largest change"
@@ -273,6 +305,7 @@ def ledger_of(
         released=_released(worst[0], first, checked[first:], layout.length)
         if options.checks
         else (),
+        moved=Named(solver.moved),
         seconds=Named(seconds),
         **counts,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.assembly.moved import moved_by_assembly
+from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly, notes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.bodies import thickened
@@ -125,8 +125,10 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
     program = reduced(system, (*LEDGER, *wanted), program)
     program = replace(program, is_weighed=not found.missing)
-    notes = (*moved_by_assembly(given, placed, scene.unit), *_of_reactions(program))
-    return Composed(program, system, freedom.degrees, About.of(scene, notes))
+    changes = changes_of_assembly(given, placed)
+    notes = (*notes_of_assembly(changes, given.unit, scene.unit), *_of_reactions(program))
+    about = replace(About.of(scene, notes), moved=tuple(one.as_data() for one in changes))
+    return Composed(program, system, freedom.degrees, about)
 
 
 def _of_reactions(program: Program) -> Iterator[str]:

@@ -76,6 +76,9 @@ def simulate(
     most_steps: Annotated[
         int | None, typer.Option(help="A run that needs more steps is stopped; 1000000.")
     ] = None,
+    strict: Annotated[
+        bool, typer.Option(help="Refuse a start that assembly moved, turned or sped up.")
+    ] = False,
     given: Set = None,
     initial: Initial = None,
     output: Annotated[
@@ -100,6 +103,7 @@ def simulate(
         "step": step,
         "largest_step": largest_step,
         "most_steps": most_steps,
+        "strict": strict or None,
         "parameters": parameters_of(given) or None,
         "initial": numbers_of("--initial", initial) or None,
     }

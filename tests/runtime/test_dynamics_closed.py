@@ -163,3 +163,20 @@ inertia = { xx = 0.3, yy = 0.2, zz = "zz" }
         memory = Memory(np.zeros(solver.target.state_size), np.zeros(solver.target.work_size))
         start = solver.target.starter(0.0, solver.q, solver.v, np.array([zz]), memory)
         assert start() == Status.BAD_ARGUMENT
+
+
+def test_what_assembly_changed_is_in_the_ledger_and_strict_refuses_it(
+    bodies_folder: Callable[..., Path],
+) -> None:
+    text = ARM.replace("position = [1, 0, 0]", "position = [1, 0.001, 0]")
+    found = [
+        load_dynamics(bodies_folder(scene_from_toml(one), ("positions",))) for one in (ARM, text)
+    ]
+    assert not found[0].simulate(0.1, samples=2, strict=True).ledger.moved
+    ledger = found[1].simulate(0.1, samples=2).ledger
+    moved = ledger.moved["b"]
+    assert 1e-5 < moved.moved + moved.turned < 3e-3
+    assert "assembly changed 1 bodies, most bodies.b: " in str(ledger)
+    assert ledger.as_data()["moved"] == {"b": moved._asdict()}
+    with pytest.raises(SolveError, match=r"assembly changed .*: bodies\.b by .*; strict refuses"):
+        found[1].simulate(0.1, samples=2, strict=True)

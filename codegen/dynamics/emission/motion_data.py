@@ -100,6 +100,7 @@ def motion_data(
         ],
         **varying,
         "notes": list(about.notes),
+        "moved": list(about.moved),
         "duration": about.duration,
         "jumps": list(about.jumps),
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],

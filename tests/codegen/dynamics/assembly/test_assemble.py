@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.assembly.moved import moved_by_assembly
+from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly, notes_of_assembly
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.generate import generate_dynamics
@@ -120,6 +120,7 @@ def test_a_solver_is_generated_for_the_assembled_positions() -> None:
     told = [json.loads(tree["motion.json"]) for tree in (moved, kept)]
     notes = [data.pop("notes") for data in told]
     assert notes == [["assembly changed bodies.b: moved by 0.5 m"], []]
+    assert [data.pop("moved") for data in told] == [[["b", 0.5, 0.0, 0.0, 0.0]], []]
     assert told[0] == told[1]
 
 
@@ -383,18 +384,18 @@ def test_what_assembly_changed_is_told_in_the_unit_of_the_scene() -> None:
     hinge |= {"points": [[0, 0, 0]] * 2, "axes": [[0, 1, 0]] * 2}
     tree: Tree = {"name": "s", "unit": "mm", "bodies": {"bar": bar}, "joints": {"a": hinge}}
     given = system_of(scene_from_dict(tree))
-    assert moved_by_assembly(given, assemble(given), "mm") == (
+    assert notes_of_assembly(changes_of_assembly(given, assemble(given)), given.unit, "mm") == (
         "assembly changed bodies.bar: moved by 539 mm, turned by 10.6 deg,"
         " velocity by 3.74e+03 mm/s",
     )
     tree["bodies"]["bar"] = bar | {"position": [0, 0, 0], "velocity": [0, 0, 0]}
     tree["bodies"]["bar"]["angular_velocity"] = [0, 1, 2]
     given = system_of(scene_from_dict(tree))
-    assert moved_by_assembly(given, assemble(given), "mm") == (
+    assert notes_of_assembly(changes_of_assembly(given, assemble(given)), given.unit, "mm") == (
         "assembly changed bodies.bar: angular velocity by 2 rad/s",
     )
 
 
 def test_velocities_that_a_scene_leaves_to_its_drivers_are_not_told() -> None:
     given = system_of(read_scene(ROOT / "scenes" / "loop.toml"))
-    assert moved_by_assembly(given, assemble(given), "m") == ()
+    assert notes_of_assembly(changes_of_assembly(given, assemble(given)), given.unit, "m") == ()
