@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.errors import SolveError
+from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
@@ -180,3 +180,48 @@ def test_what_assembly_changed_is_in_the_ledger_and_strict_refuses_it(
     assert ledger.as_data()["moved"] == {"b": moved._asdict()}
     with pytest.raises(SolveError, match=r"assembly changed .*: bodies\.b by .*; strict refuses"):
         found[1].simulate(0.1, samples=2, strict=True)
+
+
+#: A carriage, or a wheel, whose driver jumps where 10 t is π.
+JUMP = """
+name = "jump"
+unit = "m"
+[bodies.b]
+position = [0, 0, 0]
+mass = 1
+inertia = { xx = 0.1, yy = 0.1, zz = 0.1 }
+[joints.g]
+type = "KIND"
+bodies = ["ground", "b"]
+at = [0, 0, 0]
+axis = [0, 0, 1]
+[coordinates]
+x = { joint = "g" }
+[drivers]
+d = { coordinate = "x", value = "LAW" }
+"""
+SAW = "atan2(sin(10*t), cos(10*t))"
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize(
+    ("kind", "law"),
+    [
+        ("prismatic", SAW),
+        ("revolute", f"0.1*{SAW}"),
+        ("prismatic", f"0.01*{SAW} + 5*t"),
+    ],
+)
+def test_a_driver_that_jumps_stops_the_motion_there(
+    bodies_folder: Callable[..., Path], target: Any, kind: str, law: str
+) -> None:
+    text = JUMP.replace("KIND", kind)
+    smooth = scene_from_toml(text.replace("LAW", "sin(10*t) + 0.3*t"))
+    scene = scene_from_toml(text.replace("LAW", law))
+    assert (
+        len(load_dynamics(bodies_folder(smooth, ()), target=target).simulate(1.0, samples=5)) == 5
+    )
+    solver = load_dynamics(bodies_folder(scene, ()), target=target)
+    for samples in (2, 11, 40):
+        with pytest.raises(MotionError, match=r"at t = 0\.31415926\d* s: .*drivers\.d"):
+            solver.simulate(1.0, samples=samples)
