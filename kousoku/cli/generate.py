@@ -82,7 +82,8 @@ def generate(
         for order, tree in zip(orders, trees, strict=True)
     ]
     if as_json:
-        print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
+        written = [{"folder": str(folder), "changed": changed} for folder, changed in rows]
+        print_json({"packages": written})
         return
     for folder, changed in rows:
         typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
