@@ -213,6 +213,21 @@ class Result:
         """Return all columns by name."""
         return {name: self[name] for name in self.places}
 
+    def columns_of(self, name: str) -> list[str]:
+        """Return a column, or those of a body, joint, driver, node or link.
+
+        Raises
+        ------
+        NotInResultError
+            There is none.
+        """
+        if name in self.places:
+            return [name]
+        own = [column for column, place in self.places.items() if place.owner == name]
+        if not own:
+            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+        return own
+
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
         return self._part("body", name)

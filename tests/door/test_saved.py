@@ -29,7 +29,7 @@ outputs = ["coordinates"]
 coordinates = { file = { joint = "slide" }, allow_pickle = { joint = "pin" } }
 [bodies]
 kousoku = { position = [0, 0, 0], boxes = [{ mass = 1, size = [1, 1, 1] }] }
-arm = { position = [0, 0, 0], cylinders = [{ radius = 0.1, mass = 1, ends = [[0, 0, 0], [3, 0, 0]] }] }
+arm = { cylinders = [{ radius = 1, mass = 1, ends = [[0, 0, 0], [3, 0, 0]] }] }
 [joints]
 slide = { type = "slider", bodies = ["ground", "kousoku"], at = [0, 0, 0], axis = [1, 0, 0] }
 pin = { type = "hinge", bodies = ["kousoku", "arm"], at = [0, 0, 0], axis = [0, 1, 0] }
@@ -131,7 +131,9 @@ def test_what_is_no_file_of_a_run_is_refused_in_one_line(tmp_path: Path) -> None
     np.savez(tmp_path / "pickled.npz", **{f"{OWN}about": np.array([{}], dtype=object)})
     for name in ("text.npz", "empty.npz", "one.npy", "other.npz", "pickled.npz"):
         assert refused(tmp_path / name).startswith(f"{tmp_path / name}: holds no run (")
-    assert refused(tmp_path / "none.npz").endswith("none.npz: cannot be read: No such file or directory")
+    assert refused(tmp_path / "none.npz").endswith(
+        "none.npz: cannot be read: No such file or directory"
+    )
     assert "cannot be read: " in refused(tmp_path)
     for given in (7, None, b"x"):
         assert "holds no run" in refused(given) or "cannot be read" in refused(given)
