@@ -96,6 +96,13 @@ class Mechanism:
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"
 
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        from kousoku.view import still
+
+        return f"{still(self.scene)}<pre>{escape(repr(self))}</pre>"
+
     def _facts(self) -> list[str]:
         """Return what a line says of it."""
         if not isinstance(self.solver, DynamicsSolver):

@@ -74,6 +74,10 @@ class SavedRun:
     state: Array
     rows: Array
 
+    def __repr__(self) -> str:
+        last = self.times[-1] if len(self.times) else 0.0
+        return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
+
 
 class Interrupted(KeyboardInterrupt):
     """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
@@ -233,6 +237,10 @@ class Run:
         residuals = self._scratch()
         self.solver.target.residuals(self._memory, residuals)
         return residuals[:-1]
+
+    def __repr__(self) -> str:
+        rows = f"{self.written} of {len(self.times)} rows"
+        return f"<Run of {self.solver.name}: at {self.time:g} s, {rows}, {self.steps} steps>"
 
     @property
     def time(self) -> float:

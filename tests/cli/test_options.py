@@ -71,7 +71,8 @@ def test_steps_are_no_longer_than_the_longest(run: Run, compiler: object) -> Non
         json.loads(run(*options, *more)[1])["ledger"]["steps"]
         for more in ((), ("--largest-step", 0.001))
     )
-    assert free < 100 < 1000 <= bound
+    assert free < 100
+    assert bound >= 1000
     code, _, err = run(*options, "--largest-step", -1)
     assert code == 2 and "largest step" in err.replace("_", " ")
 
