@@ -13,13 +13,15 @@ import numpy as np
 import pytest
 
 import kousoku as ks
-from kousoku.saved import OWN, SolveError
+from kousoku.saved import OWN
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kousoku.model.scene import Output
+
 SCENES = Path(__file__).parents[2] / "scenes"
-ALL = ("accelerations", "coordinates", "reactions", "energies")
+ALL: tuple[Output, ...] = ("accelerations", "coordinates", "reactions", "energies")
 
 SLIDER = """
 name = "slider"
@@ -116,7 +118,7 @@ def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
 
 
 def refused(path: object) -> str:
-    with pytest.raises(SolveError) as caught:
+    with pytest.raises(ks.SolveError) as caught:
         ks.open_run(path)  # type: ignore[arg-type]
     text = str(caught.value)
     assert "\n" not in text and len(text) < 400
@@ -128,7 +130,8 @@ def test_what_is_no_file_of_a_run_is_refused_in_one_line(tmp_path: Path) -> None
     (tmp_path / "empty.npz").write_bytes(b"")
     np.save(tmp_path / "one.npy", np.zeros(3))
     np.savez(tmp_path / "other.npz", x=np.zeros(3))
-    np.savez(tmp_path / "pickled.npz", **{f"{OWN}about": np.array([{}], dtype=object)})
+    pickled: dict[str, Any] = {f"{OWN}about": np.array([{}], dtype=object)}
+    np.savez(tmp_path / "pickled.npz", **pickled)
     for name in ("text.npz", "empty.npz", "one.npy", "other.npz", "pickled.npz"):
         assert refused(tmp_path / name).startswith(f"{tmp_path / name}: holds no run (")
     assert refused(tmp_path / "none.npz").endswith(

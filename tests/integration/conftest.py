@@ -76,7 +76,8 @@ def mover(bodies_folder: Callable[..., Path], compiler: Toolchain) -> Mover:
     known: dict[tuple[str, tuple[str, ...]], DynamicsSolver] = {}
 
     def load(scene: str | Scene, outputs: tuple[str, ...] = ()) -> DynamicsSolver:
-        key = repr(astuple(scene)), outputs
+        name = scene if isinstance(scene, str) else repr(astuple(scene))
+        key = name, outputs
         if key not in known:
             found = read_scene(SCENES / f"{scene}.toml") if isinstance(scene, str) else scene
             known[key] = load_dynamics(bodies_folder(found, outputs))
