@@ -53,7 +53,9 @@ Columns = Annotated[
     list[str] | None,
     typer.Option("--column", metavar="NAME", help="What to print and to draw, for each."),
 ]
-Of = Annotated[str | None, typer.Option("--of", help="The body or node to print and to draw.")]
+Of = Annotated[
+    str | None, typer.Option("--body", "--node", help="The body or node to print and to draw.")
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,7 +203,8 @@ def _require_part(mechanism: Mechanism, name: str) -> None:
     scene = mechanism.scene
     known = [*(scene.bodies if scene.is_spatial else scene.nodes)]
     if name not in known:
-        raise SolveError(f"--of {name}: the scene has {', '.join(known)}")
+        option = "--body" if scene.is_spatial else "--node"
+        raise SolveError(f"{option} {name}: the scene has {', '.join(known)}")
 
 
 def _write(result: Result, wish: Wish) -> list[Path]:
@@ -243,8 +246,9 @@ def _show(
 
 def _print_rows(result: Result, wish: Wish) -> None:
     """Print what was asked for, thinned to a table that is read at one glance."""
-    names = list(wish.columns or result.main_columns(wish.of))[:MOST_COLUMNS]
-    names = [*dict.fromkeys(["time", *names])]
+    names = ["time"] if "time" in result else []
+    names = [*dict.fromkeys([*names, *(wish.columns or result.main_columns(wish.of))])]
+    names = names[:MOST_COLUMNS]
     units = result.units
     heads = [f"{name} [{units[name]}]" if units[name] else name for name in names]
     rows = [[f"{result[name][k]:z.9f}" for name in names] for k in at_one_glance(len(result))]

@@ -308,8 +308,8 @@ class Motion(Result):
         bodies = [of] if of else self._names("body")[::-1]
         parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
         parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
-        moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
-        return self._moving(next(moving, parts[-1]))
+        moving = (self._moving(one, self.reaction_length) for one in parts)
+        return next(filter(None, moving), parts[0])
 
     @property
     def not_unique(self) -> tuple[str, ...]:

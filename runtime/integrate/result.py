@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 #: Characters of a value, and names, that a message shows.
 LONGEST, SHOWN = 60, 6
+#: What changes less, as a part of what it is compared with, does so by rounding.
+NOISE = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")
 
@@ -230,9 +232,11 @@ class Result:
         """Return angle, angular velocity and angular acceleration of a link of a linkage."""
         return self._part("link", name)
 
-    def _moving(self, names: Sequence[str]) -> list[str]:
-        """Return the columns that change, all of them where none does."""
-        return [name for name in names if len(self) and np.ptp(self[name])] or [*names]
+    def _moving(self, names: Sequence[str], least: float = 0.0) -> list[str]:
+        """Return the columns that change by more than rounding."""
+        if not len(self):
+            return []
+        return [x for x in names if np.ptp(self[x]) > NOISE * max(least, np.abs(self[x]).max())]
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:

@@ -214,7 +214,7 @@ class Trajectory(Result):
         """Return the columns of a node, of the last one that moves unless it is named."""
         parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
         if of is None:
-            own = [one for one in parts if len(self) and any(np.ptp(self[name]) for name in one)]
+            own = [one for one in parts if self._moving(one)]
             return [*self.places][: len(self.inputs)] + (own or parts)[-1]
         return [x for x in self.places if x.startswith(f"{of}.")]
 

@@ -49,8 +49,8 @@ def test_bodies_move_to_the_end(run: Run, tmp_path: Path, compiler: Toolchain) -
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([BODY], "has no inputs, which say when they end; wanted --end SECONDS"),
-        ([LINKAGE, "--end", "2"], "--end and --set are for scenes of bodies"),
+        ([BODY], "simulate wants a last time in seconds"),
+        ([LINKAGE, "--set", "k=2"], "a linkage has no parameters"),
         ([LINKAGE, "--out", "x.gif"], "the name must end in .html or .svg"),
         ([LINKAGE, "--out", "nowhere/x.html"], "no such folder; make it first"),
         ([LINKAGE, "--target", "numpy", "--speed", "0"], "wanted positive numbers"),

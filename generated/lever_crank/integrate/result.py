@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 Value = TypeVar("Value")
 #: Characters of a value, and names, that a message shows.
 LONGEST, SHOWN = 60, 6
+#: What changes less, as a part of what it is compared with, does so by rounding.
+NOISE = 1e-9
 #: Files that results go to; the last one needs pandas and pyarrow.
 SUFFIXES = (".csv", ".npz", ".parquet")
 
@@ -123,6 +125,34 @@ class Result:
         """The times [s]."""
         raise NotImplementedError
 
+    def state(self, k: int) -> tuple[float, Array, Array]:
+        """Return time, q and v of a row, as the scene is written.
+
+        Returns
+        -------
+        t : float [s]
+            The time.
+        q : array
+            For each body of the scene r of the origin of its frame in frame O [unit], then its
+            Euler parameters, scalar first, unless it is a point; of a linkage x and y of each node.
+        v : array
+            For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point; of a
+            linkage the rates of x and y.
+
+        Raises
+        ------
+        IndexError
+            There is no such row.
+        """
+        if not -len(self) <= k < len(self):
+            raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
+        q, v = self._state(k)
+        return float(self.time[k]), q, v
+
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return q and v of a row that there is, as the scene is written."""
+        raise NotImplementedError
+
     @property
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted."""
@@ -202,9 +232,11 @@ class Result:
         """Return angle, angular velocity and angular acceleration of a link of a linkage."""
         return self._part("link", name)
 
-    def _moving(self, names: Sequence[str]) -> list[str]:
-        """Return the columns that change, all of them where none does."""
-        return [name for name in names if len(self) and np.ptp(self[name])] or [*names]
+    def _moving(self, names: Sequence[str], least: float = 0.0) -> list[str]:
+        """Return the columns that change by more than rounding."""
+        if not len(self):
+            return []
+        return [x for x in names if np.ptp(self[x]) > NOISE * max(least, np.abs(self[x]).max())]
 
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:

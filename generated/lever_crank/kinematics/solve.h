@@ -56,8 +56,9 @@ static int is_possible(const Run *run)
             return 0;
         }
     }
-    return (!run->times || run->first == 0) && run->divisions >= 1 && run->rows >= 1 && run->start >= 0 && run->first >= run->start &&
-           run->max_iterations >= 1 && run->limit > 0.0;
+    return (!run->times || run->first == 0) && run->divisions >= 1 && run->rows >= 1 &&
+           run->start >= 0 && run->first >= run->start && run->max_iterations >= 1 &&
+           run->limit > 0.0;
 }
 
 size_t PUBLIC(run_size)(void) { return sizeof(Run); }

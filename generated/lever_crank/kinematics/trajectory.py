@@ -148,6 +148,14 @@ class Trajectory(Result):
             )
         return self.times
 
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return x and y of all nodes, and their rates."""
+        q, v = (
+            np.concatenate([table[node][k] for node in self.positions])
+            for table in (self.positions, self.velocities)
+        )
+        return q, v
+
     @property
     def alpha(self) -> Array:
         """The input, (rows,), or with several inputs all of them, (rows, inputs)."""
@@ -206,7 +214,7 @@ class Trajectory(Result):
         """Return the columns of a node, of the last one that moves unless it is named."""
         parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
         if of is None:
-            own = [one for one in parts if len(self) and any(np.ptp(self[name]) for name in one)]
+            own = [one for one in parts if self._moving(one)]
             return [*self.places][: len(self.inputs)] + (own or parts)[-1]
         return [x for x in self.places if x.startswith(f"{of}.")]
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from .body_tables import BodyPlaces, body_tables, crossed, rotated
-from .result import SHOWN, Column, Named, Result, not_generated, shown
+from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
+from .result import SHOWN, Column, Named, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -308,8 +308,8 @@ class Motion(Result):
         bodies = [of] if of else self._names("body")[::-1]
         parts = [[f"{body}.{letter}" for letter in BODY["position"]] for body in bodies]
         parts += [[x for x in self.places if x.startswith(f"{body}.")] for body in bodies]
-        moving = (one for one in parts if len(self) and any(np.ptp(self[name]) for name in one))
-        return self._moving(next(moving, parts[-1]))
+        moving = (self._moving(one, self.reaction_length) for one in parts)
+        return next(filter(None, moving), parts[0])
 
     @property
     def not_unique(self) -> tuple[str, ...]:
@@ -448,34 +448,10 @@ class Motion(Result):
             return None
         return _columns(own.r, self.layout.parts(self.rows)["q"]).T / self.layout.unit
 
-    def state(self, k: int) -> tuple[float, Array, Array]:
-        """Return time, q and v of a row, as the scene is written.
-
-        Returns
-        -------
-        t : float [s]
-            The time.
-        q : array
-            For each body of the scene r of the origin of its frame in frame O [unit], then its
-            Euler parameters, scalar first, unless it is a point.
-        v : array
-            For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point.
-        """
-        if not -len(self) <= k < len(self):
-            raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
-        row, layout = self.rows[k : k + 1 or None], self.layout
-        parts = layout.parts(row)
-        tables = body_tables(layout.bodies, parts["q"], parts["v"], None, layout.unit)
-        q, v = (
-            [
-                tables[name][body.name][0]
-                for body in layout.bodies
-                for name in names
-                if body.name in tables.get(name, {})
-            ]
-            for names in (("position", "orientation"), ("velocity", "angular_velocity"))
-        )
-        return float(row[0, 0]), np.concatenate(q), np.concatenate(v)
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return q and v of a row: of bodies in their own frames."""
+        parts = self.layout.parts(self.rows[k : k + 1 or None])
+        return written_state(self.layout.bodies, parts["q"][0], parts["v"][0], self.layout.unit)
 
     def with_ledger(self, ledger: Any) -> Motion:
         """Return the same motion with another ledger."""
