@@ -14,7 +14,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kousoku.cataloging import catalog
     from kousoku.checking import explain, verify
+    from kousoku.committed import kinds
+    from kousoku.deriving import body, derive, kernels, number
     from kousoku.loading import load
     from kousoku.mechanism import Mechanism
     from kousoku.model.builder import SceneBuilder
@@ -36,6 +39,12 @@ __version__ = "0.1.0"
 #: The public names, and the modules that have them: each is imported when it is asked for.
 _MODULES = {
     "load": "loading",
+    "body": "deriving",
+    "catalog": "cataloging",
+    "derive": "deriving",
+    "kernels": "deriving",
+    "kinds": "committed",
+    "number": "deriving",
     "explain": "checking",
     "verify": "checking",
     "Mechanism": "mechanism",
@@ -69,8 +78,14 @@ __all__ = [
     "SceneError",
     "SolveError",
     "__version__",
+    "body",
+    "catalog",
+    "derive",
     "explain",
+    "kernels",
+    "kinds",
     "load",
+    "number",
     "open_run",
     "verify",
 ]

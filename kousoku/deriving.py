@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 if TYPE_CHECKING:
-    from os import PathLike
-
     from kousoku.runtime import Library
     from kousoku.symbolic.derivation import Derivation
     from kousoku.symbolic.vectors import Body, Number, Vector
@@ -91,7 +90,7 @@ def number(name: str, unit: Literal["-", "rad", "m"] = "-", meaning: str = "") -
 
 
 def kernels(
-    derivation: Derivation | str,
+    derivation: Derivation | str | PathLike[str],
     folder: str | PathLike[str] | None = None,
     *,
     target: Literal["auto", "c", "numpy"] = "auto",
@@ -100,8 +99,9 @@ def kernels(
 
     Parameters
     ----------
-    derivation : Derivation or str
-        What :func:`derive` gives; a name stands for the kernels that come with kousoku.
+    derivation : Derivation, str or path
+        What :func:`derive` gives; a name stands for the kernels that come with kousoku, a path for
+        a folder that was written before.
     folder : path, optional
         Where they are written: C, NumPy and 50-digit references. When left out they are kept in the
         user's cache, each content in a folder of its own.
@@ -126,6 +126,8 @@ def kernels(
     from kousoku.model.manifest import Manifest
     from kousoku.runtime import load
 
+    if isinstance(derivation, PathLike):
+        return load(Path(derivation), target=target)
     if isinstance(derivation, str):
         import kousoku.generated.kinds as committed
 

@@ -23,6 +23,17 @@ KEYS = {
 }
 """Keys of each type."""
 
+TITLES = {
+    "force": "a force on a body",
+    "torque": "a torque on a body",
+    "spring_damper": "a spring and damper between two points",
+    "rotational_spring_damper": "a spring and damper against an angle",
+    "along": "a force or moment along a coordinate",
+    "friction": "viscous friction in a joint",
+    "bushing": "springs and dampers along and about three directions",
+}
+"""What each type is, in one line."""
+
 
 class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A force, a torque, or a spring and damper.

@@ -74,6 +74,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         formulas of parameters.
     inputs : mapping of str to Input
         Prescribed motions; they all take their division k at the same time.
+    duration : float [s], optional
+        How long the mechanism moves unless a run says so.
     divisions : int
         Steps from the first to the last value of the inputs: rows 0 … divisions are computed.
     outputs : tuple of str
@@ -99,6 +101,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     forces: Mapping[str, Force] = {}
     gravity: Components = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
+    duration: float | None = None
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")
     method: Method = Method()

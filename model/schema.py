@@ -25,6 +25,7 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
         "name": {"pattern": PATTERN, "maxLength": LONGEST},
         "title": {"maxLength": LONGEST_TITLE},
+        "duration": {"exclusiveMinimum": 0},
         "divisions": {"minimum": 1, "maximum": MOST_DIVISIONS},
     },
     "Link": {"length": {"exclusiveMinimum": 0}},
@@ -97,6 +98,7 @@ def scene_schema() -> dict[str, Any]:
         }
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": "urn:kousoku:scene",
         "title": "A scene of kousoku",
     }
     found = dict(_shared(_bounded(schema)))

@@ -34,6 +34,13 @@ KEYS = {
 }
 """Keys of each sort of coordinate, by the one that says which it is."""
 
+TITLES = {
+    "joint": "the angle or the displacement of a joint",
+    "bodies": "the distance of two points",
+    "body": "the place of a point along a direction",
+}
+"""What each sort is, in one line."""
+
 SECOND = "_ddot"
 """What follows the name of a coordinate in the column of its accelerations."""
 

@@ -132,8 +132,9 @@ class DynamicsSolver:
 
         Parameters
         ----------
-        end : float [s]
-            The last time; ``samples`` times from 0 on are written, equally far apart.
+        end : float [s], optional
+            The last time, the duration of the scene unless given; ``samples`` times from 0 on are
+            written, equally far apart.
         times : sequence of float [s], optional
             The times to write, ascending, instead of ``end`` and ``samples``.
         samples : int
@@ -154,6 +155,8 @@ class DynamicsSolver:
         """
         require_options(self.name, options, OPTIONS, "end", "times", "samples", "progress")
         require_callable(self.name, progress)
+        if end is None and times is None:
+            end = self.layout.duration
         return self.begin(times_of(self.name, end, times, samples), **options).finish(progress)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:

@@ -88,6 +88,10 @@ _TYPES: dict[type, type[ctypes.c_double | ctypes.c_int]] = {
 }
 
 
+#: What begins where an array does.
+_NOTHING = ctypes.c_char * 0
+
+
 class _Settings(ctypes.Structure):
     """The record ``settings`` of ``solver.h``, field by field as in Python."""
 
@@ -144,8 +148,9 @@ class CompiledSolver:
             ctypes.byref(ctypes.c_size_t()),
         )
 
-        def run(max_steps: int, rows: Array) -> int:
-            steps.value, count.value, place.value = max_steps, len(rows), rows.ctypes.data
+        def run(max_steps: int, rows: Any) -> int:
+            steps.value, count.value = max_steps, len(rows)
+            place.value = ctypes.addressof(_NOTHING.from_buffer(rows))  # less than rows.ctypes
             return int(call())
 
         return run

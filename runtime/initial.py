@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from numbers import Real
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from kousoku.model.angles import number_of
 from kousoku.model.errors import SolveError
-from kousoku.runtime.given import numbers_of, require_numbers, shown, unknown
+from kousoku.runtime.given import numbers_of, shown, unknown
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -35,6 +37,10 @@ class Initial(NamedTuple):
     v0: tuple[float, ...] = ()
 
 
+#: Where the scene starts.
+SCENE = Initial()
+
+
 def initial_of(
     solver: DynamicsSolver, initial: Mapping[str, float | str] | None, q0: object, v0: object
 ) -> Initial:
@@ -43,10 +49,16 @@ def initial_of(
     Raises
     ------
     SolveError
-        There is no such coordinate, a number is none, or there are too many or too few.
+        There is no such coordinate, or a number is none.
     """
+    if initial is q0 is v0 is None:
+        return SCENE
     if initial is None:
-        return Initial((), *(_of_bodies(solver, *one) for one in (("q0", q0, 4), ("v0", v0, 3))))
+        bodies = (
+            () if given is None else tuple(numbers_of(solver.name, name, given).ravel().tolist())
+            for name, given in (("q0", q0), ("v0", v0))
+        )
+        return Initial((), *bodies)
     if q0 is not None or v0 is not None:
         raise SolveError(f"{solver.name}: give either initial, or q0 and v0")
     if not isinstance(initial, Mapping):
@@ -58,46 +70,39 @@ def initial_of(
     names = [name for name, *_ in coordinates]
     if initial and not names:
         raise SolveError(
-            f"{solver.name}: initial {shown([*initial])}: no coordinate is known: the scene has"
-            ' none, or was generated without "coordinates"; add it to outputs'
+            f"{solver.name}: no coordinates for initial {shown([*initial])}: the scene names none,"
+            ' or was generated without "coordinates"; load(..., outputs=[..., "coordinates"])'
         )
-    lengths = {name for name, is_length, _ in coordinates if is_length}
-    known = [*names, *(f"{name}_dot" for name in names)]
+    lengths = {
+        x for own, is_length, _ in solver.layout.coordinates if is_length for x in _names(own)
+    }
+    known = [own for pair in map(_names, names) for own in pair]
     found, problems = {}, []
     for name, value in initial.items():
         if name not in known:
             problems.append(unknown("coordinate", name, known))
             continue
         try:
-            is_text = isinstance(value, str)
-            number = number_of(value) if isinstance(value, str) else value
-            require_numbers("", value=number)
-            own = name if name in names else name.removesuffix("_dot")
-            if not np.isfinite(number) or (is_text and own in lengths):
-                raise ValueError("wanted a finite number" + " of lengths" * is_text)
-        except (ValueError, SolveError):
-            text = "wanted a number, or degrees as '30 deg'"
-            problems.append(f"initial {name} is {shown(value)}, {text}")
-            continue
-        found[name] = float(number)
+            found[name] = _number(value, is_length=name in lengths)
+        except (TypeError, ValueError, OverflowError):
+            wanted = "" if name in lengths else ", or an angle such as '30 deg'"
+            problems.append(f"initial {name} is {shown(value)}; wanted a finite number{wanted}")
     if problems:
         raise SolveError(f"{solver.name}: {'; '.join(problems)}")
     return Initial(tuple(found.items()))
 
 
-def _of_bodies(solver: DynamicsSolver, name: str, given: object, turning: int) -> tuple[float, ...]:
-    """Return numbers of all bodies as they are written."""
-    if given is None:
-        return ()
-    array = numbers_of(solver.name, name, given)
-    size = sum(3 + turning * bool(body.p) for body in solver.bodies)
-    if array.shape != (size,) or not np.isfinite(array).all():
-        of = "r (3), Euler parameters (4)" if turning == 4 else "velocity (3), omega_b (3)"
-        raise SolveError(
-            f"{solver.name}: {name} has the shape {array.shape}; wanted {size} finite numbers: of"
-            f" each body {of}; a point has the first three alone"
-        )
-    return tuple(array.tolist())
+def _names(name: str) -> tuple[str, str]:
+    return name, f"{name}_dot"
+
+
+def _number(value: object, *, is_length: bool) -> float:
+    """Return a value of a coordinate; only angles are told by texts."""
+    if isinstance(value, str) and not is_length:
+        value = number_of(value)
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise ValueError
+    return float(value)
 
 
 def started_at(
@@ -121,34 +126,15 @@ def started_at(
     SolveError
         It cannot be.
     """
-    from kousoku.runtime.integrate.initial import Start, lead, place
+    from kousoku.runtime.integrate.initial import InitialError, evaluated
+    from kousoku.runtime.integrate.placing import started
 
     target = there.target
-
-    def evaluate(q: Array, v: Array) -> dict[str, Array]:
-        work = np.zeros(target.work_size)
-        target.evaluate(0.0, np.ascontiguousarray(q), np.ascontiguousarray(v), parameters, work)
-        places = {"coordinates": (0, 0), **there.places}
-        return {name: work[base : base + size] for name, (base, size) in places.items()}
-
-    count = len(there.q)
-    start = Start(
-        evaluate,
-        y[:count].copy(),
-        y[count:].copy(),
-        there.bodies,
-        {
-            name: (columns[0], columns[1], there.unit if is_length else 1.0)
-            for name, is_length, columns in there.layout.coordinates
-        },
-        (*there.rows, *there.left_out, *there.reduced),
-        [at for _, at in there.layout.works],
-        there.length,
-        there.unit,
-    )
+    evaluate = evaluated(target.evaluate, parameters, target.work_size, there.places)
+    rows = (*there.rows, *there.left_out, *there.reduced)
+    values, *written = initial
+    q0, v0 = (np.array(one) if one else None for one in written)
     try:
-        if initial.values:
-            return lead(start, dict(initial.values))
-        return place(start, *(np.array(one) if one else None for one in initial[1:]))
-    except ValueError as error:
+        return started(there.layout, rows, evaluate, y, (dict(values), q0, v0))
+    except InitialError as error:
         raise SolveError(f"{there.name}: {error}") from None

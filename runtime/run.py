@@ -18,10 +18,10 @@ from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
-from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
+from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Callable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -115,7 +115,7 @@ class Run:
         self._there = with_parameters(solver, self._values)
         self._q, self._v = self._there.q.copy(), self._there.v.copy()
         self._rows = self._room()
-        self._is_shown = False
+        self._is_shown, self._is_elsewhere = False, any(options.initial)
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
@@ -129,13 +129,17 @@ class Run:
             self._rows[: len(saved.rows)] = saved.rows
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.solver, self.times, self.options, self.save())
+        given = (self.solver, self.times, self.options, self.save())
+        return type(self), given, (self._q, self._v, self._is_elsewhere)
+
+    def __setstate__(self, start: tuple[Array, Array, bool]) -> None:
+        self._q[:], self._v[:], self._is_elsewhere = start
 
     def restart(
         self,
         parameters: Mapping[str, float] | None = None,
-        q: Array | None = None,
-        v: Array | None = None,
+        q: Sequence[float] | Array | None = None,
+        v: Sequence[float] | Array | None = None,
     ) -> Run:
         """Start over at time 0 with the same times and options, in the same memory.
 
@@ -162,8 +166,9 @@ class Run:
             self._there, self.options = with_parameters(self.solver, values), options
             self._values[:] = values
             self._q[:], self._v[:] = self._there.q, self._there.v
+            self._is_elsewhere = any(options.initial)
         if q is not None or v is not None:
-            self.options = replace(self.options, initial=Initial())
+            self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
         for name, own, given in (("q", self._q, q), ("v", self._v, v)):
             if given is not None:
                 array = numbers_of(self.solver.name, name, given)
@@ -190,10 +195,12 @@ class Run:
     def _start(self) -> None:
         begin = perf_counter()
         status = self._begin()
-        if status == Status.GOOD and any(self.options.initial):
+        if status == Status.GOOD and self._is_elsewhere:
             y = self.solver.state["y"].view(self.state)
             led = started_at(self._there, self.options.initial, self._values, y)
-            status = self.solver.target.starter(0.0, *led, self._values, self._memory)()
+            self._q[:], self._v[:] = led
+            self._is_elsewhere = False  # to start over leads nowhere again
+            status = self._begin()
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
@@ -304,7 +311,18 @@ class Run:
         return (
             f"{self.solver.name}: at t = {self.time:.9g} s: {self.steps} steps are made and"
             f" t = {self.times[-1]:.9g} s is not reached; a larger tolerance makes longer steps,"
-            " most_steps allows more of them"
+            f" most_steps allows more of them{self._jumps()}"
+        )
+
+    def _jumps(self) -> str:
+        """Name the forces that jump: around a jump no step is short enough."""
+        jumps = self.solver.layout.jumps
+        if not jumps:
+            return ""
+        more = f" and {len(jumps) - SHOWN} more" if len(jumps) > SHOWN else ""
+        return (
+            f"; the sign in {', '.join(jumps[:SHOWN])}{more} jumps, and where what it is taken of"
+            " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 
     def _stop(self) -> str:

@@ -436,7 +436,7 @@ def number_of(x: Any, where: str) -> Number:
         shown = x.text if isinstance(x, _Term) else repr(x)
         raise DerivationError(
             f"{where} {shown}, of type {type(x).__name__}; wanted a number: an integer, "
-            "a Fraction such as Fraction(1, 3), or one that is given by name, as kousoku's number() makes it"
+            "a Fraction such as Fraction(1, 3), or one that number() gives a name"
         )
     value = sympy.Rational(x.numerator, x.denominator)
     return _constant(value, value, 0, ())

@@ -10,12 +10,15 @@ import typer
 from kousoku import __version__
 from kousoku.cli.animate import animate
 from kousoku.cli.cache import cache
+from kousoku.cli.check import check
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
 from kousoku.cli.explain import explain
 from kousoku.cli.generate import generate
 from kousoku.cli.ledger import ledger
 from kousoku.cli.listing import list_names
+from kousoku.cli.new import new
+from kousoku.cli.schema import schema
 from kousoku.cli.simulate import simulate
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
@@ -55,6 +58,9 @@ def _kousoku(
 app.command("derive")(derive)
 app.command("generate")(generate)
 app.command("verify")(verify)
+app.command("new")(new)
+app.command("check")(check)
+app.command("schema")(schema)
 app.command("explain")(explain)
 app.command("solve")(solve)
 app.command("simulate")(simulate)

@@ -20,7 +20,9 @@ def test_version_is_printed(run: Run) -> None:
     assert run("--version") == (0, f"kousoku {__version__}\n", "")
 
 
-@pytest.mark.parametrize("command", ["derive", "generate", "verify", "solve", "ledger", "list"])
+@pytest.mark.parametrize(
+    "command", ["derive", "generate", "verify", "solve", "ledger", "list", "new", "check", "schema"]
+)
 def test_every_command_explains_itself(run: Run, command: str) -> None:
     code, out, _ = run(command, "--help")
     assert code == 0

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.model.about import About
     from kousoku.model.mechanism import System
 
 MOTION_FILE = "motion.json"
@@ -40,6 +41,7 @@ def emit_dynamics(
     system: System,
     outputs: Collection[str] = (),
     more: Mapping[str, str] | None = None,
+    about: About | None = None,
 ) -> dict[str, str]:
     """Return the folder of a scene's solver.
 
@@ -53,6 +55,8 @@ def emit_dynamics(
         What is wanted beside positions and velocities, of :data:`PARTS_OF_ROWS`.
     more : mapping of str to str, optional
         Further files, such as reference values.
+    about : About, optional
+        What the scene has beside numbers.
 
     Returns
     -------
@@ -78,7 +82,7 @@ def emit_dynamics(
     templates = environment()
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
     files |= integrator
-    files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state))
+    files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state, about))
     files |= more or {}
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()

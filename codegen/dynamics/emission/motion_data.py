@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import is_driven, start_plac
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
+from kousoku.model.about import About
 from kousoku.model.system import METRES
 from kousoku.model.varying import fixed_system, is_varying
 from kousoku.runtime.integrate.state import fields_as_data
@@ -35,7 +36,11 @@ STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,)
 
 
 def motion_data(
-    program: Program, system: System, parts: Sequence[str] = (), state: Sequence[Field] = ()
+    program: Program,
+    system: System,
+    parts: Sequence[str] = (),
+    state: Sequence[Field] = (),
+    about: About | None = None,
 ) -> dict[str, object]:
     """Return what ``motion.json`` holds.
 
@@ -49,7 +54,10 @@ def motion_data(
         Regions that a row has beyond time, q and v.
     state : sequence of Field
         The layout of the state.
+    about : About, optional
+        What the scene has beside numbers.
     """
+    about = about or About()
     q, v = program.region("q").base, program.region("v").base
     varying = {"design": _design(program)} if program.design else {}
     return {
@@ -88,6 +96,9 @@ def motion_data(
             for one in program.kept
         ],
         **varying,
+        "notes": list(about.notes),
+        "duration": about.duration,
+        "jumps": list(about.jumps),
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
 

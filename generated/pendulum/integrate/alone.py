@@ -80,8 +80,8 @@ class Run:
         What moves.
     times : (n,) array [s]
         The times to write, ascending.
-    tolerance, method, step, largest_step, checks, most_steps, parameters
-        As of ``kousoku.runtime.options.options_of``.
+    tolerance, method, step, largest_step, checks, most_steps, parameters, initial, q0, v0
+        As of ``kousoku.runtime.options.options_of``; angles in radians.
     """
 
     def __init__(
@@ -96,6 +96,9 @@ class Run:
         checks: bool = False,
         most_steps: int = 1_000_000,
         parameters: Mapping[str, float] | None = None,
+        initial: Mapping[str, float] | None = None,
+        q0: Sequence[float] | Array | None = None,
+        v0: Sequence[float] | Array | None = None,
     ) -> None:
         self._scene, self.times, self.most_steps = scene, times, most_steps
         name, solver = scene.layout.name, scene.solver
@@ -126,6 +129,44 @@ class Run:
                 start[place] = numbers[at]
             self._layout = scene.layout.at(numbers)
         self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
+        if initial or q0 is not None or v0 is not None:
+            y = state_of(solver.scene, self.state).y.copy()
+            led = self._started(given, y, initial or {}, q0, v0)
+            self._require(solver.start(0.0, *led, given, self.state, self._work))
+
+    def _started(
+        self, parameters: Array, y: Array, initial: Mapping[str, float], q0: Any, v0: Any
+    ) -> tuple[Array, Array]:
+        """Return q and v with initial values, given the start of the scene."""
+        from .initial import started
+
+        data, layout, solver = self._scene.data, self._layout, self._scene.solver
+        names = [name + dot for name, *_ in layout.coordinates for dot in ("", "_dot")]
+        for one in initial:
+            if one not in names:
+                raise ValueError(f"{layout.name}: {unknown('coordinate', one, names)}")
+        if initial and (q0 is not None or v0 is not None):
+            raise ValueError(f"{layout.name}: give either initial, or q0 and v0")
+        written = []
+        for name, value, turning in (("q0", q0, 4), ("v0", v0, 3)):
+            size = sum(3 + turning * bool(body.p) for body in layout.bodies)
+            array = None if value is None else np.array(value, float)
+            if array is not None and (array.shape != (size,) or not np.isfinite(array).all()):
+                raise ValueError(f"{layout.name}: {name}: wanted {size} finite numbers")
+            written.append(array)
+
+        def evaluate(q: Array, v: Array) -> dict[str, Array]:
+            work = np.zeros(solver.scene.work_size)
+            solver.evaluate(0.0, q, v, parameters, work)
+            places = {"coordinates": (0, 0), **data["places"]}
+            return {name: work[base : base + size] for name, (base, size) in places.items()}
+
+        rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
+        try:
+            numbers = {name: float(value) for name, value in initial.items()}
+            return started(layout, rows, evaluate, y, (numbers, written[0], written[1]))
+        except ValueError as error:
+            raise ValueError(f"{layout.name}: {error}") from None
 
     @property
     def time(self) -> float:

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .body_tables import BodyPlaces
+    from .motion import Layout
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -548,3 +549,48 @@ def _taken(places: Sequence[float], q: Array) -> Array:
 
 def _indices(places: Sequence[float]) -> list[int]:
     return [place for place in places if isinstance(place, int)]
+
+
+def started(
+    layout: Layout,
+    rows: Sequence[tuple[str, str]],
+    evaluate: Evaluate,
+    y: Array,
+    given: tuple[Mapping[str, float], Array | None, Array | None],
+) -> tuple[Array, Array]:
+    """Return q and v with initial values.
+
+    Parameters
+    ----------
+    layout : Layout
+        What stands where, with the parameters of the run.
+    rows : sequence of (str, str)
+        Joint and unit of all constraints: solved for, left out, put onto joints.
+    evaluate : Evaluate
+        With the parameters of the run.
+    y : array
+        Where the scene starts with them: q, then v.
+    given : (mapping of str to float, array or None, array or None)
+        Values of coordinates and rates, or q0 and v0 as written.
+
+    Raises
+    ------
+    ValueError
+        It cannot be.
+    """
+    count = layout.sizes["q"]
+    start = Start(
+        evaluate,
+        y[:count].copy(),
+        y[count:].copy(),
+        layout.bodies,
+        {
+            name: (columns[0], columns[1], layout.unit if is_length else 1.0)
+            for name, is_length, columns in layout.coordinates
+        },
+        tuple(rows),
+        [at for _, at in layout.works],
+        layout.length,
+        layout.unit,
+    )
+    return lead(start, given[0]) if given[0] else place(start, *given[1:])
