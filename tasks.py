@@ -28,7 +28,7 @@ PYTEST = ("-m", "pytest", "--quiet")
 # The tests of a file share what its fixtures make, so that they stay in one process.
 PARALLEL = (*PYTEST, "--numprocesses", "auto", "--dist", "loadfile")
 
-#: Extras that are installed, commands, and what is said first. A command is the arguments of Python,
+#: Extras that are installed, commands, and what is said first. A command is arguments of Python,
 #: or clang-format; the last may be ``> file``. TESTS stands for what follows the name of the task.
 TASKS: dict[str, tuple[str, list[tuple[str, ...]], str]] = {
     "demo": (
