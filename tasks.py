@@ -77,6 +77,11 @@ TASKS: dict[str, tuple[str, list[tuple[str, ...]], str]] = {
         [(*KOUSOKU, "generate", "--check")],
         "derives all kinds: is generated/ what the generator emits today? 80 s the first time",
     ),
+    "notebook": (
+        "notebook",
+        [("-m", "jupyter", "lab", "notebooks/first_mechanism.ipynb")],
+        "opens the first mechanism in Jupyter",
+    ),
     "notebooks": (
         "test",
         [(*PYTEST, "tests/release/test_notebooks.py")],

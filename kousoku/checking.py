@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.runtime.library import Library
     from kousoku.runtime.report import Report
+    from kousoku.symbolic.derivation import Derivation
 
 
 def explain(
@@ -59,7 +60,7 @@ def explain(
 
 
 def verify(
-    what: Mechanism | Library | str | Path,
+    what: Mechanism | Derivation | Library | str | Path,
     *,
     target: Literal["auto", "c", "numpy"] = "auto",
 ) -> Report:
@@ -67,9 +68,9 @@ def verify(
 
     Parameters
     ----------
-    what : Mechanism, Library, or path of a generated folder or of a scene file
+    what : Mechanism, Derivation, Library, or path of a generated folder or of a scene file
         Of a mechanism the solver is generated again with its reference values, which takes about a
-        second for ten bodies.
+        second for ten bodies; of a derivation of one's own the kernels are generated.
     target : {"auto", "c", "numpy"}
         What to check: all that this machine can run, or one target.
 
@@ -84,7 +85,12 @@ def verify(
         There is no generated folder.
     """
     from kousoku.runtime.verify import verify as verified
+    from kousoku.symbolic.derivation import Derivation
 
+    if isinstance(what, Derivation):
+        from kousoku.deriving import kernels
+
+        what = kernels(what, target=target)
     if isinstance(what, Mechanism):
         with solver_folder(Given.of(what.scene), what.outputs, references=True) as folder:
             return verified(folder, target=target)

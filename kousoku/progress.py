@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+#: Characters of a line in a notebook, which the next one covers.
+WIDTH = 72
+
 
 def is_watched() -> bool:
     """Return whether somebody sees what is shown: standard error is a terminal, or a notebook."""
@@ -23,6 +26,12 @@ def told() -> Iterator[Callable[[str], object]]:
     """Give what shows a line, such as ``generating loop``, until the next one or the end."""
     if not is_watched():
         yield lambda text: None
+        return
+    if not sys.stderr.isatty():  # a notebook, where rich wants widgets and leaves empty outputs
+        try:
+            yield lambda text: sys.stderr.write(f"\r{text:<{WIDTH}}")
+        finally:
+            sys.stderr.write(f"\r{'':<{WIDTH}}\r")
         return
     from rich.console import Console
 

@@ -475,11 +475,17 @@ def constraint_of(name: str, C: Any, *, title: str = "", source: str = "") -> Co
             "same: divide by a given length, as the kind distance does"
         )
     stated = _column_of(parts)
-    value = _resolved(stated)
+    opened = rewrite(stated, _opened)
+    # What is constant by this rule, such as a point of i seen from i, would vary and cancel if it
+    # were left, and with it digits.
+    value = rewrite(opened, resolve)
     left = MatrixSymbol("C", *value.shape)
     steps = [Step(left, stated, "the constraint as it is stated", "")]
-    if value != stated:
-        steps.append(Step(left, value, "resolved; AᵀA = (p·p)² I, for any norm", "4.3"))
+    if opened != stated:
+        steps.append(Step(left, opened, "each name resolved", ""))
+    if value != opened:
+        rule = "AᵀA = (p·p)² I, for Euler parameters of any norm"
+        steps.append(Step(left, value, rule, "4.3"))
     return Constraint(
         name=name,
         kind=name,
@@ -493,15 +499,6 @@ def constraint_of(name: str, C: Any, *, title: str = "", source: str = "") -> Co
         inputs=tuple(q for q in _joined(*parts) if q.name not in _SHARED),
         rule=resolve,
     )
-
-
-def _resolved(x: Matrix) -> Matrix:
-    """Return x without names, and AᵀA = (p·p)² I applied to each term that it stands in.
-
-    What is constant by it, such as a point of i seen from i, would vary and cancel if it were left,
-    and with it digits.
-    """
-    return rewrite(rewrite(x, _opened), resolve)
 
 
 def _opened(x: Matrix) -> Matrix | None:

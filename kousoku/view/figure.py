@@ -48,25 +48,37 @@ def draw(picture: Picture) -> Figure:
 
 
 def _draw_items(axes: Axes, picture: Picture, camera: Camera) -> None:
-    """Draw faces and lines in their order; those that follow each other and are alike together."""
+    """Draw faces and lines in their order; faces without edges that follow each other at once."""
+    run: list[Face] = []
     for place, item in enumerate(drawn(picture, 0, camera)):
         order = 1.0 + place * 1e-4
-        if not isinstance(item, Face):
+        if isinstance(item, Face):
+            run.append(item)
+            if not item.edges:
+                continue
+        _draw_faces(axes, run, order)
+        run = []
+        if isinstance(item, Face):
+            count = len(item.points)
+            sides = [item.points[[k, (k + 1) % count]] for k in range(count) if item.edges >> k & 1]
+            edges = LineCollection(sides, colors=EDGE, linewidths=0.5, alpha=0.7)
+            edges.set_zorder(order + 5e-5)
+            axes.add_collection(edges)
+        else:
             is_axis = item.look == "axis"
             width = 0.9 if is_axis else max(1.0, item.width * 72 / 1000)
             color = AXIS if is_axis else LIGHT[METAL]
             axes.plot(*item.points.T, color=color, linewidth=width, zorder=order)
-            continue
-        fill = color_of(item.color, item.shade)
-        faces = PolyCollection([item.points], facecolors=fill, edgecolors=fill, linewidths=0.4)
-        faces.set_zorder(order)
-        axes.add_collection(faces)
-        count = len(item.points)
-        sides = [item.points[[k, (k + 1) % count]] for k in range(count) if item.edges >> k & 1]
-        if sides:
-            edges = LineCollection(sides, colors=EDGE, linewidths=0.5, alpha=0.7)
-            edges.set_zorder(order + 5e-5)
-            axes.add_collection(edges)
+    _draw_faces(axes, run, 9.0)
+
+
+def _draw_faces(axes: Axes, faces: list[Face], order: float) -> None:
+    if faces:
+        fills = [color_of(face.color, face.shade) for face in faces]
+        points = [face.points for face in faces]
+        patches = PolyCollection(points, facecolors=fills, edgecolors=fills, linewidths=0.4)
+        patches.set_zorder(order)
+        axes.add_collection(patches)
 
 
 def _draw_names(axes: Axes, picture: Picture, camera: Camera) -> None:
@@ -84,7 +96,7 @@ def _draw_names(axes: Axes, picture: Picture, camera: Camera) -> None:
                 side = "left" if dx > 0 else "right"
                 axes.text(
                     x + dx, y + dy, name, color=color, weight=weight, ha=side, va="center",
-                    fontsize=8, zorder=9, parse_math=False, path_effects=halo,
+                    fontsize=8, zorder=11, parse_math=False, path_effects=halo,
                 )  # fmt: skip
                 break
 
@@ -94,7 +106,7 @@ def _draw_directions(axes: Axes, camera: Camera, note: str) -> None:
     for k, ink in enumerate(("#b3261e", "#2e7d32", "#1a56c4")):
         dx, dy = 280 * camera.axes[0, k], -280 * camera.axes[1, k]
         if np.hypot(dx, dy) >= 30.0:
-            axes.plot([x, x + dx], [y, y + dy], color=ink, linewidth=1.4, zorder=8)
+            axes.plot([x, x + dx], [y, y + dy], color=ink, linewidth=1.4, zorder=10)
             at = (x + 1.35 * dx, y + 1.35 * dy)
             axes.text(*at, "xyz"[k], color=ink, ha="center", va="center", style="italic")
     axes.text(820.0, SIZE[1] - 180.0, note, color="#5b6474", fontsize=8, parse_math=False)

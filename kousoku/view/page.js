@@ -52,7 +52,7 @@
         mesh.f.forEach((corners, k) => {
           const places = corners.map((corner) => corner + first);
           const normal = normalOf(places, vertices);
-          const [edges, tone] = mesh.e[k];
+          const [edges, tone] = mesh.e[k] || [0, 0];
           faces.push({ places, normal, owner, color, edges, tone });
         });
       }
@@ -79,6 +79,7 @@
   const [vertices, faces] = unpack();
   const seen = new Float64Array(vertices.length); // right, up, toward the viewer
   const flat = new Float64Array((vertices.length / 3) * 2); // on the screen
+  const below = new Float64Array(flat.length); // their shadows, on the screen
   const poses = bodies.map(() => ({ r: [0, 0, 0], a: [1, 0, 0, 0, 1, 0, 0, 0, 1] }));
 
   // ---- where bodies are -----------------------------------------------------------------------
@@ -328,22 +329,23 @@
     }
   }
 
-  function trace(places) {
-    context.moveTo(flat[2 * places[0]], flat[2 * places[0] + 1]);
-    for (let k = 1; k < places.length; k++) context.lineTo(flat[2 * places[k]], flat[2 * places[k] + 1]);
+  function trace(places, at) {
+    context.moveTo(at[2 * places[0]], at[2 * places[0] + 1]);
+    for (let k = 1; k < places.length; k++) context.lineTo(at[2 * places[k]], at[2 * places[k] + 1]);
     context.closePath();
   }
 
   function drawFace({ places, normal, owner, color, edges, tone }) {
     const { lamp } = bodies[owner];
     const light = lamp[0] * normal[0] + lamp[1] * normal[1] + lamp[2] * normal[2];
-    const shade = Math.round((SHADES - 1) * Math.min(1, Math.max(0, 0.12 + 0.88 * light - 0.22 * tone)));
+    const bright = Math.min(1, Math.max(0, 0.12 + 0.88 * light - 0.22 * tone));
+    const shade = Math.round((SHADES - 1) * bright);
     const fill = palettes[color][shade];
     context.fillStyle = fill;
     context.strokeStyle = fill;
     context.lineWidth = 0.8;
     context.beginPath();
-    trace(places);
+    trace(places, flat);
     context.fill();
     context.stroke(); // or the background shines through between faces
     if (!edges) return;
@@ -415,21 +417,20 @@
     if (!scene.flat) drawShadow(camera);
   }
 
+  /** Straight down on the floor: all that faces upward, as one shape. */
   function drawShadow(camera) {
     const up = camera.map((axis) => dot(axis, floor.normal));
     const base = floor.height - dot(floor.normal, middle);
+    for (let k = 0; k < seen.length; k += 3) {
+      const fall = seen[k] * up[0] + seen[k + 1] * up[1] + seen[k + 2] * up[2] - base;
+      const [x, y] = screen(seen[k] - fall * up[0], seen[k + 1] - fall * up[1], seen[k + 2] - fall * up[2]);
+      below[(2 * k) / 3] = x;
+      below[(2 * k) / 3 + 1] = y;
+    }
     context.fillStyle = colors.shadow;
     context.beginPath();
     for (const { places, normal, owner } of faces) {
-      if (dot(bodies[owner].up, normal) <= 0.02) continue;
-      places.forEach((v, k) => {
-        const point = [seen[3 * v], seen[3 * v + 1], seen[3 * v + 2]];
-        const fall = dot(point, up) - base;
-        const [x, y] = screen(point[0] - fall * up[0], point[1] - fall * up[1], point[2] - fall * up[2]);
-        if (k) context.lineTo(x, y);
-        else context.moveTo(x, y);
-      });
-      context.closePath();
+      if (dot(bodies[owner].up, normal) > 0.02) trace(places, below);
     }
     context.fill();
   }
@@ -548,11 +549,19 @@
   }
 
   let taken = [];
+  const BESIDE = [
+    [12, -10],
+    [12, 16],
+    [-12, -10],
+    [-12, 16],
+    [0, -20],
+    [0, 26],
+  ];
 
   /** Write a text beside a point where nothing is written yet, or not at all. */
-  function write(text, x, y, color, places = [[12, -10], [12, 16], [-12, -10], [-12, 16], [0, -20], [0, 26]]) {
+  function write(text, x, y, color) {
     const wide = context.measureText(text).width;
-    for (const [dx, dy] of places) {
+    for (const [dx, dy] of BESIDE) {
       const left = x + dx - (dx < 0 ? wide : dx === 0 ? wide / 2 : 0);
       const box = [left - 3, y + dy - 13, left + wide + 3, y + dy + 5];
       if (box[0] < 0 || box[2] > width || box[1] < 0 || box[3] > height) continue;

@@ -172,11 +172,13 @@ def _rounded(values: Iterable[float], least: float) -> list[float | int]:
 
 
 def _mesh(name: str) -> dict[str, Any]:
+    """Return vertices, faces, and edges and tone of those faces that have some."""
     mesh = mesh_of(name)
+    pairs = enumerate(zip(mesh.edges, mesh.tones, strict=True))
     return {
-        "v": [_number(x, 1e-4) for vertex in mesh.vertices for x in vertex],
+        "v": [_number(x, 1e-3) for vertex in mesh.vertices for x in vertex],
         "f": mesh.faces,
-        "e": [[e, _number(t, 1e-2)] for e, t in zip(mesh.edges, mesh.tones, strict=True)],
+        "e": {k: [e, _number(tone, 1e-2)] for k, (e, tone) in pairs if e or tone},
     }
 
 

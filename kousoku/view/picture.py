@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MOST_NUMBERS = 250_000
-"""Numbers of a motion that a page holds at most."""
+MOST_NUMBERS, LEAST_FRAMES = 250_000, 200
+"""Numbers of a motion that a page holds at most, unless these are fewer frames."""
 TURN = 0.4
 """Angle that a body may turn from one frame to the next [rad]."""
 SHOWN_TURNS = 2.0
@@ -246,7 +246,7 @@ def _times(
     if duration <= 0.0:
         return np.array([first])
     wanted = max(duration * fps / speed, duration * spin / TURN)
-    most = max(2.0, MOST_NUMBERS / (7 * bodies))
+    most = max(LEAST_FRAMES, MOST_NUMBERS / (7 * bodies))
     return np.linspace(first, last, ceil(min(wanted, most)) + 1)
 
 

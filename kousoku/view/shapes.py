@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from itertools import combinations
-from math import ceil
+from math import ceil, log2
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -38,7 +38,7 @@ DARK = (
 
 THIN, SLENDER = 0.009, 0.07
 """Radius of what has no thickness: parts of the mechanism's size and of the length of a body."""
-PIECES = 9.0
+PIECES = 8.0
 """Pieces of a solid that is as long as the mechanism."""
 WIDE = 2.5
 """How much longer than the mechanism a body may be that is drawn after its moments of inertia."""
@@ -217,6 +217,8 @@ def spatial_shapes(scene: Scene, poses: tuple[Array, Array] | None = None) -> Sh
 
 def with_values(scene: Scene, parameters: Mapping[str, float]) -> Scene:
     """Return a scene whose numbers are those that parameters give them; the rest are its own."""
+    from msgspec import structs
+
     from kousoku.model.design_numbers import changed_scene
     from kousoku.model.expression import parse_expression
     from kousoku.model.values import value_of
@@ -226,7 +228,11 @@ def with_values(scene: Scene, parameters: Mapping[str, float]) -> Scene:
     def number(given: Any, _: str) -> float:
         return value_of(parse_expression(given.text, values), values)
 
-    return changed_scene(scene, number)
+    gravity = tuple(
+        value_of(parse_expression(g, values), values) if isinstance(g, str) else g
+        for g in scene.gravity
+    )
+    return structs.replace(changed_scene(scene, number), gravity=gravity)
 
 
 def written_poses(scene: Scene) -> tuple[Array, Array]:
@@ -267,7 +273,7 @@ class _SpatialShapes:
         self._marks: list[JointMark] = []
         self._axes: list[Axis] = []
         self._struts: list[Strut] = []
-        gravity = np.array([g if isinstance(g, float | int) else 0.0 for g in scene.gravity])
+        gravity = _numbers(scene.gravity)
         strength = float(np.linalg.norm(gravity))
         self._up = -gravity / strength if strength > 0.0 else self._level()
 
@@ -497,7 +503,8 @@ def vertices_of(part: Part, sides: int = 0) -> Array:
 
 
 def _cuts(length: float, size: float) -> int:
-    return int(min(max(1, ceil(PIECES * length / size)), 12))
+    """Return into how many pieces a solid is cut: 1, 2, 4 or 8, so that there are few meshes."""
+    return int(2 ** min(ceil(log2(max(1.0, PIECES * length / size))), 3))
 
 
 def cylinder(a: Array, b: Array, radius: float, color: int, size: float) -> Part:

@@ -306,7 +306,7 @@ class Motion(Result):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know before he trusts the numbers, a line each."""
-        return tuple(filter(None, [*self._layout.notes, self.note()]))
+        return tuple(filter(None, [*self.layout.notes, self.note()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns that are shown where none are named.

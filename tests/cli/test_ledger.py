@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import replace
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
@@ -56,12 +54,6 @@ def test_an_unknown_key_is_one_message_with_near_ones(run: Run) -> None:
     code, out, err = run("ledger", "8.111")
     assert (code, out) == (2, "")
     assert err.count("\n") == 1 and "'8.111'" in err and "8.11" in err.partition("near")[2]
-
-
-def test_the_readme_shows_what_the_command_prints(run: Run) -> None:
-    readme = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
-    ((key, shown),) = re.findall(r"```text\n\$ kousoku ledger (\S+)\n(.*?)```", readme, re.DOTALL)
-    assert run("ledger", key)[1] == shown
 
 
 def test_json_of_a_key_is_a_list_of_one(run: Run) -> None:

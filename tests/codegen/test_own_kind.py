@@ -15,6 +15,7 @@ from sympy import Determinant, Symbol, sqrt
 from sympy.matrices.expressions import Identity, Inverse, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.checking import verify as verify_any
 from kousoku.codegen.generate import generate, write_tree
 from kousoku.deriving import body, kernels, number
 from kousoku.deriving import derive as derive_own
@@ -267,8 +268,8 @@ def test_a_constraint_in_vectors_has_verified_kernels(tmp_path: Path) -> None:
     numbers = {
         name: np.linspace(0.2, 1.0, q.size).reshape(q.shape) for name, q in own.inputs.items()
     }
-    given = {q.name: numbers[q.name] for q in own.functions[1].inputs}
-    gamma = library.rates(**given, outputs=["gamma"])[0]
+    given: dict[str, Any] = {q.name: numbers[q.name] for q in own.functions[1].inputs}
+    gamma = library.rates(*given.values(), outputs=["gamma"])[0]
     assert np.allclose(gamma, own.at(given)["gamma"], rtol=1e-13, atol=0)
 
 
@@ -280,6 +281,10 @@ def test_kernels_without_a_folder_are_kept_by_their_content(
     assert library.kernel(3.0)[0] == 3.0
     assert library.folder.parents[1] == tmp_path / "kernels"
     assert kernels(hand_made(X), target="numpy").folder == library.folder
+    assert kernels(library.folder, target="numpy").manifest == library.manifest
+    report = verify_any(hand_made(X), target="numpy")
+    assert report.ok
+    assert report.folder == str(library.folder)
 
 
 def test_kernels_of_a_name_are_those_that_are_committed() -> None:

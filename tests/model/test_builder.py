@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 from typing import Any
 
@@ -147,28 +148,33 @@ def test_the_typed_keys_are_those_of_the_records() -> None:
     )
 
 
-def test_a_key_that_is_not_there_is_seen_by_type_checkers_and_refused_at_once() -> None:
-    """Each comment is needed: mypy refuses one that is not."""
-    builder = SceneBuilder("s", unit="m")
+@pytest.mark.parametrize("record", ["Body", "Joint", "Coordinate", "Driver", "Force", "Method"])
+def test_a_call_takes_the_typed_keys_of_its_record(record: str) -> None:
+    keys = inspect.signature(getattr(SceneBuilder, record.lower())).parameters["keys"]
+    assert (keys.kind, keys.annotation) == (keys.VAR_KEYWORD, f"Unpack[{record}Keys]")
+
+
+def test_a_key_that_is_not_there_is_refused_at_once() -> None:
+    builder: Any = SceneBuilder("s", unit="m")
     with pytest.raises(SceneError, match=r"bodies\.b\.positoin: unknown key; did you mean"):
-        builder.body("b", positoin=(0, 0, 0))  # type: ignore[call-arg]
+        builder.body("b", positoin=(0, 0, 0))
     with pytest.raises(SceneError, match=r"joints\.a\.type: is missing"):
-        builder.joint("a", bodies=("ground", "b"))  # type: ignore[call-arg]
+        builder.joint("a", bodies=("ground", "b"))
     with pytest.raises(SceneError, match=r"bodies\.b\.rods\[0\]\.mas: unknown key"):
-        builder.body("b", position=(0, 0, 0), rods=[{"mas": 1, "ends": []}])  # type: ignore[typeddict-item,typeddict-unknown-key]
+        builder.body("b", position=(0, 0, 0), rods=[{"mas": 1, "ends": []}])
     with pytest.raises(SceneError, match=r"coordinates\.c\.hold: the number 1 stands"):
-        builder.coordinate("c", joint="a", hold=1)  # type: ignore[arg-type]
+        builder.coordinate("c", joint="a", hold=1)
     with pytest.raises(SceneError, match=r"method\.tolerence: unknown key"):
-        builder.method(tolerence=1)  # type: ignore[call-arg]
+        builder.method(tolerence=1)
 
 
-def slider(force: object) -> SceneBuilder:
+def slider(force: Any) -> SceneBuilder:
     builder = SceneBuilder("s", unit="m").parameter("k", 3)
     builder.body("b", position=(0, 0, 0), mass=1, point=True)
     line: dict[str, Any] = {"points": np.zeros((2, 3)), "axes": [[1, 0, 0]] * 2}
     builder.joint("a", type="point_on_line", bodies=("ground", "b"), **line)
     builder.coordinate("x_1", body="b", along=(1, 0, 0))
-    return builder.force("f", type="along", coordinate="x_1", force=force)  # type: ignore[arg-type]
+    return builder.force("f", type="along", coordinate="x_1", force=force)
 
 
 T, K, X, RATE = sympy.symbols("t k x_1 x_1_dot")

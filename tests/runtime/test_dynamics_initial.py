@@ -229,7 +229,8 @@ def test_a_run_with_initial_values_resumes_with_the_same_bits(load: Any) -> None
 
 def test_without_initial_values_a_start_is_what_it_was(load: Any) -> None:
     solver = load(tree_of("loop_free"))
-    states = [solver.begin([0.0], **options).state for options in ({}, {"initial": {}})]
+    given: tuple[dict[str, Any], ...] = ({}, {"initial": {}})
+    states = [solver.begin([0.0], **options).state for options in given]
     np.testing.assert_array_equal(*states)
 
 

@@ -155,7 +155,7 @@ def test_a_mechanism_at_rest_is_a_figure_with_its_names(name: str) -> None:
     (axes,) = figure.axes
     texts = {text.get_text() for text in axes.texts}
     assert any(re.fullmatch(r"grid [\d.]+ \[\w+\]", text) for text in texts)
-    assert len(axes.collections) > 50
+    assert len(axes.collections) > 20
     assert len(texts) > 6
 
 

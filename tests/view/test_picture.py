@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from kousoku.joint_shapes import SHAPES, SIGNS
 from kousoku.model.errors import SolveError
@@ -99,6 +100,13 @@ def test_sizes_that_are_formulas_are_those_of_the_run() -> None:
         assert np.linalg.norm(part.matrix[:, 0]) == pytest.approx(radius)
     picture = picture_of(turning(parameters={"thick": 0.04}), arm())
     assert np.linalg.norm(picture.shapes.bodies[1].parts[0].matrix[:, 0]) == pytest.approx(0.04)
+
+
+def test_upward_is_against_gravity_which_may_be_a_formula() -> None:
+    scene = structs.replace(arm(), gravity=("20*thick", 0.0, 0.0))
+    assert picture_of(turning(), scene).shapes.up.tolist() == [-1.0, 0.0, 0.0]
+    still = structs.replace(arm(), gravity=(0.0, 0.0, 0.0))
+    assert picture_at_rest(still).shapes.up.tolist() == [0.0, 1.0, 0.0]
 
 
 def test_rows_that_lie_far_apart_are_kept_at_equal_times() -> None:

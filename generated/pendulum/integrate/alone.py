@@ -61,6 +61,8 @@ class Alone:
         ValueError
             An option is not possible.
         """
+        if end is None and times is None:
+            end = self.layout.duration
         if (end is None) == (times is None):
             raise ValueError(f"{self.layout.name}: give either end or times")
         given = times if end is None else np.linspace(0.0, end, samples)
@@ -138,7 +140,8 @@ class Run:
         self, parameters: Array, y: Array, initial: Mapping[str, float], q0: Any, v0: Any
     ) -> tuple[Array, Array]:
         """Return q and v with initial values, given the start of the scene."""
-        from .initial import started
+        from .initial import evaluated
+        from .placing import started
 
         data, layout, solver = self._scene.data, self._layout, self._scene.solver
         names = [name + dot for name, *_ in layout.coordinates for dot in ("", "_dot")]
@@ -155,12 +158,8 @@ class Run:
                 raise ValueError(f"{layout.name}: {name}: wanted {size} finite numbers")
             written.append(array)
 
-        def evaluate(q: Array, v: Array) -> dict[str, Array]:
-            work = np.zeros(solver.scene.work_size)
-            solver.evaluate(0.0, q, v, parameters, work)
-            places = {"coordinates": (0, 0), **data["places"]}
-            return {name: work[base : base + size] for name, (base, size) in places.items()}
-
+        size = solver.scene.work_size
+        evaluate = evaluated(solver.evaluate, parameters, size, data["places"])
         rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
         try:
             numbers = {name: float(value) for name, value in initial.items()}

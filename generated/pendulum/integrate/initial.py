@@ -1,7 +1,7 @@
-"""Initial values of a run: coordinates, or whole bodies, where the scene does not start.
+"""Initial values of a run: coordinates and rates that are not those of the scene.
 
 Coordinates are led from the start of the scene by small steps, on the branch on which it is
-assembled. All is asked of :meth:`Evaluate`, which compiled solvers and those in NumPy have: rates
+assembled. All is asked of ``evaluate``, which compiled solvers and those in NumPy have: rates
 of coordinates are linear in v, so that unit velocities tell their Jacobian J, and ``dv`` projects
 onto the constraints: what it makes of M⁻¹Jᵀ is the least motion that moves the coordinates.
 """
@@ -12,24 +12,20 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .body_tables import composed, crossed, rotated
+from .body_tables import composed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
-    from typing import Protocol, TypeAlias
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import TypeAlias
 
     import numpy.typing as npt
 
     from .body_tables import BodyPlaces
-    from .motion import Layout
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
-    class Evaluate(Protocol):
-        """What a scene computes at time 0, by the names of ``places`` of ``motion.json``."""
-
-        def __call__(self, q: Array, v: Array) -> Mapping[str, Array]:
-            """Compute it."""
+    #: What a scene computes at q and v, time 0, by the names of ``places`` of ``motion.json``.
+    Evaluate: TypeAlias = Callable[[Array, Array], Mapping[str, Array]]
 
 
 #: The largest correction after a step, and the longest step, lengths relative to the scene's.
@@ -45,14 +41,18 @@ NEAR, ROUNDING, FIRST, MOST = 1e-6, 1e-15, 3, 30
 DEPENDENT = 1e-10
 #: One that is not given stays as in the scene where so much of its motion is its own, squared.
 APART = 1e-4
-#: What values may miss: coordinates that others determine, and bodies that are placed.
-AGREES, MISSES = 1e-9, 1e-6
+#: What values may miss that others determine.
+AGREES = 1e-9
 #: What turns a body back, of Euler parameters.
 BACK = np.array([1.0, -1.0, -1.0, -1.0])
 #: So many freedoms of bodies that no coordinate names are held.
 MOST_HELD = 100
-#: A whole turn, and so many that are tried to close gears.
-TURN, MOST_TURNS = 2.0 * np.pi, 1000
+#: What scenes may lack.
+NOTHING = {"coordinates": (0, 0)}
+
+
+class InitialError(ValueError):
+    """A run cannot start where it is told to."""
 
 
 class Start(NamedTuple):
@@ -60,8 +60,8 @@ class Start(NamedTuple):
 
     Parameters
     ----------
-    evaluate : Evaluate
-        With the parameters of the run.
+    evaluate : callable
+        What :func:`evaluated` returns, with the parameters of the run.
     q, v : array
         Where the scene starts, on the constraints.
     bodies : sequence of BodyPlaces
@@ -87,6 +87,34 @@ class Start(NamedTuple):
     works: Sequence[int]
     length: float
     unit: float
+
+
+def evaluated(
+    call: Callable[[float, Array, Array, Array, Array], object],
+    parameters: Array,
+    work_size: int,
+    places: Mapping[str, Sequence[int]],
+) -> Evaluate:
+    """Return what a scene computes at time 0.
+
+    Parameters
+    ----------
+    call : callable
+        ``evaluate`` of a solver: time, q, v, parameters, and the memory for work.
+    parameters : array
+        Those of the run.
+    work_size : int
+        How many numbers that memory has.
+    places : mapping of str to (int, int)
+        Where what is computed is in it, and how many numbers.
+    """
+
+    def evaluate(q: Array, v: Array) -> Mapping[str, Array]:
+        work = np.zeros(work_size)
+        call(0.0, np.ascontiguousarray(q), np.ascontiguousarray(v), parameters, work)
+        return {name: work[at : at + n] for name, (at, n) in {**NOTHING, **places}.items()}
+
+    return evaluate
 
 
 class Jacobian(NamedTuple):
@@ -131,12 +159,10 @@ class Leader:
         own: dict[tuple[int, ...], None] = {}
         for body in start.bodies:
             for places, sizes in ((body.r, self.sizes_q), (body.v, self.sizes)):
-                sizes[_indices(places)] = start.length
-            own.setdefault(tuple(_indices((*body.v, *body.omega_b))))
+                sizes[indices(places)] = start.length
+            own.setdefault(tuple(indices((*body.v, *body.omega_b))))
         self.moves = np.ones(len(start.q))
         self.moves[[*start.works]] = 0.0
-        places = {k for body in start.bodies for k in _indices((*body.r, *body.p))}
-        self.turns = [k for k in range(len(start.q)) if k not in places.union(start.works)]
         self.held = np.zeros((0, len(start.q)))
         self.probe = probe = self.sizes * np.cos(np.arange(len(start.v)))  # no special direction
         responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
@@ -144,15 +170,13 @@ class Leader:
         self.support = sorted({k for one in moved for k in one})
 
     def _rates(self, v: Array) -> Array:
-        return self.evaluate(self.start.q, v)["coordinates"][self.rates]
+        found: Array = self.evaluate(self.start.q, v)["coordinates"][self.rates]
+        return found
 
     def value(self, q: Array) -> Array:
         """Return the coordinates at a position, then what is held."""
-        return self.values_of(self.evaluate(q, self.rest), q)
-
-    def values_of(self, found: Mapping[str, Array], q: Array) -> Array:
-        """Return the same of what is evaluated."""
-        return np.concatenate([found["coordinates"][self.values], self.held @ q])
+        found = self.evaluate(q, self.rest)["coordinates"][self.values]
+        return np.concatenate([found, self.held @ q])
 
     def jacobian(self, q: Array) -> Jacobian:
         """Return what moves the coordinates."""
@@ -170,20 +194,20 @@ class Leader:
             mass = 2.0 * found["energies"][0]
             weights[k] = 1.0 / mass if mass > 0.0 else 1.0
         free = jacobian * weights
-        ways = free + [self.evaluate(q, way)["dv"] - still["dv"] for way in free]
-        return Jacobian(jacobian, ways.reshape(jacobian.shape), free, rows)
+        moves = [way + (self.evaluate(q, way)["dv"] - still["dv"]) for way in free]
+        return Jacobian(jacobian, np.array(moves).reshape(free.shape), free, rows)
 
     def independent(
         self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
     ) -> list[int]:
-        """Return the coordinates that can be moved apart from those before; given ones first."""
+        """Return the coordinates that move apart from those before them; given ones come first."""
         chosen: list[int] = []
         whole = at.J @ at.ways.T
         own = np.einsum("kv,kv->k", at.J, at.free)
         for k in dict.fromkeys((*given, *first, *range(len(self.names)))):
             rest = whole[k, k]
             if chosen:
-                among = whole[np.ix_(chosen, chosen)]
+                among = whole[chosen][:, chosen]
                 rest -= whole[k, chosen] @ np.linalg.solve(among, whole[chosen, k])
             if rest > (DEPENDENT if k in given else APART) * own[k]:
                 chosen.append(k)
@@ -224,7 +248,7 @@ class Leader:
         begin = self.value(q)[chosen]
         way = wanted - begin
         made, step = 0.0, 1.0
-        ways = self._ways(self.jacobian(q), chosen)
+        ways = self.ways(self.jacobian(q), chosen)
         while made < 1.0:
             direction = way @ ways
             size = self.size(direction)
@@ -234,7 +258,7 @@ class Leader:
             tried = self.displaced(q, (following - made) * direction)
             tried, left = self.met(tried, ways, chosen, goal, NEAR)
             if left <= NEAR:
-                at = self._ways(self.jacobian(tried), chosen)
+                at = self.ways(self.jacobian(tried), chosen)
                 if self.size(way @ at - direction) <= SMOOTH * size:
                     q, ways, made, step = tried, at, following, GROW * step
                     continue
@@ -243,20 +267,19 @@ class Leader:
                 return q, made
         return q, 1.0
 
-    def _ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
+    def ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
         """Return the least motions that move one of the coordinates each."""
         among = at.J[chosen] @ at.ways[chosen].T
         try:
-            found: Array = np.linalg.solve(among.T, at.ways[chosen])
+            return np.asarray(np.linalg.solve(among.T, at.ways[chosen]), np.float64)
         except np.linalg.LinAlgError:
             return np.full((len(chosen), len(self.rest)), np.inf)
-        return found
 
     def polished(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
         """Return a position that meets constraints and values of coordinates to rounding."""
         before = np.inf
         for _ in range(MOST):
-            q, left = self.met(q, self._ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING)
+            q, left = self.met(q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING)
             if left <= ROUNDING or not left < 0.5 * before:
                 break
             before = left
@@ -267,13 +290,15 @@ class Leader:
 
         Both are linear in q: where a body is, and 2(p₀*∘p), with p₀ at the start.
         """
-        pairs = [*zip(at.J[chosen], self._ways(at, chosen), strict=True)]
-        turns = [(k, body, n) for body in self.start.bodies for n, k in enumerate(body.omega_b)]
-        moves = [(k, body, n) for body in self.start.bodies for n, k in enumerate(body.v)]
-        columns = {k: rest for k, *rest in (*turns, *moves) if isinstance(k, int)}
+        pairs = [*zip(at.J[chosen], self.ways(at, chosen), strict=True)]
+        bodies = self.start.bodies
+        columns = {k: (body, n) for body in bodies for n, k in enumerate(body.omega_b)}
+        columns |= {k: (body, n) for body in bodies for n, k in enumerate(body.v)}
         for k, (body, n) in columns.items():
             if self.size(self._left(self.probe, pairs)) <= NEAR or len(self.held) == MOST_HELD:
                 break
+            if not isinstance(k, int):
+                continue
             unit = self.rest.copy()
             unit[k] = 1.0
             way = self._left(unit, pairs)
@@ -281,77 +306,30 @@ class Leader:
                 pairs.append((unit, way / way[k]))
                 row = np.zeros(len(self.start.q))
                 if k in body.v:
-                    row[_indices(body.r[n : n + 1])] = 1.0
+                    row[indices(body.r[n : n + 1])] = 1.0
                 else:
-                    back = _taken(body.p, self.start.q) * BACK
-                    for m, place_ in enumerate(body.p):
-                        if isinstance(place_, int):
-                            row[place_] = 2.0 * composed(back, np.eye(4)[m])[1 + n]
+                    back = (taken(body.p, self.start.q) * BACK)[:, np.newaxis]
+                    turned = composed(back, np.eye(4))[1 + n]
+                    row[indices(body.p)] = 2.0 * turned[[isinstance(m, int) for m in body.p]]
                 self.held = np.vstack([self.held, row])
-                self.support = sorted({*self.support, *_indices((*body.v, *body.omega_b))})
+                self.support = sorted({*self.support, *indices((*body.v, *body.omega_b))})
 
     def _left(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
-        """Return what of a displacement at the start opens no joint and changes nothing of pairs."""
-        q = self.start.q
+        """Return what of a displacement at the start opens no joint, and changes nothing else."""
+        still = self.evaluate(self.start.q, self.rest)["dv"]
         for _ in range(2):
-            u = u + (self.evaluate(q, u)["dv"] - self.evaluate(q, self.rest)["dv"])
+            u = u + (self.evaluate(self.start.q, u)["dv"] - still)
             for slopes, way in pairs:
                 u = u - (slopes @ u) * way
         return u
 
     def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
         """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
-        v, ways = self.start.v, self._ways(at, chosen)
+        v, ways = self.start.v, self.ways(at, chosen)
         for _ in range(2):  # the second time takes away what is rounded in the first
             v = v + self.evaluate(q, v)["dv"]
             v = v + (wanted - at.J[chosen] @ v) @ ways
         return v
-
-    def open_rows(self, left: Array, speed: float) -> list[str]:
-        """Return the joints whose rows do not hold, and how far."""
-        worst: dict[str, float] = {}
-        for (name, unit), size in zip(self.start.rows, np.abs(left), strict=True):
-            if not size <= MISSES * speed * (self.start.length if unit == "m" else 1.0):
-                worst[f"{name} by {{}} {unit}"] = max(
-                    size, worst.get(f"{name} by {{}} {unit}", 0.0)
-                )
-        return [text.format(f"{size:.3g}") for text, size in worst.items()]
-
-    def residuals(self, q: Array) -> Array:
-        """Return what is left of all rows."""
-        found = self.evaluate(q, self.rest)
-        return np.concatenate([found["C"], found["C_left_out"]])
-
-    def turned(self, q: Array) -> None:
-        """Add whole turns to the angles of q that close gears: no orientation tells them."""
-        left = self.residuals(q)
-        slopes = np.zeros((len(left), len(q)))
-        for k in self.turns:
-            other = q.copy()
-            other[k] += TURN
-            slopes[:, k] = self.residuals(other) - left
-        counts = np.repeat(np.arange(1.0, MOST_TURNS), 2) * np.tile([1.0, -1.0], MOST_TURNS - 1)
-        for k in self.turns:
-            rows = np.flatnonzero(np.abs(slopes[:, k]) > MISSES)
-            geared = [m for m in self.turns if m != k and np.abs(slopes[rows, m]).max(initial=0.0)]
-            if not len(rows) or np.abs(left[rows]).max() <= MISSES:
-                continue
-            own, others = slopes[rows, k], slopes[np.ix_(rows, geared)]
-            beyond = left[rows] + np.outer(counts, own)
-            turns = np.round(-beyond @ np.linalg.pinv(others).T)
-            misses = np.abs(beyond + turns @ others.T).max(axis=1)
-            best = int(np.argmax(misses <= MISSES))
-            if misses[best] <= MISSES:
-                q[k] += TURN * counts[best]
-                q[geared] += TURN * turns[best]
-                left = self.residuals(q)
-
-    def opening(self, q: Array, v: Array) -> list[str]:
-        """Return the joints that velocities open."""
-        return [
-            f"{text}/s"
-            for text in self.open_rows(self.evaluate(q, v)["C_dot"], max(1.0, self.size(v)))
-        ]
 
     def drivers(self, at: Jacobian, k: int) -> str:
         """Return the drivers that move a coordinate."""
@@ -386,10 +364,13 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
 
     Raises
     ------
-    ValueError
+    InitialError
         They cannot be reached, or contradict drivers or each other.
     """
     leader, q = Leader(start), start.q
+    known = [*leader.names, *(f"{name}_dot" for name in leader.names)]
+    if strange := [name for name in initial if name not in known]:
+        raise InitialError(f"initial values of {strange}; wanted of {known}")
     at = leader.jacobian(q)
     values = {leader.names.index(name): x for name, x in initial.items() if name in leader.names}
     rates = {
@@ -414,7 +395,7 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
             if made == 1.0:
                 break
         else:
-            raise ValueError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
+            raise InitialError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
         q = leader.polished(q, chosen, wanted[chosen])
         q[[*start.works]] = start.q[[*start.works]]
         leader.held = leader.held[:0]
@@ -428,97 +409,12 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
     return q, v
 
 
-def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Array]:
-    """Return where a scene starts when its bodies are placed, or are given velocities.
-
-    Parameters
-    ----------
-    start : Start
-        The scene.
-    q0 : array, optional
-        For each body r of its frame's origin in frame O, in the unit of the scene, then its Euler
-        parameters, scalar first, unless it is a point.
-    v0 : array, optional
-        For each body the velocity of that origin in frame O, then ω′ [rad/s] unless it is a point.
-
-    Returns
-    -------
-    q, v : array
-        On the constraints.
-
-    Raises
-    ------
-    ValueError
-        Bodies or velocities are not where the solver can have them, or joints are open.
-    """
-    leader, problems = Leader(start), []
-    q, v = start.q.copy(), start.v.copy()
-    for values, places, taken in ((q0, "r p", q), (v0, "v omega_b", v)):
-        if values is None:
-            continue
-        known = np.zeros(len(taken), bool)
-        rest = np.asarray(values, float)
-        for body in start.bodies:
-            count = 3 + len(getattr(body, places.split()[1]))
-            given, rest = rest[:count].copy(), rest[count:]
-            to = getattr(body, places.split()[0]) + getattr(body, places.split()[1])
-            given[:3] *= start.unit
-            found = _of_masses(body, q, given, is_position=taken is q)
-            problems += _put(body.name, found, to, taken, known, start.length)
-    if not problems and q0 is not None:
-        leader.turned(q)
-        problems += leader.open_rows(leader.residuals(q), 1.0)
-        q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING)
-    if not problems and v0 is not None:
-        problems += leader.opening(q, v)
-        v = v + start.evaluate(q, v)["dv"]
-    if problems:
-        raise ValueError(f"q0 or v0 cannot be: {'; '.join(problems)}")
-    if v0 is None:
-        at, rates = leader.jacobian(q), start.evaluate(start.q, start.v)["coordinates"]
-        chosen = leader.independent(at, [])
-        v = leader.moving(q, at, chosen, rates[leader.rates][chosen])
-    return q, v
-
-
-def _of_masses(body: BodyPlaces, q: Array, given: Array, *, is_position: bool) -> Array:
-    """Return position or velocity of the centre of mass and the principal frame."""
-    if not body.p:
-        return given
-    arm, axes = np.array(body.origin_b, float), np.array(body.axes_b, float)
-    p = _taken(body.p, q)
-    if is_position:
-        turned = composed(given[3:], axes * BACK)
-        turned = -turned if turned @ p < 0.0 else turned
-        return np.concatenate([given[:3] - rotated(turned, arm), turned])
-    omega = rotated(axes, given[3:])
-    return np.concatenate([given[:3] - rotated(p, crossed(omega, arm)), omega])
-
-
-def _put(
-    name: str, found: Array, to: Sequence[float], taken: Array, known: Array, length: float
-) -> Iterator[str]:
-    """Put a body where it stands in q or v; yield what does not agree with what is there."""
-    misses = []
-    for k, (place_, value) in enumerate(zip(to, found, strict=True)):
-        is_fixed = not isinstance(place_, int) or known[place_]
-        if is_fixed:
-            has = taken[place_] if isinstance(place_, int) else place_
-            misses.append(abs(value - has) / (length if k < 3 else 1.0))
-        else:
-            taken[place_], known[place_] = value, True
-    if max(misses, default=0.0) > MISSES * max(1.0, float(np.max(np.abs(found)))):
-        yield (
-            f"body {name} by {max(misses):.3g}, relative to {length:.6g} m: the scene is proven to"
-            " keep it in a plane or on a line, or another body is fixed to it"
-        )
-
-
 def _too_far(leader: Leader, q: Array, values: Mapping[int, float], made: float) -> str:
     """Say how far coordinates were led."""
-    reached, begun = (leader.value(at) / leader.units for at in (q, leader.start.q))
+    count = len(leader.names)
+    reached, begun = (leader.value(at)[:count] / leader.units for at in (q, leader.start.q))
     parts = [
-        f"{leader.names[k]} comes from {begun[k]:.6g} to {reached[k]:.6g} of {wanted:.6g}"
+        f"{leader.names[k]} comes from {begun[k]:.9g} to {reached[k]:.9g} of {wanted:.9g}"
         for k, wanted in values.items()
     ]
     return (
@@ -537,60 +433,21 @@ def _require(
         if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
             name = f"{leader.names[k]}{suffix}"
             drivers = leader.drivers(at, k)
-            why = f"{drivers} says so at t = 0" if drivers else "it follows from what else is there"
+            why = (
+                f"{drivers} says so at t = 0"
+                if drivers
+                else "it follows from the rest, or it is at a dead centre"
+            )
             problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
     if problems:
-        raise ValueError(f"initial values do not fit: {'; '.join(problems)}")
+        raise InitialError(f"initial values do not fit: {'; '.join(problems)}")
 
 
-def _taken(places: Sequence[float], q: Array) -> Array:
+def taken(places: Sequence[float], q: Array) -> Array:
+    """Return what stands at places; numbers stand for themselves."""
     return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
-def _indices(places: Sequence[float]) -> list[int]:
+def indices(places: Sequence[float]) -> list[int]:
+    """Return the places that are none but numbers."""
     return [place for place in places if isinstance(place, int)]
-
-
-def started(
-    layout: Layout,
-    rows: Sequence[tuple[str, str]],
-    evaluate: Evaluate,
-    y: Array,
-    given: tuple[Mapping[str, float], Array | None, Array | None],
-) -> tuple[Array, Array]:
-    """Return q and v with initial values.
-
-    Parameters
-    ----------
-    layout : Layout
-        What stands where, with the parameters of the run.
-    rows : sequence of (str, str)
-        Joint and unit of all constraints: solved for, left out, put onto joints.
-    evaluate : Evaluate
-        With the parameters of the run.
-    y : array
-        Where the scene starts with them: q, then v.
-    given : (mapping of str to float, array or None, array or None)
-        Values of coordinates and rates, or q0 and v0 as written.
-
-    Raises
-    ------
-    ValueError
-        It cannot be.
-    """
-    count = layout.sizes["q"]
-    start = Start(
-        evaluate,
-        y[:count].copy(),
-        y[count:].copy(),
-        layout.bodies,
-        {
-            name: (columns[0], columns[1], layout.unit if is_length else 1.0)
-            for name, is_length, columns in layout.coordinates
-        },
-        tuple(rows),
-        [at for _, at in layout.works],
-        layout.length,
-        layout.unit,
-    )
-    return lead(start, given[0]) if given[0] else place(start, *given[1:])

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .result import SHOWN, Column, Named, Result, not_generated
+from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -108,6 +108,12 @@ class Layout:
         Whether all lies in one plane, so that no force leads out of it.
     length : float [m]
         A length of the scene: corrections are compared with it, and torques weighed by it.
+    notes : tuple of str
+        What the user of the scene may not expect, such as what assembly changed.
+    duration : float [s], optional
+        How long the scene moves unless a run says so.
+    jumps : tuple of str
+        Keys of forces that jump where a ``sign`` in their formula changes.
     """
 
     name: str
@@ -122,6 +128,9 @@ class Layout:
     works: tuple[tuple[str, int], ...]
     is_flat: bool
     length: float
+    notes: tuple[str, ...] = ()
+    duration: float | None = None
+    jumps: tuple[str, ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -144,6 +153,9 @@ class Layout:
             works=tuple((name, place) for name, place in data["works"]),
             is_flat=data["is_flat"],
             length=data["length"],
+            notes=tuple(data["notes"]),
+            duration=data["duration"],
+            jumps=tuple(data["jumps"]),
         )
 
     def at(self, design: Array) -> Layout:
@@ -281,7 +293,7 @@ class Motion(Result):
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
-            raise AttributeError(f"{self.name}: no ledger: install kousoku, which keeps it")
+            raise NotInResultError(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
@@ -294,7 +306,7 @@ class Motion(Result):
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know before he trusts the numbers, a line each."""
-        return tuple(filter(None, [self.note()]))
+        return tuple(filter(None, [*self.layout.notes, self.note()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns that are shown where none are named.
@@ -469,6 +481,7 @@ class Motion(Result):
             "is_complete": self.is_complete,
             "not_unique": list(self.not_unique),
             "reaction_length": self.reaction_length,
+            "notes": list(self.notes),
             "ledger": self.ledger.as_data(),
         }
 

@@ -10,16 +10,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .body_tables import composed, crossed, rotated
-from .initial import BACK, ROUNDING, InitialError, Leader, indices, taken
+from .initial import BACK, ROUNDING, InitialError, Leader, Start, indices, lead, taken
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from typing import TypeAlias
 
     import numpy.typing as npt
 
     from .body_tables import BodyPlaces
-    from .initial import Start
+    from .initial import Evaluate
+    from .motion import Layout
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -27,6 +28,51 @@ if TYPE_CHECKING:
 MISSES = 1e-6
 #: A whole turn, and so many that are tried to close gears.
 TURN, MOST_TURNS = 2.0 * np.pi, 1000
+
+
+def started(
+    layout: Layout,
+    rows: Sequence[tuple[str, str]],
+    evaluate: Evaluate,
+    y: Array,
+    given: tuple[Mapping[str, float], Array | None, Array | None],
+) -> tuple[Array, Array]:
+    """Return q and v with initial values.
+
+    Parameters
+    ----------
+    layout : Layout
+        What stands where, with the parameters of the run.
+    rows : sequence of (str, str)
+        Joint and unit of all constraints: solved for, left out, put onto joints.
+    evaluate : callable
+        What :func:`.initial.evaluated` returns, with the parameters of the run.
+    y : array
+        Where the scene starts with them: q, then v.
+    given : (mapping of str to float, array or None, array or None)
+        Values of coordinates and rates, or q0 and v0 as written.
+
+    Raises
+    ------
+    InitialError
+        It cannot be.
+    """
+    count = layout.sizes["q"]
+    start = Start(
+        evaluate,
+        y[:count].copy(),
+        y[count:].copy(),
+        layout.bodies,
+        {
+            name: (columns[0], columns[1], layout.unit if is_length else 1.0)
+            for name, is_length, columns in layout.coordinates
+        },
+        tuple(rows),
+        [at for _, at in layout.works],
+        layout.length,
+        layout.unit,
+    )
+    return lead(start, given[0]) if given[0] else place(start, *given[1:])
 
 
 def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Array]:
