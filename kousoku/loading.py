@@ -12,7 +12,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from kousoku import __version__
+from kousoku import __path__, __version__
 from kousoku.mechanism import Mechanism
 from kousoku.model.cache import cache_folder, shrink, touch, write_atomically
 from kousoku.model.errors import (
@@ -289,8 +289,8 @@ def stamp() -> str:
     In a checkout the version stays while the generator changes.
     """
     listed = [__version__]
-    for part in SOURCES:
-        for folder, folders, names in os.walk(Path(__file__).parent / part):
+    for place in (Path(root) / part for root in __path__ for part in SOURCES):
+        for folder, folders, names in os.walk(place):
             folders[:] = sorted(name for name in folders if name != "__pycache__")
             for name in sorted(names):
                 with suppress(OSError):

@@ -200,10 +200,19 @@ def test_every_link_inside_the_project_leads_somewhere(path: Path) -> None:
             assert anchor in anchors(page), f"{target}#{anchor}"
 
 
-def test_the_steps_of_ci_are_targets_of_the_makefile() -> None:
+def test_the_steps_of_ci_are_targets_of_the_makefile_and_tasks() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     steps = re.search(r"^for step in (.*); do$", ci, re.MULTILINE)
+    targets = [
+        name
+        for _, names in re.findall(r"^(TASKS|TESTED) := (.*)$", makefile, re.MULTILINE)
+        for name in names.split()
+    ]
+    usage = subprocess.run(
+        [sys.executable, ROOT / "tasks.py", "--help"], capture_output=True, text=True, check=True
+    ).stderr
+    tasks = re.findall(r"^  (\S+)", usage, re.MULTILINE)
     assert steps is not None
-    for name in {*steps[1].split(), "demo", "notebooks", "notebook"}:
-        assert re.search(rf"^{name}:", makefile, re.MULTILINE), name
+    assert {*steps[1].split(), "demo", "notebook"} <= set(tasks)
+    assert sorted(targets) == sorted(tasks)
