@@ -46,6 +46,7 @@ def test_bodies_move_to_the_end(run: Run, tmp_path: Path, compiler: Toolchain) -
     assert texts[0] == texts[1] != texts[2]
 
 
+@pytest.mark.usefixtures("compiler")
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

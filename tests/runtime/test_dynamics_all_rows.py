@@ -203,7 +203,7 @@ def test_what_is_usual_is_said_by_all_rows_where_those_kept_fail_at_the_start(
         target: Any = solver.target
         memory = Memory(np.zeros(target.state_size), np.zeros(target.work_size))
         parameters = np.array([RATE, 0.0])
-        assert target.start(FAILS / RATE, q, v, parameters, memory) == Status.GOOD
+        assert target.starter(FAILS / RATE, q, v, parameters, memory)() == Status.GOOD
         assert solver.state["fallbacks"].view(memory.state) > 0
         found.append(memory.state)
     np.testing.assert_array_equal(found[0], found[1])

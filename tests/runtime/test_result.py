@@ -18,6 +18,7 @@ from kousoku.generated import lever_crank
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate import body_tables as tables_of_bodies
 from kousoku.runtime.integrate import motion as motions
 from kousoku.runtime.integrate.body_tables import body_tables
 from kousoku.runtime.linkage import load_scene
@@ -103,6 +104,7 @@ def test_the_last_state_alone_makes_no_tables(
         return body_tables(bodies, q, *more)
 
     monkeypatch.setattr(motions, "body_tables", counted)
+    monkeypatch.setattr(tables_of_bodies, "body_tables", counted)
     run = solver.simulate(1.0)
     t, q, v = run.state(-1)
     assert (t, q.shape, v.shape, rows) == (1.0, (3 + 7,), (3 + 6,), [1])
