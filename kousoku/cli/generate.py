@@ -90,7 +90,8 @@ def generate(
         if not path.is_file() or path.read_text(encoding="utf-8") != text:
             write_atomically(path, text.encode())
     if as_json:
-        print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
+        written = [{"folder": str(folder), "changed": changed} for folder, changed in rows]
+        print_json({"packages": written})
         return
     for folder, changed in rows:
         typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
