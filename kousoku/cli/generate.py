@@ -105,13 +105,14 @@ def _shown(folder: Path) -> Path:
 
 def _files(order: Order, target: Emitted) -> SourceTree:
     """Return a package as it is written into its folder, without sources of the other target."""
-    from kousoku.cli.scenes import as_committed
     from kousoku.codegen.generate import without
+    from kousoku.runtime.library import LANES
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
     tree = without(order.make(), *left_out)
-    is_committed = order.folder.resolve().is_relative_to(generated_folder())
-    return as_committed(tree) if is_committed else tree
+    # Of the kinds that are shipped lanes.h stands once, in the runtime beside them.
+    is_shipped = order.folder.resolve().is_relative_to(generated_folder() / "kinds")
+    return without(tree, LANES.name) if is_shipped else tree
 
 
 def _orders(name: str, out: Path | None, check: bool) -> list[Order]:
