@@ -2,9 +2,10 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
+from functools import partial
 from math import atan2, hypot
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, Self
 
 import msgspec
 
@@ -110,6 +111,11 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         for field in TABLES:
             frozen = MappingProxyType(dict(getattr(self, field)))
             msgspec.structs.force_setattr(self, field, frozen)
+
+    def __reduce__(self) -> tuple[partial[Self], tuple[()]]:
+        """Return what is pickled: tables as dictionaries."""
+        values = {name: getattr(self, name) for name in self.__struct_fields__}
+        return partial(type(self), **values | {name: dict(values[name]) for name in TABLES}), ()
 
     @property
     def is_spatial(self) -> bool:

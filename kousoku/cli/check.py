@@ -20,7 +20,7 @@ def check(
     """
     found = [checked(path) for path in files]
     if as_json:
-        print_json({"format": 1, "scenes": found})
+        print_json({"scenes": found})
     else:
         for one in found:
             for line in (*one["problems"], *one["notes"]):

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Output
     from kousoku.runtime.integrate.result import Result
 
-#: Number of the format of ``--json``, told by its schema.
-FORMAT = 1
 #: Columns of the table on the screen.
 MOST_COLUMNS = 8
 #: Formats of a plot that is one file.
@@ -229,7 +227,7 @@ def _show(
 ) -> None:
     """Print rows, ledger and files."""
     if wish.as_json:
-        data = {"format": FORMAT, **result.summary(), "seconds": dict(seconds), "errors": errors}
+        data = {**result.summary(), "seconds": dict(seconds), "errors": errors}
         print_json({**data, "plots": [str(path) for path in files if path != wish.out]})
         return
     _print_rows(result, wish)

@@ -120,7 +120,7 @@ class Layout:
     unit: float
     unit_name: str
     bodies: tuple[BodyPlaces, ...]
-    sizes: Mapping[str, int]
+    sizes: dict[str, int]
     reactions: tuple[ReactionPlaces, ...]
     not_unique: tuple[str, ...]
     checked: tuple[str, ...]

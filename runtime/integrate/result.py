@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import zipfile
 from collections.abc import Mapping
 from functools import cached_property
 from importlib import import_module
@@ -278,7 +279,7 @@ class Result:
         elif path.suffix == ".npz":
             if self.mechanism is not None:
                 table |= import_module("kousoku.saved").arrays_of(self)
-            np.savez(buffer, **table)
+            _write_arrays(buffer, table)
         else:
             self._late("pyarrow", "table")
             self.to_pandas().to_parquet(buffer)
@@ -365,6 +366,14 @@ def refusal(text: str, kind: str = "SolveError") -> Exception:
 def _listed(names: Sequence[str]) -> str:
     more = len(names) - SHOWN
     return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _write_arrays(buffer: io.BytesIO, arrays: Mapping[str, Any]) -> None:
+    """Write what ``numpy.load`` reads by name; ``numpy.savez`` has arguments of its own."""
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
 
 
 def _write(path: Path, data: bytes) -> None:
