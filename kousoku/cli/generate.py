@@ -93,7 +93,10 @@ def generate(
         print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
         return
     for folder, changed in rows:
-        typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
+        if changed:
+            typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
+    same = sum(not changed for _, changed in rows)
+    typer.echo(f"{same} of {len(rows)} packages unchanged")
 
 
 def _shown(folder: Path) -> Path:
