@@ -94,7 +94,10 @@ def generate(
         print_json({"packages": written})
         return
     for folder, changed in rows:
-        typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
+        if changed:
+            typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
+    same = sum(not changed for _, changed in rows)
+    typer.echo(f"{same} of {len(rows)} packages unchanged")
 
 
 def _shown(folder: Path) -> Path:
