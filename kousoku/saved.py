@@ -109,10 +109,8 @@ def open_run(path: str | Path) -> Result:
     except OSError as error:
         raise SolveError(f"{path}: cannot be read: {error.strerror or error}") from None
     except (KeyError, TypeError, ValueError, zipfile.BadZipFile, msgspec.ValidationError) as error:
-        raise SolveError(
-            f"{path}: holds no run ({type(error).__name__}: {error}); wanted a file that"
-            ' run.save("….npz") wrote'
-        ) from None
+        text = f"{path}: holds no run; wanted a file that run.save('….npz') wrote"
+        raise SolveError(text) from error
 
 
 def _opened(about: dict[str, Any], arrays: dict[str, Any]) -> Result:
@@ -124,6 +122,7 @@ def _opened(about: dict[str, Any], arrays: dict[str, Any]) -> Result:
             target=about["target"],
             method=about["method"],
             ledger=about["ledger"],
+            parameters=about["parameters"],
             is_complete=about["is_complete"],
         )
     else:
