@@ -2,9 +2,10 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
+from functools import partial
 from math import atan2, hypot
 from types import MappingProxyType
-from typing import Literal
+from typing import Any, Literal
 
 import msgspec
 
@@ -110,6 +111,13 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         for field in TABLES:
             frozen = MappingProxyType(dict(getattr(self, field)))
             msgspec.structs.force_setattr(self, field, frozen)
+
+    def __reduce__(self) -> tuple[Any, tuple[()]]:
+        """Return how to make it again: views of tables can neither be pickled nor copied."""
+        values = msgspec.structs.asdict(self) | {
+            field: {**getattr(self, field)} for field in TABLES
+        }
+        return partial(type(self), **values), ()
 
     @property
     def is_spatial(self) -> bool:
