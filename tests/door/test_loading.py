@@ -168,3 +168,13 @@ def test_a_mechanism_whose_scene_was_read_travels(name: str, copied: Any) -> Non
     assert other.scene == mechanism.scene
     with pytest.raises(TypeError):  # as little to be changed as before
         other.scene.nodes["new"] = None
+
+
+def test_a_path_may_have_an_equals_sign(tmp_path: Path) -> None:
+    path = tmp_path / "mass=2.toml"
+    path.write_text(PENDULUM.read_text())
+    assert numpy_loaded(str(path)).file == str(path)
+    with pytest.raises(ks.SceneError, match=r"length=3.toml: cannot be read"):
+        ks.load("length=3.toml")
+    with pytest.raises(ks.SceneError, match="unit: is missing"):
+        ks.load('name = "bar"')
