@@ -120,7 +120,7 @@ class Given:
             scene = scene.build()
         if isinstance(scene, Scene):
             return cls("", _text(scene).encode(), lambda: scene)
-        if isinstance(scene, str) and ("\n" in scene or "=" in scene):
+        if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
             from kousoku.model.read import scene_from_toml
 
             return cls("", scene.encode(), partial(scene_from_toml, scene))
@@ -144,6 +144,13 @@ class Given:
             raise SceneError("is a folder; wanted a scene file", file=str(path))
         text = text_of(path)
         return cls(str(path), text.encode(), partial(scene_from_toml, text, file=str(path)))
+
+
+def _is_path(line: str) -> bool:
+    """Return whether a line names a file, such as ``mass=2.toml``, and is not TOML itself."""
+    with suppress(OSError, ValueError):
+        return line.endswith(".toml") or Path(line).exists()
+    return False
 
 
 def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple[Solver, str]:
