@@ -93,6 +93,13 @@ class Mechanism:
             return self.solver.target.name
         return self.solver.target
 
+    @property
+    def files(self) -> dict[str, str]:
+        """The emitted files by name: C and NumPy of its solver, to be read."""
+        solver = self.solver
+        owner = solver.target.sources if isinstance(solver, DynamicsSolver) else solver.library
+        return {name: data.decode() for name, data in owner.files.items()}
+
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"
 

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
-from kousoku.plots import STYLE, draw_linkage, save
+from kousoku.plots import STYLE, Drawing, draw_linkage, save
 from kousoku.runtime.integrate.motion import BODY, COORDINATE, JOINT, Motion
 from kousoku.runtime.integrate.result import NotInResultError
 
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from kousoku.runtime.integrate.result import Result
@@ -242,7 +242,7 @@ def _figure(result: Result, panels: Sequence[Panel], title: str = "") -> Figure:
     """Draw panels one above the other."""
     x, below = _over(result)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 1.2 + 1.7 * len(panels)), layout="constrained")
+        figure = Drawing(figsize=(6.0, 1.2 + 1.7 * len(panels)), layout="constrained")
         rows = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
         for axes, panel in zip(rows, panels, strict=False):
             for name, values in panel.curves.items():

@@ -132,6 +132,10 @@ class Run:
             self._check(saved)
             self._rows[: len(saved.rows)] = saved.rows
 
+    def __repr__(self) -> str:
+        rows = f"{self.written} of {len(self.times)} rows"
+        return f"<Run of {self.solver.name}: at {self.time:.6g} s, {self.steps} steps, {rows}>"
+
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.solver, self.times, self.options, self.save())
         return type(self), given, (self._q, self._v, self._is_elsewhere)
@@ -237,10 +241,6 @@ class Run:
         residuals = self._scratch()
         self.solver.target.residuals(self._memory, residuals)
         return residuals[:-1]
-
-    def __repr__(self) -> str:
-        rows = f"{self.written} of {len(self.times)} rows"
-        return f"<Run of {self.solver.name}: at {self.time:g} s, {rows}, {self.steps} steps>"
 
     @property
     def time(self) -> float:
@@ -361,6 +361,7 @@ class Run:
             target=solver.target.name,
             method=options.method,
             ledger=lambda: ledger_of(solver, state, options, seconds),
+            parameters=dict(options.parameters),
             is_complete=len(rows) == len(self.times),
         )
 

@@ -37,7 +37,7 @@ def generated_folder() -> Path:
     """Return the folder of the generated packages that came with kousoku."""
     import kousoku.generated
 
-    return Path(kousoku.generated.__path__[0]).resolve()  # past the link of a checkout
+    return Path(str(kousoku.generated.__file__)).resolve().parent  # past the links of a checkout
 
 
 def checkout() -> Path | None:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import multiprocessing
 import os
+import pickle
 import time
 import tomllib
 from pathlib import Path
@@ -186,3 +188,24 @@ def test_a_builder_and_a_linkage_load() -> None:
     crank = numpy_loaded(SCENES / "lever_crank.toml")
     assert repr(crank) == "<Mechanism lever_crank: 4 nodes, 4 links, 1 input; in numpy>"
     assert len(crank.solve(divisions=4)) == 5
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+@pytest.mark.parametrize("name", ["pendulum", "lever_crank"])
+def test_a_mechanism_whose_scene_was_read_travels(name: str, copied: Any) -> None:
+    mechanism = numpy_loaded(SCENES / f"{name}.toml")
+    assert mechanism.scene.unit == mechanism.unit  # read: kept from now on
+    other = copied(mechanism)
+    assert other.scene == mechanism.scene
+    with pytest.raises(TypeError):  # as little to be changed as before
+        other.scene.nodes["new"] = None
+
+
+def test_a_path_may_have_an_equals_sign(tmp_path: Path) -> None:
+    path = tmp_path / "mass=2.toml"
+    path.write_text(PENDULUM.read_text())
+    assert numpy_loaded(str(path)).file == str(path)
+    with pytest.raises(ks.SceneError, match=r"length=3.toml: cannot be read"):
+        ks.load("length=3.toml")
+    with pytest.raises(ks.SceneError, match="unit: is missing"):
+        ks.load('name = "bar"')
