@@ -31,7 +31,8 @@ outputs = ["coordinates"]
 coordinates = { file = { joint = "slide" }, allow_pickle = { joint = "pin" } }
 [bodies]
 kousoku = { position = [0, 0, 0], boxes = [{ mass = 1, size = [1, 1, 1] }] }
-arm = { cylinders = [{ radius = 1, mass = 1, ends = [[0, 0, 0], [3, 0, 0]] }] }
+arm.position = [0, 0, 0]
+arm.cylinders = [{ radius = 1, mass = 1, ends = [[0, 0, 0], [3, 0, 0]] }]
 [joints]
 slide = { type = "slider", bodies = ["ground", "kousoku"], at = [0, 0, 0], axis = [1, 0, 0] }
 pin = { type = "hinge", bodies = ["kousoku", "arm"], at = [0, 0, 0], axis = [0, 1, 0] }
