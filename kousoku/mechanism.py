@@ -303,7 +303,8 @@ class Mechanism:
     ) -> Matrices:
         """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
 
-        ``loop.matrices(*run.state(k))`` has those of a row of a run.
+        ``loop.matrices(*run.state(k), run.parameters)`` has those of a row of a run; without them
+        they are of the parameters of the scene. Turns are in ``angles``.
         """
         from kousoku.matrices import matrices
 
