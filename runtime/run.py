@@ -106,6 +106,9 @@ class Run:
         Go on from there.
     """
 
+    #: What moves, where kousoku loaded it; results pass it on.
+    mechanism: Any = None
+
     def __init__(
         self, solver: DynamicsSolver, times: Array, options: Options, saved: SavedRun | None = None
     ) -> None:
@@ -138,10 +141,10 @@ class Run:
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.solver, self.times, self.options, self.save())
-        return type(self), given, (self._q, self._v, self._is_elsewhere)
+        return type(self), given, (self._q, self._v, self._is_elsewhere, self.mechanism)
 
-    def __setstate__(self, start: tuple[Array, Array, bool]) -> None:
-        self._q[:], self._v[:], self._is_elsewhere = start
+    def __setstate__(self, start: tuple[Array, Array, bool, Any]) -> None:
+        self._q[:], self._v[:], self._is_elsewhere, self.mechanism = start
 
     def restart(
         self,
@@ -355,7 +358,7 @@ class Run:
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
         solver = self.solver
-        return Motion(
+        motion = Motion(
             self._there.layout,
             rows,
             target=solver.target.name,
@@ -364,6 +367,8 @@ class Run:
             parameters=dict(options.parameters),
             is_complete=len(rows) == len(self.times),
         )
+        motion.mechanism = self.mechanism
+        return motion
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

@@ -269,3 +269,16 @@ def test_no_array_that_was_not_read_is_given(lever: ks.Result, tmp_path: Path) -
                 else:
                     np.lib.format.write_array(entry, values)
     assert "EOF" in refused(path)
+
+
+def test_a_motion_that_stopped_and_a_run_know_what_moved(tmp_path: Path, compiler: object) -> None:
+    loop = ks.load(SCENES / "loop_free.toml")
+    with pytest.raises(ks.MotionError) as stop:
+        loop.simulate(1, most_steps=3)
+    begun = loop.begin([0.0, 0.1])
+    again = pickle.loads(pickle.dumps(begun))
+    results: list[Any] = [stop.value.result, begun.finish(), again.finish()]
+    for motion in results:
+        motion.save(tmp_path / "run.npz")
+        assert ks.open_run(tmp_path / "run.npz").animate() is not None
+        assert motion.animate() is not None
