@@ -131,7 +131,9 @@ def test_what_is_no_file_of_a_run_is_refused_in_one_line(tmp_path: Path) -> None
     np.savez(tmp_path / "pickled.npz", **{f"{OWN}about": np.array([{}], dtype=object)})
     for name in ("text.npz", "empty.npz", "one.npy", "other.npz", "pickled.npz"):
         assert refused(tmp_path / name).startswith(f"{tmp_path / name}: holds no run (")
-    assert refused(tmp_path / "none.npz").endswith("none.npz: cannot be read: No such file or directory")
+    assert refused(tmp_path / "none.npz").endswith(
+        "none.npz: cannot be read: No such file or directory"
+    )
     assert "cannot be read: " in refused(tmp_path)
     for given in (7, None, b"x"):
         assert "holds no run" in refused(given) or "cannot be read" in refused(given)
