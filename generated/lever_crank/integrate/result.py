@@ -144,7 +144,11 @@ class Result:
         ------
         IndexError
             There is no such row.
+        TypeError
+            A row is no whole number.
         """
+        if not hasattr(k, "__index__"):
+            raise TypeError(f"{self.name}: row {shown(k)}; wanted a whole number")
         if not -len(self) <= k < len(self):
             raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
         q, v = self._state(k)
