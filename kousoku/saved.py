@@ -60,6 +60,8 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
         How it was integrated, and what computed.
     is_complete : bool
         Whether all times are there.
+    parameters : dict of str to float
+        Those of the run.
     ledger, figures : str, dict
         What the ledger says, and its numbers by name.
     """
@@ -69,6 +71,7 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
     method: str
     target: str
     is_complete: bool
+    parameters: dict[str, float]
     ledger: str
     figures: dict[str, Any]
 
@@ -170,6 +173,7 @@ def arrays_of(result: Result) -> dict[str, Any]:
             method=result.method,
             target=result.target,
             is_complete=result.is_complete,
+            parameters=dict(result.parameters),
             ledger=str(result.ledger),
             figures=result.ledger.as_data(),
         )
@@ -264,6 +268,7 @@ def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
         target=about.target,
         method=about.method,
         ledger=KeptLedger(about.ledger, about.figures),
+        parameters=about.parameters,
         is_complete=about.is_complete,
     )
     motion.mechanism = Moved(about.scene, [body.name for body in layout.bodies])
