@@ -140,8 +140,9 @@ class Given:
     def _of_file(cls, path: Path) -> Given:
         from kousoku.model.read import scene_from_toml, text_of
 
-        if path.is_dir():
-            raise SceneError("is a folder; wanted a scene file", file=str(path))
+        with suppress(OSError):  # a name that is too long is refused where it is read
+            if path.is_dir():
+                raise SceneError("is a folder; wanted a scene file", file=str(path))
         text = text_of(path)
         return cls(str(path), text.encode(), partial(scene_from_toml, text, file=str(path)))
 

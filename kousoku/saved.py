@@ -154,7 +154,8 @@ class KeptLedger:
     def __str__(self) -> str:
         return self._text
 
-    __repr__ = __str__
+    def __repr__(self) -> str:
+        return f"<KeptLedger: {self._text.partition(chr(10))[0]}; print() shows all>"
 
     def as_data(self) -> dict[str, Any]:
         """Return its numbers, ready for JSON."""

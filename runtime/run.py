@@ -74,6 +74,10 @@ class SavedRun:
     state: Array
     rows: Array
 
+    def __repr__(self) -> str:
+        last = self.times[-1] if len(self.times) else 0.0
+        return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
+
 
 class Interrupted(KeyboardInterrupt):
     """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
@@ -101,6 +105,9 @@ class Run:
     saved : SavedRun, optional
         Go on from there.
     """
+
+    #: What moves, where kousoku loaded it; results pass it on.
+    mechanism: Any = None
 
     def __init__(
         self, solver: DynamicsSolver, times: Array, options: Options, saved: SavedRun | None = None
@@ -134,10 +141,10 @@ class Run:
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.solver, self.times, self.options, self.save())
-        return type(self), given, (self._q, self._v, self._is_elsewhere)
+        return type(self), given, (self._q, self._v, self._is_elsewhere, self.mechanism)
 
-    def __setstate__(self, start: tuple[Array, Array, bool]) -> None:
-        self._q[:], self._v[:], self._is_elsewhere = start
+    def __setstate__(self, start: tuple[Array, Array, bool, Any]) -> None:
+        self._q[:], self._v[:], self._is_elsewhere, self.mechanism = start
 
     def restart(
         self,
@@ -351,7 +358,7 @@ class Run:
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
         solver = self.solver
-        return Motion(
+        motion = Motion(
             self._there.layout,
             rows,
             target=solver.target.name,
@@ -360,6 +367,8 @@ class Run:
             parameters=dict(options.parameters),
             is_complete=len(rows) == len(self.times),
         )
+        motion.mechanism = self.mechanism
+        return motion
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

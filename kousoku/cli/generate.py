@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
@@ -49,7 +50,10 @@ class Order:
 def generate(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Kinds and scene files; all that kousoku ships when left out."),
+        typer.Argument(
+            help="Kinds and scene files; all that kousoku ships when left out.",
+            autocompletion=files(".toml"),
+        ),
     ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; fail where a folder would change.")

@@ -469,6 +469,10 @@ class Motion(Result):
         parts = self.layout.parts(self.rows[k : k + 1 or None])
         return written_state(self.layout.bodies, parts["q"][0], parts["v"][0], self.layout.unit)
 
+    def _first(self) -> Motion:
+        """Return it with its first row alone."""
+        return Motion(self.layout, self.rows[:1], target=self.target, method=self.method)
+
     def with_ledger(self, ledger: Any) -> Motion:
         """Return the same motion with another ledger."""
         return Motion(

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from msgspec.structs import astuple
 
 import kousoku as ks
 from kousoku.codegen.linkage import generate_scene
@@ -236,7 +237,7 @@ def test_the_equations_of_linkages_hold_and_they_have_no_masses(
     import msgspec
 
     scene = msgspec.structs.replace(READ[name], outputs=("velocities", "accelerations"))
-    folder = shared_tree(scene.name, ("linkage", scene), lambda: generate_scene(scene))
+    folder = shared_tree(scene.name, ("linkage", astuple(scene)), lambda: generate_scene(scene))
     found = load_scene(folder, target="numpy").solve()
     for k in range(0, len(found.residual), 7):
         t, q, v = found.state(k)

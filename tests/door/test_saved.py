@@ -13,14 +13,15 @@ import numpy as np
 import pytest
 
 import kousoku as ks
-from kousoku import SolveError
 from kousoku.saved import OWN
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kousoku.model.scene import Output
+
 SCENES = Path(__file__).parents[2] / "scenes"
-ALL: tuple[Any, ...] = ("accelerations", "coordinates", "reactions", "energies")
+ALL: tuple[Output, ...] = ("accelerations", "coordinates", "reactions", "energies")
 
 SLIDER = """
 name = "slider"
@@ -30,7 +31,8 @@ outputs = ["coordinates"]
 coordinates = { file = { joint = "slide" }, allow_pickle = { joint = "pin" } }
 [bodies]
 kousoku = { position = [0, 0, 0], boxes = [{ mass = 1, size = [1, 1, 1] }] }
-arm = { position = [0, 0, 0], rods = [{ mass = 1, ends = [[0, 0, 0], [3, 0, 0]] }] }
+arm.position = [0, 0, 0]
+arm.cylinders = [{ radius = 1, mass = 1, ends = [[0, 0, 0], [3, 0, 0]] }]
 [joints]
 slide = { type = "slider", bodies = ["ground", "kousoku"], at = [0, 0, 0], axis = [1, 0, 0] }
 pin = { type = "hinge", bodies = ["kousoku", "arm"], at = [0, 0, 0], axis = [0, 1, 0] }
@@ -116,9 +118,9 @@ def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
     assert files[0] == files[1]
 
 
-def refused(path: Any) -> str:
-    with pytest.raises(SolveError) as caught:
-        ks.open_run(path)
+def refused(path: object) -> str:
+    with pytest.raises(ks.SolveError) as caught:
+        ks.open_run(path)  # type: ignore[arg-type]
     text = str(caught.value)
     assert "\n" not in text and len(text) < 400
     return text
@@ -129,11 +131,13 @@ def test_what_is_no_file_of_a_run_is_refused_in_one_line(tmp_path: Path) -> None
     (tmp_path / "empty.npz").write_bytes(b"")
     np.save(tmp_path / "one.npy", np.zeros(3))
     np.savez(tmp_path / "other.npz", x=np.zeros(3))
-    unsafe: dict[str, Any] = {f"{OWN}about": np.array([{}], dtype=object)}
-    np.savez(tmp_path / "pickled.npz", **unsafe)
+    pickled: dict[str, Any] = {f"{OWN}about": np.array([{}], dtype=object)}
+    np.savez(tmp_path / "pickled.npz", **pickled)
     for name in ("text.npz", "empty.npz", "one.npy", "other.npz", "pickled.npz"):
         assert refused(tmp_path / name).startswith(f"{tmp_path / name}: holds no run (")
-    assert refused(tmp_path / "none.npz").endswith("cannot be read: No such file or directory")
+    assert refused(tmp_path / "none.npz").endswith(
+        "none.npz: cannot be read: No such file or directory"
+    )
     assert "cannot be read: " in refused(tmp_path)
     for given in (7, None, b"x"):
         assert "holds no run" in refused(given) or "cannot be read" in refused(given)
@@ -265,3 +269,16 @@ def test_no_array_that_was_not_read_is_given(lever: ks.Result, tmp_path: Path) -
                 else:
                     np.lib.format.write_array(entry, values)
     assert "EOF" in refused(path)
+
+
+def test_a_motion_that_stopped_and_a_run_know_what_moved(tmp_path: Path, compiler: object) -> None:
+    loop = ks.load(SCENES / "loop_free.toml")
+    with pytest.raises(ks.MotionError) as stop:
+        loop.simulate(1, most_steps=3)
+    begun = loop.begin([0.0, 0.1])
+    again = pickle.loads(pickle.dumps(begun))
+    results: list[Any] = [stop.value.result, begun.finish(), again.finish()]
+    for motion in results:
+        motion.save(tmp_path / "run.npz")
+        assert ks.open_run(tmp_path / "run.npz").animate() is not None
+        assert motion.animate() is not None

@@ -217,6 +217,21 @@ class Result:
         """Return all columns by name."""
         return {name: self[name] for name in self.places}
 
+    def columns_of(self, name: str) -> list[str]:
+        """Return a column, or those of a body, joint, driver, node or link.
+
+        Raises
+        ------
+        NotInResultError
+            There is none.
+        """
+        if name in self.places:
+            return [name]
+        own = [column for column, place in self.places.items() if place.owner == name]
+        if not own:
+            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+        return own
+
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
         return self._part("body", name)
@@ -315,7 +330,19 @@ class Result:
     def _repr_html_(self) -> str:
         from html import escape
 
-        return f"<pre>{escape(repr(self))}</pre>"
+        return f"{self._still()}<pre>{escape(repr(self))}</pre>"
+
+    def _still(self) -> str:
+        """Return a picture of the first row, empty where nothing knows what moved."""
+        if self.mechanism is None or not len(self):
+            return ""
+        view = import_module("kousoku.view")
+        still: str = view.still(self.mechanism.scene, self._first(), self.parameters)
+        return still
+
+    def _first(self) -> Result:
+        """Return it with its first row, or with more where that is no less work."""
+        return self
 
     def __repr__(self) -> str:
         lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
