@@ -50,9 +50,13 @@ name = "wound"
 unit = "m"
 outputs = ["coordinates", "accelerations"]
 coordinates = { a = { joint = "h" } }
-bodies = { b = { position = [0, 0, 0], cylinders = [{ mass = 1, radius = 0.1, ends = [[0, 0, 0], [1, 0, 0]] }] } }
-joints = { h = { type = "hinge", bodies = ["ground", "b"], at = [0, 0, 0], axis = [0, 0, 1] } }
-forces = { s = { type = "along", coordinate = "a", force = "-5*a" } }
+[bodies.b]
+position = [0, 0, 0]
+cylinders = [{ mass = 1, radius = 0.1, ends = [[0, 0, 0], [1, 0, 0]] }]
+[joints]
+h = { type = "hinge", bodies = ["ground", "b"], at = [0, 0, 0], axis = [0, 0, 1] }
+[forces]
+s = { type = "along", coordinate = "a", force = "-5*a" }
 """
 #: Relative to the largest number that a sum is made of.
 ROUNDING = 1e-9
