@@ -161,6 +161,9 @@ class RunLedger:
     moved: Mapping[str, Moved]
     seconds: Mapping[str, float]
 
+    def __repr__(self) -> str:
+        return f"<RunLedger: {str(self).splitlines()[0]}; print() shows all>"
+
     def worst(self, level: str) -> tuple[float, float]:
         """Return the largest violation of all joints at a level, in metres and in radians."""
         k = LEVELS.index(level)
