@@ -28,19 +28,12 @@ STOPS = ROOT / "tests" / "scenes" / "second_loop_stops.toml"
 
 
 def with_json() -> list[str]:
-<<<<<<< HEAD
     group: Any = typer.main.get_command(app)
     commands = group.commands
-=======
-    commands = typer.main.get_group(app).commands
->>>>>>> tasks
     return [
         name
         for name, command in commands.items()
-        if any(
-            "--json" in option.opts and getattr(option, "is_flag", False)
-            for option in command.params
-        )
+        if any("--json" in option.opts and option.is_flag for option in command.params)
     ]
 
 
