@@ -238,6 +238,15 @@ class Listing(TypedDict):
     packages: list[Package]
 
 
+class MovedByAssembly(TypedDict):
+    """What assembly changed of a body; velocities where the scene gives one."""
+
+    moved: Number
+    turned: Number
+    velocity: Number
+    angular_velocity: Number
+
+
 class Violation(TypedDict):
     """What is left of a joint's constraints: positions, velocities [1/s], accelerations [1/s²]."""
 
@@ -281,6 +290,7 @@ class RunLedger(TypedDict):
     momenta: list[Momentum]
     violations: dict[str, Violation]
     released: list[str]
+    moved: dict[str, MovedByAssembly]
     seconds: dict[str, Number]
 
 

@@ -3,6 +3,8 @@
 /* what a prediction may miss: a part of the way of a step, and what always may */
 #define FAITHFUL 0.02
 #define NEGLIGIBLE 1e-6
+/* the part of the way of a step that velocities may not explain: a driver jumps */
+#define UNEXPLAINED 1e-3
 /* how far behind a position where rows are nearly dependent a step is tried, in its length */
 #define FURTHEST 8.0
 /* the largest turn of a step: angles count their turns [rad] */
@@ -47,6 +49,21 @@ static int is_smooth(double h, double drift, Position from, Position to, double 
     return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way);
 }
 
+/* whether velocities explain where bodies are after two halves of length h: no prediction tells that
+ * of bodies that are put onto what drives them, and where a driver jumps its rates do not */
+static int is_explained(double h, Position start, Position half, Position last)
+{
+    const double fastest =
+        larger(larger(size_of(start.y + NQ), size_of(half.y + NQ)), size_of(last.y + NQ));
+    const double most = larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest);
+    for (size_t k = 0; k < NQ; ++k) {
+        const double rates = start.f[k] + 4.0 * half.f[k] + last.f[k];
+        const double left = last.y[k] - start.y[k] - h / 3.0 * rates;
+        if (!(fabs(left) / floor_of[k] <= most)) return 0;
+    }
+    return 1;
+}
+
 /* where the position in the middle of a step is kept, and that at its end */
 static Position middle_of(Work *work) { return (Position){ work->k[0], work->k[1] }; }
 static Position end_of(Work *work) { return (Position){ work->k[2], work->k[3] }; }
@@ -67,6 +84,7 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     const Position before = in_halves ? half : start;
     if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
     if (!is_smooth(h, second, before, last, change)) return 0;
+    if (FITS && in_halves && !is_explained(h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         last.y[k] = start.y[k] + (in_halves ? h / 3.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k])
                                             : h / 2.0 * (start.f[k] + last.f[k]));

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 #: What a prediction may miss: a part of the way of a step, and what always may.
 FAITHFUL = 0.02
 NEGLIGIBLE = 1e-6
+#: The part of the way of a step that velocities may not explain: a driver jumps.
+UNEXPLAINED = 1e-3
 #: How far behind a position where rows are nearly dependent a step is tried, in its length.
 FURTHEST = 8.0
 #: The largest turn of a step: angles count their turns [rad].
@@ -76,6 +78,21 @@ def is_smooth(h: float, drift: float, start: Position, to: Position, work: Work)
     return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way)
 
 
+def is_explained(h: float, start: Position, half: Position, last: Position, work: Work) -> bool:
+    """Return whether velocities explain where bodies are after two halves of length h.
+
+    No prediction tells that of bodies that are put onto what drives them, and where a driver jumps
+    its rates do not.
+    """
+    scene, size_of = work.scene, work.w.size_of
+    nq = scene.nq
+    rates = start.f[:nq] + 4.0 * half.f[:nq] + last.f[:nq]
+    left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
+    fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
+    miss = float(np.max(np.abs(left) / scene.floors[:nq]))
+    return miss <= larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest)
+
+
 def middle_of(work: Work) -> Position:
     """Return where the position in the middle of a step is kept."""
     return Position(work.k[0], work.k[1])
@@ -104,6 +121,8 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
         before = half
     second = predict_and_correct(end, h, before, last, work, state)
     if not is_smooth(h, second, before, last, work):
+        return -1.0
+    if work.scene.fits and in_halves and not is_explained(h, start, half, last, work):
         return -1.0
     done = slice(work.scene.nq - work.scene.works, work.scene.nq)
     if in_halves:
