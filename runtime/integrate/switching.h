@@ -144,7 +144,7 @@ static double resolved_step(double h, double part, double end, const State *s, W
             width = 0.5 * width;
             continue;
         }
-        if (good) allowed = smaller(allowed, larger(first - start, part * (last - first)));
+        if (good) allowed = smaller(allowed, larger(first - start, part * width));
         first = last;
         if (!(first < start + allowed)) break;
         width = 2.0 * width;

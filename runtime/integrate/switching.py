@@ -138,7 +138,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
             width = 0.5 * width
             continue
         if is_good:
-            allowed = smaller(allowed, larger(first - start, part * (last - first)))
+            allowed = smaller(allowed, larger(first - start, part * width))
         first = last
         if not first < start + allowed:
             break
