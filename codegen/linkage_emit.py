@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.emit import FILES, LIBRARIES, along, digest, environment, manifest
+from kousoku.codegen.emit import FILES, LIBRARIES, along, digest, environment, inputs_of, manifest
 from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ SOLVER_FILES = {
 }
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
+#: What results are made of, of another folder.
+RESULT = ("integrate/__init__.py", "integrate/result.py")
 
 
 def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) -> dict[str, str]:
@@ -43,12 +45,12 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
         File name and text, the manifest last.
     """
     templates = environment()
-    analysis = along(LIBRARY)
-    signature = digest(package, (solver, analysis))
-    view = package_view(package, __version__, signature)
+    analysis = along(LIBRARY, *RESULT)
+    inputs = inputs_of(package, solver, analysis)
+    view = package_view(package, __version__, digest(inputs))
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()
     }
     files |= along(*LIBRARIES) | analysis | dict(sorted(data.items()))
-    return files | {"manifest.json": manifest(package, signature, files).to_json()}
+    return files | {"manifest.json": manifest(package, inputs, files).to_json()}

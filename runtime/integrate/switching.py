@@ -16,7 +16,7 @@ import numpy as np
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
-from .settings import GOOD, NOT_PROJECTED
+from .settings import Status
 from .stepper import SMALLEST
 
 if TYPE_CHECKING:
@@ -45,6 +45,13 @@ def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Arra
     return w.switches.reshape(-1, 4).T, w.features.reshape(-1, 4).T
 
 
+def switches_at(time: float, w: Workspace) -> Array:
+    """Return the values of switching functions at a time."""
+    switches, _ = bounds_between(time, time, w)
+    there: Array = switches[0].copy()
+    return there
+
+
 def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
     """Return whether switching functions have no root in an interval.
 
@@ -53,23 +60,24 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
     """
     least, most, slowest, fastest = bounds
     is_far = (least > 0.0) | (most < 0.0) | ((least == 0.0) & (most == 0.0))
+    # whatever rounding makes of bounds
     is_same = np.sign(before) == np.sign(after)
     is_steady = (slowest >= 0.0) | (fastest <= 0.0)
     down = before < 0.0
     a, b = np.where(down, -before, before), np.where(down, -after, after)
     falls, rises = np.where(down, -fastest, slowest), np.where(down, -slowest, fastest)
     is_near = a * rises - b * falls + falls * rises * h > 0.0
-    return bool(np.all(is_far | (is_same & (is_steady | is_near))))
+    return bool(np.all(is_same & (is_far | is_steady | is_near)))
 
 
 def find_switch(end: float, state: State, work: Work) -> None:
     """Find the first root of a switching function: no step goes beyond it."""
     w, first = work.w, state.time
     h = end - first
-    before = bounds_between(first, first, w)[0][0].copy()
+    before = switches_at(first, w)
     for _ in range(MOST_INTERVALS):
         last = first + h if h < end - first else end
-        after = bounds_between(last, last, w)[0][0].copy()
+        after = switches_at(last, w)
         if are_rootless(bounds_between(first, last, w)[0], before, after, last - first):
             first, before = last, after
             if first == end:
@@ -83,7 +91,7 @@ def find_switch(end: float, state: State, work: Work) -> None:
     state.limit = state.behind = first
 
 
-def meet_switches(end: float, state: State, work: Work) -> int:
+def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
     What is before it and what is behind it is told by formulas on that side; nothing moves in
@@ -97,12 +105,12 @@ def meet_switches(end: float, state: State, work: Work) -> int:
             state.time = smaller(state.behind, end)
             forget_trials(work)
             if project(state.time, 0.0, state.y, state.low, state.f, work, state) < 0.0:
-                return NOT_PROJECTED
+                return Status.NOT_PROJECTED
         else:
             find_switch(end, state, work)
             if state.limit - state.time <= SMALLEST * larger(abs(state.time), abs(end)):
                 state.limit = state.time  # too near for a step
-    return GOOD
+    return Status.GOOD
 
 
 def is_resolved(first: float, last: float, w: Workspace) -> bool:

@@ -14,7 +14,7 @@ import pytest
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate.settings import BUFFER_FULL, GOOD, PAUSED, WRONG_STATE
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
@@ -62,10 +62,10 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(
     wanted, end = whole(solver, method=method, tolerance=1e-8)
     run = solver.begin(TIMES, method=method, tolerance=1e-8)
     calls: list[int] = []
-    while not calls or calls[-1] in (BUFFER_FULL, PAUSED):
+    while not calls or calls[-1] in (Status.BUFFER_FULL, Status.PAUSED):
         poison(run)
         calls.append(run.advance(steps, rows))
-    assert calls[-1] == GOOD
+    assert calls[-1] == Status.GOOD
     assert len(calls) > 2
     got, state = table(run)
     np.testing.assert_array_equal(got, wanted)
@@ -109,7 +109,7 @@ def test_state_of_another_solver_is_refused(load: Load) -> None:
 def test_state_that_was_damaged_is_not_run(load: Load) -> None:
     run = load(chain(2)).begin(TIMES)
     run.state[0] += 1.0
-    assert run.advance() == WRONG_STATE
+    assert run.advance() == Status.WRONG_STATE
     assert run.written == 0
 
 
@@ -135,10 +135,10 @@ def test_interrupt_keeps_what_was_computed_and_the_run_can_go_on(load: Load) -> 
         solver.simulate(times=TIMES, tolerance=1e-12, progress=press)
     stop = caught.value
     assert isinstance(stop, Interrupted)
-    assert not stop.motion.is_complete
-    assert 0 < len(stop.motion) < len(TIMES)
-    rows = np.stack(list(stop.motion.columns().values()))
-    np.testing.assert_array_equal(rows, wanted[:, : len(stop.motion)])
+    assert not stop.result.is_complete
+    assert 0 < len(stop.result) < len(TIMES)
+    rows = np.stack(list(stop.result.columns().values()))
+    np.testing.assert_array_equal(rows, wanted[:, : len(stop.result)])
     assert stop.run.finish().is_complete
     np.testing.assert_array_equal(table(stop.run)[0], wanted)
 
