@@ -28,7 +28,8 @@ STOPS = ROOT / "tests" / "scenes" / "second_loop_stops.toml"
 
 
 def with_json() -> list[str]:
-    commands = typer.main.get_command(app).commands  # type: ignore[attr-defined]
+    group: Any = typer.main.get_command(app)
+    commands = group.commands
     return [
         name
         for name, command in commands.items()
