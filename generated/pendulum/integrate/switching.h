@@ -41,7 +41,8 @@ static int are_rootless(const double *w, const double *before, const double *aft
     for (size_t k = 0; k != N_SWITCHES; ++k) {
         const double *bounds = w + W_SWITCHES + 4 * k;
         const double least = bounds[0], most = bounds[1], slowest = bounds[2], fastest = bounds[3];
-        if (sign_of(before[k]) != sign_of(after[k])) return 0; /* whatever rounding makes of bounds */
+        /* whatever rounding makes of bounds */
+        if (sign_of(before[k]) != sign_of(after[k])) return 0;
         if (least > 0.0 || most < 0.0 || (least == 0.0 && most == 0.0)) continue;
         if (slowest >= 0.0 || fastest <= 0.0) continue;
         const int down = before[k] < 0.0;
