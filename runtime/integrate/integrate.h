@@ -25,6 +25,7 @@
 #include "projection.h"
 #include "dense_output.h"
 #include "stepper.h"
+#include "switching.h"
 #include "kinematics.h"
 #include "rows.h"
 #include "continuation.h"

@@ -39,6 +39,7 @@ from kousoku.codegen.dynamics.composition.reactions import record_reactions, rec
 from kousoku.codegen.dynamics.composition.reduced import Reduced
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
+from kousoku.codegen.dynamics.composition.switching import record_switching
 from kousoku.codegen.dynamics.operations.formulas import Names
 from kousoku.codegen.dynamics.operations.mechanics import (
     FreeAcceleration,
@@ -197,6 +198,7 @@ class _Composer:
         if "checks" in self.wanted:
             self._check()
             self._where_rank_drops()
+        record_switching(self.recorder, self.system, self.parameters)
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
         design = record_setup(self.recorder, self.system, self.parameters, places)

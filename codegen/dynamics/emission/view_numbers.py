@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.composition.bodies import inverse_masses as of_body
 from kousoku.codegen.dynamics.composition.bodies import thickened
+from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.redundancy.left_out import take_over
 from kousoku.model import precise
 from kousoku.model.varying import is_varying
@@ -42,6 +43,8 @@ def sizes(program: Program) -> dict[str, int]:
         "N_DESIGN": present.get("design", 0),
         "N_POWER": present.get("more_power", 0),
         "N_WRENCHES": present.get("wrenches", 0),
+        "N_SWITCHES": present.get("switches", 0) // BOUNDS,
+        "N_FEATURES": present.get("features", 0) // BOUNDS,
     }
 
 

@@ -296,12 +296,19 @@ REGIONS = {
     "more_power": "correction of the power of each driver",
     "all_lam": "multipliers, in the order of C and C_left_out",
     "wrenches": "force and torque of each joint at its point, the torque relative to a length",
+    "span": "two times, s",
+    "switches": "of each switching function of time least and most between these times, then those"
+    " of its rate",
+    "features": "of each part of a formula that varies with time, likewise",
     "design": "numbers of the scene that depend on parameters",
     "constants": "the scene's numbers",
 }
 
 #: The regions that only segments of ``ON_DEMAND`` write.
-ON_DEMAND_REGIONS = ("more_lam", "more_power", "all_lam", "wrenches")
+ON_DEMAND_REGIONS = (
+    *("more_lam", "more_power", "all_lam", "wrenches"),
+    *("span", "switches", "features"),
+)
 
 #: What the segments read and write, in the order in which they can run.
 SEGMENTS = {
@@ -322,6 +329,7 @@ ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
     "wrench": "all_lam -> wrenches, reactions",
     "setup": "parameters -> design: once, where a run begins",
+    "switching": "span, parameters -> switches, features",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.

@@ -11,7 +11,7 @@ import pytest
 FOLDER = Path(__file__).parents[3] / "runtime" / "integrate"
 BOTH = sorted(path.stem for path in FOLDER.glob("*.h") if path.with_suffix(".py").exists())
 #: What NumPy has, or what Python says in the line where it is wanted.
-IN_C = {"substitute_back", "multiply_rows", "set_order", "inverse_mass"}
+IN_C = {"substitute_back", "multiply_rows", "set_order", "inverse_mass", "sign_of"}
 IN_PYTHON = {"inverse_masses"}
 
 

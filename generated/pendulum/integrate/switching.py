@@ -1,0 +1,155 @@
+"""Switching: steps end where formulas of time have a kink or a jump, and miss nothing between.
+
+A scene bounds its switching functions and their rates between any two times. Where these exclude
+a root there is none, so that no two roots hide in one step. Parts that vary with time beyond
+polynomials are bounded likewise: a step is at most as long as the times between which samples tell
+how such a part varies, so that none leaps over a narrow bump.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .projection import project
+from .row_switch import forget_trials
+from .scene import larger, smaller
+from .settings import Status
+from .stepper import SMALLEST
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .scene import Work, Workspace
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: How many intervals a search looks at before the run goes on to where it came.
+MOST_INTERVALS = 4096
+#: Samples of an interval, by pieces between them.
+PIECES = 4
+#: How much bounds may exceed what samples tell; what always may be left, by the size of a part.
+EXPLAINED = 2.0
+NOTHING = 1e-12
+#: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
+FINEST = 1e-9
+
+
+def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Array]:
+    """Return least, most, slowest and fastest of switching functions, and of parts that vary."""
+    w.span[:] = first, last
+    w.run("switching")
+    return w.switches.reshape(-1, 4).T, w.features.reshape(-1, 4).T
+
+
+def switches_at(time: float, w: Workspace) -> Array:
+    """Return the values of switching functions at a time."""
+    switches, _ = bounds_between(time, time, w)
+    there: Array = switches[0].copy()
+    return there
+
+
+def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
+    """Return whether switching functions have no root in an interval.
+
+    Those that are zero all along have none, nor have those that rise or fall all along between
+    values of one sign. Else each is no less than lines from both ends as steep as its bounds.
+    """
+    least, most, slowest, fastest = bounds
+    is_far = (least > 0.0) | (most < 0.0) | ((least == 0.0) & (most == 0.0))
+    # whatever rounding makes of bounds
+    is_same = np.sign(before) == np.sign(after)
+    is_steady = (slowest >= 0.0) | (fastest <= 0.0)
+    down = before < 0.0
+    a, b = np.where(down, -before, before), np.where(down, -after, after)
+    falls, rises = np.where(down, -fastest, slowest), np.where(down, -slowest, fastest)
+    is_near = a * rises - b * falls + falls * rises * h > 0.0
+    return bool(np.all(is_same & (is_far | is_steady | is_near)))
+
+
+def find_switch(end: float, state: State, work: Work) -> None:
+    """Find the first root of a switching function: no step goes beyond it."""
+    w, first = work.w, state.time
+    h = end - first
+    before = switches_at(first, w)
+    for _ in range(MOST_INTERVALS):
+        last = first + h if h < end - first else end
+        after = switches_at(last, w)
+        if are_rootless(bounds_between(first, last, w)[0], before, after, last - first):
+            first, before = last, after
+            if first == end:
+                break
+            h = 2.0 * h
+        elif last - first <= SMALLEST * larger(abs(first), abs(end)):
+            state.limit, state.behind = first, last
+            return
+        else:
+            h = 0.5 * (last - first)
+    state.limit = state.behind = first
+
+
+def meet_switches(end: float, state: State, work: Work) -> Status:
+    """Go over the switch that a step has come to, and find the next one.
+
+    What is before it and what is behind it is told by formulas on that side; nothing moves in
+    between.
+    """
+    while state.time < end and not state.time < state.limit:
+        if state.behind > state.time:
+            state.y_before[:] = state.y
+            state.dense[:] = 0.0
+            state.time_before = state.time
+            state.time = smaller(state.behind, end)
+            forget_trials(work)
+            if project(state.time, 0.0, state.y, state.low, state.f, work, state) < 0.0:
+                return Status.NOT_PROJECTED
+        else:
+            find_switch(end, state, work)
+            if state.limit - state.time <= SMALLEST * larger(abs(state.time), abs(end)):
+                state.limit = state.time  # too near for a step
+    return Status.GOOD
+
+
+def is_resolved(first: float, last: float, w: Workspace) -> bool:
+    """Return whether samples of an interval tell how parts vary: their rates change as little."""
+    h = (last - first) / PIECES
+    sample = bounds_between(first, first, w)[1][0]
+    least, most, change = sample.copy(), sample.copy(), np.zeros_like(sample)
+    for piece in range(PIECES):
+        a, b = first + piece * h, first + (piece + 1) * h
+        _, (_, _, slowest, fastest) = bounds_between(a, b, w)
+        change += h * (fastest - slowest)
+        sample = bounds_between(b, b, w)[1][0]
+        least, most = np.where(sample < least, sample, least), np.where(sample > most, sample, most)
+    largest = np.where(-least > most, -least, most)
+    enough = EXPLAINED * (most - least) + NOTHING * np.where(largest > 1.0, largest, 1.0)
+    return bool(np.all(change <= enough))
+
+
+def resolved_step(h: float, part: float, end: float, state: State, work: Work) -> float:
+    """Return where a step of length h must end, at most at an end.
+
+    No longer than a part of the intervals that are resolved, unless it ends before such a one.
+    """
+    if not work.scene.has_features:
+        return end
+    start = first = state.time
+    allowed = whole = smaller(h, end - start)
+    width = whole / part
+    for _ in range(MOST_INTERVALS):
+        last = first + width
+        is_good = is_resolved(first, last, work.w)
+        if not is_good and width > FINEST * whole:
+            width = 0.5 * width
+            continue
+        if is_good:
+            allowed = smaller(allowed, larger(first - start, part * width))
+        first = last
+        if not first < start + allowed:
+            break
+        width = 2.0 * width
+    # in equal steps: what is left of the way must be none too short
+    return start + whole / math.ceil(whole / allowed) if allowed < whole else end

@@ -1,0 +1,171 @@
+"""Enclosures: what bounds a formula where its names are anywhere between two values.
+
+The bounds are formulas themselves, the natural interval extension of Moore: each function is
+replaced by what it does to intervals. Rounding is not directed outward, so that a bound may be
+exceeded by units in the last place.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+from kousoku.model.terms import (
+    ONE,
+    PI,
+    ZERO,
+    Apply,
+    Expression,
+    Function,
+    Name,
+    Number,
+    add,
+    apply,
+    div,
+    mul,
+    neg,
+    number,
+    ordered,
+    power,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+
+class Bounds(NamedTuple):
+    """What a formula is not below, and not above."""
+
+    least: Expression
+    most: Expression
+
+    @property
+    def is_one(self) -> bool:
+        """Whether both are the same formula."""
+        return self.least is self.most or self.least == self.most
+
+
+#: Functions that never fall.
+RISING = frozenset(
+    {
+        *(Function.EXP, Function.LOG, Function.SQRT, Function.SIGN),
+        *(Function.ASIN, Function.ATAN, Function.MIN, Function.MAX),
+    }
+)
+
+
+def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
+    """Return the bounds of a formula.
+
+    Parameters
+    ----------
+    expression : Expression
+        The formula.
+    spans : mapping of str to Bounds
+        What bounds each name that varies; others are what they are.
+    """
+    known: dict[int, Bounds] = {}
+    for part in ordered(expression):
+        match part:
+            case Number():
+                known[id(part)] = Bounds(part, part)
+            case Name(name):
+                known[id(part)] = spans.get(name, Bounds(part, part))
+            case Apply(function, args):
+                own = [known[id(arg)] for arg in args]
+                is_one = all(one.is_one for one in own)
+                if is_one:
+                    same = apply(function, *(one.least for one in own))
+                    known[id(part)] = Bounds(same, same)
+                else:
+                    known[id(part)] = _applied(function, own)
+    return known[id(expression)]
+
+
+def _applied(function: Function, args: list[Bounds]) -> Bounds:
+    """Return what a function does to intervals."""
+    first = args[0]
+    match function:
+        case Function.ADD:
+            return Bounds(add(*(x.least for x in args)), add(*(x.most for x in args)))
+        case Function.NEG:
+            return Bounds(neg(first.most), neg(first.least))
+        case Function.MUL:
+            return _product(*args)
+        case Function.DIV:
+            return _product(first, _reciprocal(args[1]))
+        case Function.POW:
+            return _power(*args)
+        case Function.ABS:
+            return _magnitude(first)
+        case Function.SIN | Function.COS:
+            return _wave(function, first)
+        case Function.TAN:
+            waves = (_wave(one, first) for one in (Function.SIN, Function.COS))
+            sine, cosine = waves
+            return _product(sine, _reciprocal(cosine))
+        case Function.ACOS:
+            return Bounds(apply(function, first.most), apply(function, first.least))
+        case Function.ATAN2:
+            return Bounds(Number(-PI), Number(PI))
+        case _:
+            assert function in RISING
+            return Bounds(
+                apply(function, *(x.least for x in args)), apply(function, *(x.most for x in args))
+            )
+
+
+def _least(*terms: Expression) -> Expression:
+    found = terms[0]
+    for term in terms[1:]:
+        found = apply(Function.MIN, found, term)
+    return found
+
+
+def _most(*terms: Expression) -> Expression:
+    found = terms[0]
+    for term in terms[1:]:
+        found = apply(Function.MAX, found, term)
+    return found
+
+
+def _product(a: Bounds, b: Bounds) -> Bounds:
+    products = [mul(x, y) for x in dict.fromkeys(a) for y in dict.fromkeys(b)]
+    return Bounds(_least(*products), _most(*products))
+
+
+def _magnitude(x: Bounds) -> Bounds:
+    """Return the bounds of the absolute value."""
+    return Bounds(_most(x.least, neg(x.most), ZERO), _most(neg(x.least), x.most))
+
+
+def _reciprocal(x: Bounds) -> Bounds:
+    """Return those of 1 / x: infinite where x may be zero, as then the product of both ends is."""
+    if x.is_one:
+        same = div(ONE, x.least)
+        return Bounds(same, same)
+    product = _most(mul(x.least, x.most), ZERO)
+    return Bounds(div(x.least, product), div(x.most, product))
+
+
+def _power(a: Bounds, b: Bounds) -> Bounds:
+    exponent = b.least
+    if not isinstance(exponent, Number):
+        logarithm = Bounds(apply(Function.LOG, a.least), apply(Function.LOG, a.most))
+        return _applied(Function.EXP, [_product(b, logarithm)])
+    size = number(abs(exponent.value))
+    if exponent.value.denominator > 1:  # of a positive number only
+        a = Bounds(_most(a.least, ZERO), _most(a.most, ZERO))
+    elif exponent.value.numerator % 2 == 0:
+        a = _magnitude(a)
+    found = Bounds(power(a.least, size), power(a.most, size))
+    return found if exponent.value > 0 else _reciprocal(found)
+
+
+def _wave(function: Function, x: Bounds) -> Bounds:
+    """Return those of a sine or cosine: ± (|slope in the middle| r + r²/2) within r of it."""
+    other = Function.COS if function is Function.SIN else Function.SIN
+    middle = div(add(x.least, x.most), number(2))
+    r = div(add(x.most, neg(x.least)), number(2))
+    value, slope = apply(function, middle), apply(Function.ABS, apply(other, middle))
+    change = add(mul(slope, r), div(mul(r, r), number(2)))
+    return Bounds(_most(number(-1), add(value, neg(change))), _least(ONE, add(value, change)))

@@ -1,0 +1,155 @@
+/* Switching: steps end where formulas of time have a kink or a jump, and miss nothing between.
+ *
+ * A scene bounds its switching functions and their rates between any two times. Where these exclude
+ * a root there is none, so that no two roots hide in one step. Parts that vary with time beyond
+ * polynomials are bounded likewise: a step is at most as long as the times between which samples
+ * tell how such a part varies, so that none leaps over a narrow bump. */
+
+/* how many intervals a search looks at before the run goes on to where it came */
+#define MOST_INTERVALS 4096
+/* samples of an interval, by pieces between them */
+#define PIECES 4
+/* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
+#define EXPLAINED 2.0
+#define NOTHING 1e-12
+/* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
+#define FINEST 1e-9
+
+/* least, most, slowest and fastest of switching functions and of parts that vary, to the workspace
+ */
+static void bounds_between(double first, double last, double *w)
+{
+    w[W_SPAN] = first;
+    w[W_SPAN + 1] = last;
+    switching(w);
+}
+
+/* the values of switching functions at a time */
+static void switches_at(double time, double *w, double *values_there)
+{
+    bounds_between(time, time, w);
+    for (size_t k = 0; k != N_SWITCHES; ++k) values_there[k] = w[W_SWITCHES + 4 * k];
+}
+
+static int sign_of(double x) { return (x > 0.0) - (x < 0.0); }
+
+/* whether the switching functions bounded in the workspace have no root in an interval. Those that
+ * are zero all along have none, nor have those that rise or fall all along between values of one
+ * sign. Else each is no less than lines from both ends as steep as its bounds */
+static int are_rootless(const double *w, const double *before, const double *after, double h)
+{
+    for (size_t k = 0; k != N_SWITCHES; ++k) {
+        const double *bounds = w + W_SWITCHES + 4 * k;
+        const double least = bounds[0], most = bounds[1], slowest = bounds[2], fastest = bounds[3];
+        /* whatever rounding makes of bounds */
+        if (sign_of(before[k]) != sign_of(after[k])) return 0;
+        if (least > 0.0 || most < 0.0 || (least == 0.0 && most == 0.0)) continue;
+        if (slowest >= 0.0 || fastest <= 0.0) continue;
+        const int down = before[k] < 0.0;
+        const double a = down ? -before[k] : before[k], b = down ? -after[k] : after[k];
+        const double falls = down ? -fastest : slowest, rises = down ? -slowest : fastest;
+        if (!(a * rises - b * falls + falls * rises * h > 0.0)) return 0;
+    }
+    return 1;
+}
+
+/* the first root of a switching function: no step goes beyond it */
+static void find_switch(double end, State *s, Work *work)
+{
+    double before[ROOM(N_SWITCHES)], after[ROOM(N_SWITCHES)];
+    double *w = work->w, first = s->time, h = end - first;
+    switches_at(first, w, before);
+    for (size_t n = 0; n != MOST_INTERVALS; ++n) {
+        const double last = h < end - first ? first + h : end;
+        switches_at(last, w, after);
+        bounds_between(first, last, w);
+        if (are_rootless(w, before, after, last - first)) {
+            first = last;
+            memcpy(before, after, sizeof before);
+            if (first == end) break;
+            h = 2.0 * h;
+        } else if (last - first <= SMALLEST * larger(fabs(first), fabs(end))) {
+            s->limit = first;
+            s->behind = last;
+            return;
+        } else {
+            h = 0.5 * (last - first);
+        }
+    }
+    s->limit = s->behind = first;
+}
+
+/* goes over the switch that a step has come to, and finds the next one. What is before it and what
+ * is behind it is told by formulas on that side; nothing moves in between */
+static int meet_switches(double end, State *s, Work *work)
+{
+    while (s->time < end && !(s->time < s->limit)) {
+        if (s->behind > s->time) {
+            memcpy(s->y_before, s->y, NY * sizeof *s->y);
+            memset(s->dense, 0, sizeof s->dense);
+            s->time_before = s->time;
+            s->time = smaller(s->behind, end);
+            forget_trials(work);
+            if (!project(s->time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_PROJECTED;
+        } else {
+            find_switch(end, s, work);
+            if (s->limit - s->time <= SMALLEST * larger(fabs(s->time), fabs(end))) {
+                s->limit = s->time; /* too near for a step */
+            }
+        }
+    }
+    return GOOD;
+}
+
+/* whether samples of an interval tell how parts vary: their rates change as little */
+static int is_resolved(double first, double last, double *w)
+{
+    double least[ROOM(N_FEATURES)], most[ROOM(N_FEATURES)], change[ROOM(N_FEATURES)];
+    const double h = (last - first) / PIECES, *features = w + W_FEATURES;
+    bounds_between(first, first, w);
+    for (size_t k = 0; k != N_FEATURES; ++k) {
+        least[k] = most[k] = features[4 * k];
+        change[k] = 0.0;
+    }
+    for (int piece = 0; piece != PIECES; ++piece) {
+        const double a = first + piece * h, b = first + (piece + 1) * h;
+        bounds_between(a, b, w);
+        for (size_t k = 0; k != N_FEATURES; ++k) {
+            change[k] += h * (features[4 * k + 3] - features[4 * k + 2]);
+        }
+        bounds_between(b, b, w);
+        for (size_t k = 0; k != N_FEATURES; ++k) {
+            least[k] = smaller(features[4 * k], least[k]);
+            most[k] = larger(features[4 * k], most[k]);
+        }
+    }
+    for (size_t k = 0; k != N_FEATURES; ++k) {
+        const double largest = larger(-least[k], most[k]);
+        const double enough = EXPLAINED * (most[k] - least[k]) + NOTHING * larger(largest, 1.0);
+        if (!(change[k] <= enough)) return 0;
+    }
+    return 1;
+}
+
+/* where a step of length h must end, at most at an end: no longer than a part of the intervals that
+ * are resolved, unless it ends before such a one */
+static double resolved_step(double h, double part, double end, const State *s, Work *work)
+{
+    if (N_FEATURES == 0) return end;
+    const double start = s->time, whole = smaller(h, end - start);
+    double first = start, allowed = whole, width = whole / part;
+    for (size_t n = 0; n != MOST_INTERVALS; ++n) {
+        const double last = first + width;
+        const int good = is_resolved(first, last, work->w);
+        if (!good && width > FINEST * whole) {
+            width = 0.5 * width;
+            continue;
+        }
+        if (good) allowed = smaller(allowed, larger(first - start, part * width));
+        first = last;
+        if (!(first < start + allowed)) break;
+        width = 2.0 * width;
+    }
+    /* in equal steps: what is left of the way must be none too short */
+    return allowed < whole ? start + whole / ceil(whole / allowed) : end;
+}
