@@ -10,6 +10,7 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.given import require_options
+from kousoku.runtime.integrate.result import Coordinates
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
@@ -315,6 +316,7 @@ class Mechanism:
         """
         from kousoku.matrices import matrices
 
+        parameters, angles = self._known(q, parameters, angles)
         return matrices(self.scene, t, q, v, parameters, angles=angles)
 
     def evaluate(
@@ -330,7 +332,23 @@ class Mechanism:
         from kousoku.matrices import evaluate
 
         solver = self._bodies("accelerations")
+        parameters, angles = self._known(q, parameters, angles)
         return evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
+
+    def _known(
+        self, q: object, parameters: Mapping[str, float] | None, angles: Mapping[str, float] | None
+    ) -> tuple[Mapping[str, float] | None, Mapping[str, float] | None]:
+        """Return parameters and counted angles: those of the run where a row of one is given."""
+        if not (isinstance(q, Coordinates) and isinstance(self.solver, DynamicsSolver)):
+            return parameters, angles
+        if parameters is None:
+            parameters = q.parameters
+        if angles is None and q.counted is not None:
+            from kousoku.equations import equations_of
+
+            first, names = equations_of(self.scene).turning(self.solver)
+            angles = dict(zip(names, q.counted[first:].tolist(), strict=False))
+        return parameters, angles
 
     def plot(self, parameters: Mapping[str, float] | None = None) -> Figure:
         """Draw the mechanism where the scene puts it; needs matplotlib."""

@@ -28,14 +28,12 @@ STOPS = ROOT / "tests" / "scenes" / "second_loop_stops.toml"
 
 
 def with_json() -> list[str]:
-    commands = typer.main.get_group(app).commands
+    group: Any = typer.main.get_command(app)
+    commands = group.commands
     return [
         name
         for name, command in commands.items()
-        if any(
-            "--json" in option.opts and getattr(option, "is_flag", False)
-            for option in command.params
-        )
+        if any("--json" in option.opts and option.is_flag for option in command.params)
     ]
 
 

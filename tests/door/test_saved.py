@@ -7,7 +7,7 @@ import json
 import pickle
 import zipfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -118,9 +118,9 @@ def test_the_same_run_gives_the_same_bytes(tmp_path: Path) -> None:
     assert files[0] == files[1]
 
 
-def refused(path: object) -> str:
+def refused(path: Any) -> str:
     with pytest.raises(ks.SolveError) as caught:
-        ks.open_run(cast(Any, path))
+        ks.open_run(path)
     text = str(caught.value)
     assert "\n" not in text and len(text) < 400
     return text

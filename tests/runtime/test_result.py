@@ -7,7 +7,7 @@ import multiprocessing
 import pickle
 import shutil
 from concurrent.futures import ProcessPoolExecutor
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -231,4 +231,5 @@ def test_a_run_says_how_far_it_is_and_a_result_its_parameters(solver: DynamicsSo
     assert repr(run.finish() and run).endswith("3 of 3 rows>")
     assert dict(run.motion().parameters) == {"speed": 3.0}
     with pytest.raises(TypeError, match=r"arm: row 1\.5; wanted a whole number"):
-        run.motion().state(cast(Any, 1.5))
+        motion: Any = run.motion()
+        motion.state(1.5)

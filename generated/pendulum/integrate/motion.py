@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated
+from .result import SHOWN, Column, Coordinates, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -467,7 +467,9 @@ class Motion(Result):
     def _state(self, k: int) -> tuple[Array, Array]:
         """Return q and v of a row: of bodies in their own frames."""
         parts = self.layout.parts(self.rows[k : k + 1 or None])
-        return written_state(self.layout.bodies, parts["q"][0], parts["v"][0], self.layout.unit)
+        inner = parts["q"][0]
+        q, v = written_state(self.layout.bodies, inner, parts["v"][0], self.layout.unit)
+        return Coordinates(q, self.parameters, inner), v
 
     def _first(self) -> Motion:
         """Return it with its first row alone."""

@@ -78,6 +78,34 @@ class Column(NamedTuple):
     unit: str
 
 
+class Coordinates(np.ndarray):
+    """Coordinates q of a row, which know of their run what the numbers do not tell.
+
+    Parameters
+    ----------
+    values : array
+        The numbers.
+    parameters : mapping of str to float
+        Those of the run.
+    counted : array
+        q as the solver has it: its angles count turns.
+    """
+
+    parameters: Mapping[str, float] | None
+    counted: Array | None
+
+    def __new__(cls, values: Array, parameters: Mapping[str, float], counted: Array) -> Coordinates:
+        """Return the numbers with what belongs to them."""
+        found = np.asarray(values).view(cls)
+        found.parameters, found.counted = parameters, counted
+        return found
+
+    def __array_finalize__(self, other: Any) -> None:
+        """Hand on what belongs to them to what is computed from them."""
+        self.parameters = getattr(other, "parameters", None)
+        self.counted = getattr(other, "counted", None)
+
+
 class Part:
     """A body, joint, driver, node or link in a result: its tables are attributes."""
 
@@ -136,6 +164,7 @@ class Result:
         q : array
             For each body of the scene r of the origin of its frame in frame O [unit], then its
             Euler parameters, scalar first, unless it is a point; of a linkage x and y of each node.
+            Of bodies it also knows the parameters of the run and the turns of its angles.
         v : array
             For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point; of a
             linkage the rates of x and y.
