@@ -81,7 +81,14 @@ def test_the_wheel_holds_nothing_else(distributions: Distributions) -> None:
 
 @pytest.mark.parametrize(
     "name",
-    ["pyproject.toml", "README.md", "Makefile", "scenes/lever_crank.toml", "tests/conftest.py"],
+    [
+        "pyproject.toml",
+        "README.md",
+        "Makefile",
+        "tasks.py",
+        "scenes/lever_crank.toml",
+        "tests/conftest.py",
+    ],
 )
 def test_the_sdist_is_complete(distributions: Distributions, name: str) -> None:
     assert name in distributions.sdist
