@@ -53,8 +53,8 @@ static int is_smooth(double h, double drift, Position from, Position to, double 
  * of bodies that are put onto what drives them, and where a driver jumps its rates do not */
 static int is_explained(double h, Position start, Position half, Position last)
 {
-    const double fastest =
-        larger(larger(size_of(start.y + NQ), size_of(half.y + NQ)), size_of(last.y + NQ));
+    const double fastest = larger(
+        larger(size_of(start.y + NQ), size_of(half.y + NQ)), size_of(last.y + NQ));
     const double most = larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest);
     for (size_t k = 0; k < NQ; ++k) {
         const double rates = start.f[k] + 4.0 * half.f[k] + last.f[k];

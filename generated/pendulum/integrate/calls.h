@@ -27,6 +27,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->key = -KEY; /* not started */
     s->time = s->time_before = time;
     s->error = 1e-4;
+    if (N_SWITCHES > 0) s->limit = s->behind = time;
     s->least_pivot_ratio_time = time;
     memcpy(s->y, q, NQ * sizeof *q);
     memcpy(s->y + NQ, v, NV * sizeof *v);
@@ -63,12 +64,26 @@ static int advance(
     const Method *m, const Settings *settings, double asked, double end, State *s, Work *work)
 {
     int status = GOOD;
+    const int is_fixed = settings->fixed_step > 0.0;
+    double target = end;
     s->method = 1.0 + settings->method;
-    if (IS_DRIVEN && settings->method == METHODS) return driven_step(settings, asked, s, work);
-    if (s->step_size == 0.0 && !(settings->fixed_step > 0.0)) {
-        status = first_step(m, settings, end, s, work);
+    if (N_SWITCHES > 0) {
+        status = meet_switches(end, s, work);
+        if (status != GOOD || asked <= s->time) return status;
+        target = s->limit;
     }
-    if (status == GOOD) status = step(m, settings, asked, end, s, work);
+    if (IS_DRIVEN && settings->method == METHODS) {
+        double h = settings->largest_step;
+        if (s->step_size > 0.0) h = smaller(s->step_size, h);
+        target = resolved_step(h, 0.5, smaller(asked, target), s, work);
+        return driven_step(settings, target, s, work);
+    }
+    if (s->step_size == 0.0 && !is_fixed) status = first_step(m, settings, end, s, work);
+    if (status == GOOD && !is_fixed) {
+        const double h = smaller(s->step_size, settings->largest_step);
+        target = resolved_step(h, 1.0, target, s, work);
+    }
+    if (status == GOOD) status = step(m, settings, asked, target, s, work);
     if (status == GOOD && asked < s->time) prepare_dense(m, work, s);
     return status;
 }

@@ -173,6 +173,16 @@ class Scene:
         return "design" in self.regions
 
     @property
+    def has_switches(self) -> bool:
+        """Whether formulas have a kink or a jump at certain times."""
+        return "switches" in self.regions
+
+    @property
+    def has_features(self) -> bool:
+        """Whether formulas vary with time beyond polynomials."""
+        return "features" in self.regions
+
+    @property
     def has_refinement(self) -> bool:
         """Whether there are loops, in which rows may become dependent."""
         return "refinement" in self.tasks
@@ -237,6 +247,9 @@ class Workspace:
     all_lam: Array
     wrenches: Array
     design: Array
+    span: Array
+    switches: Array
+    features: Array
     constants: Array
 
     def __init__(self, scene: Scene, slots: Array) -> None:

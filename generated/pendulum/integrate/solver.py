@@ -15,9 +15,10 @@ from .pivot_monitor import note_largest_pivot, pivot_ratio
 from .projection import project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, write_row
-from .scene import Work, Workspace, larger, state_of
+from .scene import Work, Workspace, larger, smaller, state_of
 from .settings import Status
 from .stepper import first_step, step
+from .switching import meet_switches, resolved_step
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -94,6 +95,8 @@ class Solver:
         s.key = -self.scene.key  # not started
         s.time = s.time_before = s.least_pivot_ratio_time = time
         s.error = 1e-4
+        if self.scene.has_switches:
+            s.limit = s.behind = time
         if work.all is not None:
             note_usual_ratio(work.all, work, s)
         if self.scene.has_continuation and not continue_parameters(s, work):
@@ -200,14 +203,27 @@ class Solver:
         self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work
     ) -> Status:
         """Make one step towards the time that is asked for."""
-        status = Status.GOOD
+        status, target = Status.GOOD, end
         s.method = 1.0 + settings.method
+        if self.scene.has_switches:
+            status = meet_switches(end, s, work)
+            if status != Status.GOOD or asked <= s.time:
+                return status
+            target = s.limit
         if self.scene.is_driven and settings.method == len(METHODS):
-            return driven_step(settings, asked, s, work)
-        if s.step_size == 0.0 and not settings.fixed_step > 0.0:
+            h = settings.largest_step
+            if s.step_size > 0.0:
+                h = smaller(s.step_size, h)
+            to = smaller(asked, target)
+            return driven_step(settings, resolved_step(h, 0.5, to, s, work), s, work)
+        is_fixed = settings.fixed_step > 0.0
+        if s.step_size == 0.0 and not is_fixed:
             status = first_step(m, settings, end, s, work)
+        if status == Status.GOOD and not is_fixed:
+            h = smaller(s.step_size, settings.largest_step)
+            target = resolved_step(h, 1.0, target, s, work)
         if status == Status.GOOD:
-            status = step(m, settings, asked, end, s, work)
+            status = step(m, settings, asked, target, s, work)
         if status == Status.GOOD and asked < s.time:
             prepare_dense(m, work, s)
         return status

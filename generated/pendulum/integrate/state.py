@@ -150,6 +150,8 @@ class State:
     refinements = Number("-", "accelerations that were refined, since much of them was lost")
     pivot_ratio = Number("-", "the pivot ratio of the last accelerations")
     least_inverse_pivot = Number("", "of all steps; 0 before the first")
+    limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
+    behind = Number("s", "behind that switch; as limit where there is none")
     y = Numbers("NY", unit="", meaning="q, then v")
     low = Numbers("NY", unit="", meaning="what rounding of y has left over")
     f = Numbers("NY", unit="", meaning="time derivative of y")
