@@ -15,8 +15,7 @@ from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.given import numbers_of, require_callable, require_numbers, require_shape
 from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
-from kousoku.runtime.integrate.rows import COMES_OPEN, STAYS_OPEN
-from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.integrate.settings import COMES_OPEN, STAYS_OPEN, Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.runtime.integrate.result import Named
-from kousoku.runtime.integrate.rows import COMES_OPEN
+from kousoku.runtime.integrate.settings import COMES_OPEN
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_stop import SHOWN, key_of

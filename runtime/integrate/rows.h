@@ -9,11 +9,6 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* a row that is left out does not hold at the start, or later, when its residual is larger,
- * relative to LENGTH */
-#define STAYS_OPEN 1e-9
-#define COMES_OPEN 1e-6
-
 /* whether the rows that are left out, which stand behind C, hold where they were evaluated last */
 static int are_closed(const double *w, double limit)
 {

@@ -13,7 +13,7 @@ from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions
 from .scene import larger
-from .settings import Status
+from .settings import COMES_OPEN, Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 #: A row that is left out does not hold at the start, or later, when its residual is larger,
-#: relative to a length of the scene.
-STAYS_OPEN, COMES_OPEN = 1e-9, 1e-6
 
 
 def energy_balance(work: Work, state: State) -> float:

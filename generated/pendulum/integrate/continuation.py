@@ -8,8 +8,9 @@ import numpy as np
 
 from .pivot_monitor import WEAK, pivot_ratio
 from .projection import project, project_onto_tangent
-from .rows import STAYS_OPEN, are_closed
+from .rows import are_closed
 from .scene import smaller
+from .settings import STAYS_OPEN
 from .state import SINGLE
 
 if TYPE_CHECKING:
@@ -26,7 +27,9 @@ CLOSE = 0.02
 SHORTEST = 1e-9
 #: How far bodies are moved to see whether joints come open, and the shortest way, relative to a
 #: length of the scene; a direction that is smaller than this is none.
-ASIDE, LEAST_ASIDE, NO_WAY = 0.05, 1e-3, 1e-6
+ASIDE = 0.05
+LEAST_ASIDE = 1e-3
+NO_WAY = 1e-6
 
 
 def is_possible(w: Workspace) -> bool:

@@ -49,8 +49,8 @@ static int is_smooth(double h, double drift, Position from, Position to, double 
     return larger(drift, size_of(change)) <= larger(NEGLIGIBLE, FAITHFUL * way);
 }
 
-/* whether velocities explain where bodies are after two halves of length h: no prediction tells that
- * of bodies that are put onto what drives them, and where a driver jumps its rates do not */
+/* whether velocities explain where bodies are after two halves of length h: no prediction tells
+ * that of bodies that are put onto what drives them, and where a driver jumps its rates do not */
 static int is_explained(double h, Position start, Position half, Position last)
 {
     const double fastest = larger(
