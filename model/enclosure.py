@@ -106,7 +106,7 @@ def _applied(function: Function, args: list[Bounds]) -> Bounds:
         case Function.ACOS:
             return Bounds(apply(function, first.most), apply(function, first.least))
         case Function.ATAN2:
-            return Bounds(Number(-PI), Number(PI))
+            return _angle(*args)
         case _:
             assert function in RISING
             return Bounds(
@@ -169,3 +169,25 @@ def _wave(function: Function, x: Bounds) -> Bounds:
     value, slope = apply(function, middle), apply(Function.ABS, apply(other, middle))
     change = add(mul(slope, r), div(mul(r, r), number(2)))
     return Bounds(_most(number(-1), add(value, neg(change))), _least(ONE, add(value, change)))
+
+
+def _angle(y: Bounds, x: Bounds) -> Bounds:
+    """Return those of atan2: within 2 asin(r/d) of the angle in the middle, d away from zero.
+
+    r is the half diagonal of the rectangle. One that lies across the jump has all angles.
+    """
+    middle = [div(add(a.least, a.most), number(2)) for a in (y, x)]
+    halves = [div(add(a.most, neg(a.least)), number(2)) for a in (y, x)]
+    r, d = (apply(Function.SQRT, add(mul(a, a), mul(b, b))) for a, b in (halves, middle))
+    value = apply(Function.ATAN2, *middle)
+    change = mul(number(2), apply(Function.ASIN, _least(ONE, div(r, d))))
+    least, most = add(value, neg(change)), add(value, change)
+    pi, turn = Number(PI), Number(2 * PI)
+
+    def turn_if(excess: Expression) -> Expression:
+        return mul(turn, apply(Function.SIGN, _most(excess, ZERO)))
+
+    return Bounds(
+        _most(neg(pi), add(least, neg(turn_if(add(most, neg(pi)))))),
+        _least(pi, add(most, turn_if(neg(add(least, pi))))),
+    )
