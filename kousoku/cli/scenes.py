@@ -5,31 +5,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.cli.console import checkout, generated_folder
-from kousoku.model.errors import SceneError
-from kousoku.model.read import read_scene
 
 if TYPE_CHECKING:
     from pathlib import Path
-
-    from kousoku.model.scene import Scene
-
-
-def read_spatial_scene(path: Path) -> Scene:
-    """Read and check a scene file of bodies.
-
-    Raises
-    ------
-    SceneError
-        The file is not a valid scene, or a planar linkage.
-    """
-    scene = read_scene(path)
-    if not scene.is_spatial:
-        raise SceneError(
-            "is a linkage whose inputs are prescribed; wanted bodies and joints, or: kousoku solve",
-            file=str(path),
-            key="nodes",
-        )
-    return scene
 
 
 def committed_scenes() -> list[Path]:

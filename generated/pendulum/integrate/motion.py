@@ -475,18 +475,6 @@ class Motion(Result):
         """Return it with its first row alone."""
         return Motion(self.layout, self.rows[:1], target=self.target, method=self.method)
 
-    def with_ledger(self, ledger: Any) -> Motion:
-        """Return the same motion with another ledger."""
-        return Motion(
-            self.layout,
-            self.rows,
-            target=self.target,
-            method=self.method,
-            ledger=ledger,
-            parameters=self._parameters,
-            is_complete=self.is_complete,
-        )
-
     def summary(self) -> dict[str, object]:
         """Return what a program may want to know, ready for JSON."""
         return {
