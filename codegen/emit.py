@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -97,11 +97,11 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
         A name is no identifier, or an operation cannot be printed.
     """
     templates = environment()
-    signature = digest(package)
-    view = package_view(package, __version__, signature)
+    promised = promise(package, origin(package))
+    view = package_view(package, __version__, promised.digest)
     files = {name: render(templates, path, view) for name, path in FILES.items()}
     files |= along(*LIBRARIES) | dict(sorted(data.items()))
-    return files | {"manifest.json": manifest(package, signature, files).to_json()}
+    return with_manifest(files, promised)
 
 
 def render(templates: Environment, path: str, view: PackageView) -> str:
@@ -109,7 +109,7 @@ def render(templates: Environment, path: str, view: PackageView) -> str:
     return templates.get_template(path).render(package=view)
 
 
-def digest(package: Package, solver: object = None) -> str:
+def origin(package: Package, solver: object = None) -> str:
     """Return the SHA-256 over signatures, graphs, templates and version, and a scene's solver."""
     total = hashlib.sha256(__version__.encode())
     total.update(repr(astuple(package)).encode())
@@ -130,17 +130,38 @@ def template(name: str) -> str:
     return f"\n{name}\n{text}"
 
 
-def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:
-    """Return what ``manifest.json`` promises of a folder."""
-    return Manifest(
+def promise(package: Package, made_of: str) -> Manifest:
+    """Return what ``manifest.json`` says of a package before its files are there.
+
+    Parameters
+    ----------
+    package : Package
+        The kernels.
+    made_of : str
+        What the text is made of: :func:`origin`.
+
+    Returns
+    -------
+    Manifest
+        Without files. Its digest goes into the sources, so that they cannot say anything else.
+    """
+    said = Manifest(
         package=package.name,
         title=package.title,
         regenerate=package.regenerate,
         version=__version__,
-        digest=signature,
-        files=tuple((name, _sha256(text)) for name, text in files.items()),
+        origin=made_of,
+        digest="",
+        files=(),
         kernels=tuple(_kernel_manifest(kernel) for kernel in package.kernels),
     )
+    return replace(said, digest=said.stated())
+
+
+def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str]:
+    """Return a folder with its manifest, which lists all other files, at the end."""
+    listed = tuple((name, _sha256(text)) for name, text in files.items())
+    return {**files, "manifest.json": replace(promised, files=listed).to_json()}
 
 
 def _kernel_manifest(kernel: Kernel) -> KernelManifest:

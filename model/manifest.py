@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from kousoku.model.jsontext import to_text
 from kousoku.model.quantity import Quantity
 
-FORMAT = 1
+FORMAT = 2
 #: File of the reference values, compressed as :mod:`kousoku.model.compressed` does.
 REFERENCE_FILE = "reference.json.gz"
 
@@ -61,8 +62,11 @@ class Manifest:
         As in the package.
     version : str
         Version of kousoku that emitted it.
+    origin : str
+        SHA-256 over graphs, templates and version.
     digest : str
-        SHA-256 over graphs, signatures, templates and version; the compiled library exports it.
+        SHA-256 over all that the manifest says but its files; sources name it, the compiled library
+        exports it.
     files : tuple of (str, str)
         File name and SHA-256 of its content, the manifest itself left out. What is kept compressed
         counts as it is before.
@@ -74,9 +78,18 @@ class Manifest:
     title: str
     regenerate: str
     version: str
+    origin: str
     digest: str
     files: tuple[tuple[str, str], ...]
     kernels: tuple[KernelManifest, ...]
+
+    def stated(self) -> str:
+        """Return the SHA-256 over all that is said but files and digest: what the digest must be.
+
+        Files have digests of their own, and those of a target may be left out.
+        """
+        said = replace(self, digest="", files=()).to_json()
+        return hashlib.sha256(said.encode()).hexdigest()
 
     def to_json(self) -> str:
         """Return the text of ``manifest.json``; the same manifest gives the same bytes."""

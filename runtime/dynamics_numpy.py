@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.library import require_digest
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     import numpy as np
     import numpy.typing as npt
 
+    from kousoku.model.manifest import Manifest
     from kousoku.runtime.dynamics_targets import Memory
     from kousoku.runtime.integrate.settings import Settings
     from kousoku.runtime.integrate.solver import Solver
@@ -78,7 +80,10 @@ class NumpySolver:
 
 
 def load_numpy(
-    folder: Path, files: Mapping[str, bytes], reason: Exception | None = None
+    folder: Path,
+    manifest: Manifest,
+    files: Mapping[str, bytes],
+    reason: Exception | None = None,
 ) -> NumpySolver:
     """Load the solver in NumPy, and say in one line what that means.
 
@@ -86,12 +91,20 @@ def load_numpy(
     ----------
     folder : Path
         Where the files lie.
+    manifest : Manifest
+        What the folder promises.
     files : mapping of str to bytes
         Name and content, compared with the manifest.
     reason : Exception, optional
         Why there is no compiled solver.
+
+    Raises
+    ------
+    LoadError
+        The module is not the manifest's.
     """
     solver: Solver = import_source(folder, files, NUMPY_SOURCE).SOLVER
+    require_digest(folder, manifest, NUMPY_SOURCE, solver.scene.digest)
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""

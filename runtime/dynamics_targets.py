@@ -185,7 +185,7 @@ def open_solver(
         folder,
         files,
         (C_SOURCE, lambda: _compiled(manifest, files)),
-        (NUMPY_SOURCE, lambda reason: load_numpy(folder, files, reason)),
+        (NUMPY_SOURCE, lambda reason: load_numpy(folder, manifest, files, reason)),
     )
 
 

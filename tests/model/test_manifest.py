@@ -1,8 +1,10 @@
 """A manifest survives its own text."""
 
+from dataclasses import replace
+
 import pytest
 
-from kousoku.model.manifest import KernelManifest, Manifest
+from kousoku.model.manifest import FORMAT, KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
 
 
@@ -26,6 +28,7 @@ def manifest() -> Manifest:
         title="parallel vectors",
         regenerate="kousoku generate p2",
         version="0.1.0",
+        origin="2" * 64,
         digest="0" * 64,
         files=(("kernels.c", "1" * 64),),
         kernels=(kernel,),
@@ -37,8 +40,20 @@ def test_manifest_reads_back_equal(manifest: Manifest) -> None:
 
 
 def test_another_format_is_refused(manifest: Manifest) -> None:
+    text = manifest.to_json().replace(f'"format": {FORMAT}', '"format": 99')
     with pytest.raises(ValueError, match="format"):
-        Manifest.from_json(manifest.to_json().replace('"format": 1', '"format": 99'))
+        Manifest.from_json(text)
+
+
+def test_digest_is_over_all_that_is_said_but_the_files(manifest: Manifest) -> None:
+    """Files have digests of their own, and ``generate --target c`` leaves some out."""
+    known = manifest.stated()
+    assert replace(manifest, digest=known, files=()).stated() == known
+    (kernel,) = manifest.kernels
+    (jacobian,) = kernel.outputs
+    turned = replace(kernel, outputs=(replace(jacobian, meaning="Jacobian, transposed"),))
+    others = [replace(manifest, origin="3" * 64), replace(manifest, kernels=(turned,))]
+    assert known not in {other.stated() for other in others}
 
 
 def test_sizes_are_products_of_shapes(manifest: Manifest) -> None:
