@@ -76,7 +76,8 @@ def generate(
     with progress() as bar:
         trees = [_only(order.make(), target) for order in bar.track(orders, description="generate")]
     if check:
-        _report_check(orders, trees, _leftovers() if not names and out is None else [], as_json)
+        leftovers = _leftovers() if not names and out is None else []
+        _report_check(orders, trees, leftovers, is_shipped=out is None, as_json=as_json)
         return
     from kousoku.codegen.generate import write_tree
 
@@ -173,18 +174,32 @@ def _leftovers() -> list[str]:
 
 
 def _report_check(
-    orders: Sequence[Order], trees: Sequence[SourceTree], leftovers: list[str], as_json: bool
+    orders: Sequence[Order],
+    trees: Sequence[SourceTree],
+    leftovers: list[str],
+    *,
+    is_shipped: bool,
+    as_json: bool,
 ) -> None:
-    from kousoku.codegen.generate import check_tree
+    """Print how folders differ, and the files in them that are not kousoku's own.
 
-    pairs = zip(orders, trees, strict=True)
+    In a folder of the user's such files may be; in one that kousoku ships they are a difference.
+    """
+    from kousoku.codegen.generate import check_tree, foreign_files
+
+    pairs = list(zip(orders, trees, strict=True))
     differences = [line for order, tree in pairs for line in check_tree(order.folder, tree)]
     differences += leftovers
+    foreign = [str(path) for order, tree in pairs for path in foreign_files(order.folder, tree)]
+    if is_shipped:
+        differences += [f"{path} is not kousoku's own: move it elsewhere" for path in foreign]
     if as_json:
-        print_json({"ok": not differences, "differences": differences})
+        print_json({"ok": not differences, "differences": differences, "foreign": foreign})
     else:
         for line in differences:
             typer.echo(line, err=True)
+        for path in () if is_shipped else foreign:
+            typer.echo(f"{path} is not kousoku's own: it is left alone", err=True)
         typer.echo(f"{len(orders)} packages, {len(differences)} files differ")
     if differences:
         raise typer.Exit(DISAGREEMENT)
