@@ -17,6 +17,7 @@ from kousoku.runtime.given import (
     require_numbers,
     require_options,
     shown,
+    times_of,
 )
 from kousoku.runtime.integrate.body_tables import BodyPlaces
 from kousoku.runtime.integrate.state import fields_of
@@ -24,7 +25,8 @@ from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
 from kousoku.runtime.places import CoordinatePlaces, ReactionPlaces
-from kousoku.runtime.run import Run, SavedRun
+from kousoku.runtime.run import Run
+from kousoku.runtime.saved import SavedRun, checked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -260,14 +262,10 @@ class DynamicsSolver:
         Raises
         ------
         SolveError
-            It belongs to another solver, or is no saved run.
+            It belongs to another solver, or is no saved run, or was cut, forged or damaged.
         """
-        if not isinstance(saved, SavedRun):
-            raise SolveError(
-                f"{self.name}: a run is resumed from {shown(saved)}; wanted what save() of a run"
-                " returned"
-            )
-        return Run(self, saved.times, saved.options, saved)
+        found = checked(self, saved)
+        return Run(self, found.times, found.options, found)
 
     def _times(self, end: float | None, times: Any, samples: int) -> Array:
         if (end is None) == (times is None):
@@ -281,11 +279,7 @@ class DynamicsSolver:
                     f" above 0 and 2 to {MOST_ROWS} samples"
                 )
             return np.linspace(0.0, float(end), samples)
-        chosen = numbers_of(self.name, "times", times)
-        is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
-        if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
-            raise SolveError(f"{self.name}: times must ascend from 0 or later, one row of numbers")
-        return chosen
+        return times_of(self.name, times)
 
 
 def load_dynamics(

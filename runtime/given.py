@@ -124,6 +124,21 @@ def numbers_of(scene: str, name: str, given: object) -> Array:
         raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
 
 
+def times_of(scene: str, given: object) -> Array:
+    """Return the times that are asked for as an array.
+
+    Raises
+    ------
+    SolveError
+        They are not one row of finite numbers that ascend from 0 or later.
+    """
+    times = numbers_of(scene, "times", given)
+    is_good = times.ndim == 1 and times.size and bool(np.isfinite(times).all())
+    if not is_good or times[0] < 0.0 or bool((np.diff(times) < 0.0).any()):
+        raise SolveError(f"{scene}: times must ascend from 0 or later, one row of numbers")
+    return times
+
+
 def require_callable(scene: str, progress: object) -> None:
     """Refuse what cannot be called with the time reached and the last time.
 

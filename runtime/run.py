@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -28,6 +28,7 @@ from kousoku.runtime.motion import motion_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
+from kousoku.runtime.saved import SavedRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -48,7 +49,7 @@ MESSAGES = {
     NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
     " motion there, or a formula of a force has no finite value there",
     BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
-    WRONG_STATE: "the state belongs to another solver",
+    WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
 #: Instead of the first of them, where drivers determine the motion.
 NO_FURTHER = (
@@ -59,28 +60,6 @@ NO_FURTHER = (
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
 PULSE = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class SavedRun:
-    """All that a run is, in numbers: it can be pickled, copied, and resumed elsewhere.
-
-    Parameters
-    ----------
-    options : Options
-        How it is made.
-    times : array [s]
-        The times that are asked for.
-    state : array
-        The state of the solver.
-    rows : array
-        The rows that were written.
-    """
-
-    options: Options
-    times: Array
-    state: Array
-    rows: Array
 
 
 class Interrupted(KeyboardInterrupt):
@@ -107,7 +86,7 @@ class Run:
     options : Options
         How.
     saved : SavedRun, optional
-        Go on from there.
+        Go on from there; what :func:`kousoku.runtime.saved.checked` returned.
     """
 
     def __init__(
@@ -133,7 +112,8 @@ class Run:
         if saved is None:
             self._start()
         else:
-            self._check(saved)
+            if target.pivots(self._memory, self._scratch()) == WRONG_STATE:
+                raise SolveError(f"{solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
             self._rows[: len(saved.rows)] = saved.rows
 
     def _start(self) -> None:
@@ -151,14 +131,6 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
-
-    def _check(self, saved: SavedRun) -> None:
-        target = self.solver.target
-        sizes = (len(saved.state), *saved.rows.shape[1:])
-        if sizes != (target.state_size, target.row_size):
-            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}: its size differs")
-        if target.pivots(self._memory, self._scratch()) == WRONG_STATE:
-            raise SolveError(f"{self.solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
 
     def _scratch(self) -> Array:
         return np.zeros(len(self.solver.rows) + 1)
