@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -88,6 +87,8 @@ class Manifest:
 
         Files have digests of their own, and those of a target may be left out.
         """
+        import hashlib  # noqa: PLC0415 (an import of the runtime alone shall not pay for it)
+
         said = replace(self, digest="", files=()).to_json()
         return hashlib.sha256(said.encode()).hexdigest()
 

@@ -16,6 +16,7 @@ from kousoku.runtime.given import (
     require_callable,
     require_numbers,
     require_options,
+    require_room,
     shown,
     times_of,
 )
@@ -278,6 +279,7 @@ class DynamicsSolver:
                     f"{self.name}: end {shown(end)} with {shown(samples)} samples; wanted an end"
                     f" above 0 and 2 to {MOST_ROWS} samples"
                 )
+            require_room(self.name, samples, self.target.row_size)
             return np.linspace(0.0, float(end), samples)
         return times_of(self.name, times)
 

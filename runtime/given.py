@@ -70,6 +70,8 @@ def folder_of(given: object) -> Path:
     """
     if not isinstance(given, str | os.PathLike):
         raise LoadError(f"{shown(given)} is no folder; wanted the path of one")
+    if "\0" in str(given):
+        raise LoadError(f"{shown(given)} is not the name of a folder: it has a null character")
     return Path(given).absolute()
 
 
@@ -122,6 +124,39 @@ def numbers_of(scene: str, name: str, given: object) -> Array:
         return np.ascontiguousarray(array, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
         raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
+
+
+def require_room(scene: str, rows: int, size: int) -> None:
+    """Refuse more rows than the memory of the machine holds.
+
+    Most systems promise memory that they do not have, and kill whoever uses it.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    rows, size : int
+        How many rows, and numbers in each.
+
+    Raises
+    ------
+    SolveError
+        There is no room for them.
+    """
+    wanted, there = 8 * rows * (size + 1), _memory()
+    if wanted > there:
+        raise SolveError(
+            f"{scene}: no room for {rows} rows of {size} numbers: they take {wanted / 1e9:.3g} GB,"
+            f" the machine has {there / 1e9:.3g} GB; ask for fewer times"
+        )
+
+
+def _memory() -> float:
+    """Return the bytes of memory of the machine; infinity where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):  # as on Windows
+        return float("inf")
 
 
 def times_of(scene: str, given: object) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.given import require_callable, require_numbers
+from kousoku.runtime.given import require_callable, require_numbers, require_room
 from kousoku.runtime.integrate.settings import (
     BAD_ARGUMENT,
     BUFFER_FULL,
@@ -100,6 +100,7 @@ class Run:
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status = PAUSED
         target = solver.target
+        require_room(solver.name, len(times), target.row_size)
         try:
             self._rows = np.empty((len(times), target.row_size))
         except MemoryError:

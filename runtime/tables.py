@@ -37,6 +37,8 @@ def save_columns(table: Mapping[str, Array], path: str | Path) -> None:
     if not isinstance(path, str | os.PathLike):
         raise SolveError(f"{shown(path)} is no name of a file; wanted one")
     path = Path(path)
+    if "\0" in str(path):
+        raise SolveError(f"{shown(str(path))} is not the name of a file: it has a null character")
     if path.suffix not in SUFFIXES:
         raise SolveError(f"{path}: results go to a file that ends in {' or '.join(SUFFIXES)}")
     try:
