@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.model.derivative import derivative
 from kousoku.model.terms import Apply, Function, Name, Number, add, apply, names_of, neg, ordered
-from kousoku.model.traced import CONTEXT, traced
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -41,8 +40,13 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
     parameters : mapping of str to float
         Those of the scene; others near them are looked at, too.
     """
-    for part in ordered(law):
-        if not isinstance(part, Apply) or part.function not in KINKS or time not in names_of(part):
+    parts = [part for part in ordered(law) if isinstance(part, Apply) and part.function in KINKS]
+    if not parts:
+        return None
+    from kousoku.model.traced import CONTEXT  # noqa: PLC0415 (mpmath is for kinks only)
+
+    for part in parts:
+        if time not in names_of(part):
             continue
         sides = (*part.args, neg(part.args[0]))[:2]
         for factor in NEAR:
@@ -67,6 +71,7 @@ def _is_smooth(
     values: Mapping[str, Any],
 ) -> bool:
     """Return whether both sides have the same value and derivatives where they meet."""
+    from kousoku.model.traced import CONTEXT, traced  # noqa: PLC0415
 
     def at(expression: Expression, when: Any) -> Any:
         return traced(expression, {**values, time: when})
