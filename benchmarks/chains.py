@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.runtime.places import BodyPlaces
+    from kousoku.runtime.integrate.body_tables import BodyPlaces
 
 MASS = 1.0
 #: Of a box of 1 m x 0.1 m x 0.1 m, about its centre and its axes [kg m²].

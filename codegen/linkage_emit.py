@@ -10,7 +10,7 @@ from kousoku.codegen.emit import (
     LIBRARIES,
     along,
     environment,
-    origin,
+    inputs_of,
     promise,
     with_manifest,
 )
@@ -31,6 +31,8 @@ SOLVER_FILES = {
 }
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
+#: What results are made of, of another folder.
+RESULT = ("integrate/__init__.py", "integrate/result.py")
 
 
 def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) -> dict[str, str]:
@@ -51,8 +53,8 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
         File name and text, the manifest last.
     """
     templates = environment()
-    analysis = along(LIBRARY)
-    promised = promise(package, origin(package, (solver, analysis)))
+    analysis = along(LIBRARY, *RESULT)
+    promised = promise(package, inputs_of(package, solver, analysis))
     view = package_view(package, __version__, promised.digest)
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)

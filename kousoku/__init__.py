@@ -1,3 +1,111 @@
-"""kousoku: derive constraint equations, emit them as NumPy and C, verify what was emitted."""
+"""kousoku: small, fast, verified solvers of mechanisms with closed loops.
+
+>>> import kousoku as ks
+>>> loop = ks.load("scenes/loop_free.toml")
+>>> run = loop.simulate(2, parameters={"mass": 2})
+>>> run["crank_angle"], run.joint("a").force, run.ledger
+>>> run.animate("loop.html")
+
+``derive`` shows how a constraint is derived, ``kinds`` holds the verified kernels, ``catalog``
+lists what scenes may have, ``verify`` recomputes 50-digit references on this machine.
+"""
+
+from importlib import import_module
+from pathlib import Path as _Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from kousoku.cataloging import catalog
+    from kousoku.checking import explain, verify
+    from kousoku.committed import kinds
+    from kousoku.deriving import body, derive, kernels, number
+    from kousoku.loading import load
+    from kousoku.mechanism import Mechanism
+    from kousoku.model.builder import SceneBuilder
+    from kousoku.model.errors import (
+        AssemblyError,
+        CompilerError,
+        KousokuError,
+        MotionError,
+        SceneError,
+        SolveError,
+    )
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.integrate.result import Result
+    from kousoku.runtime.run import Interrupted, Run
+    from kousoku.runtime.saved import SavedRun
+    from kousoku.saved import open_run
 
 __version__ = "0.1.0"
+
+# A checkout without links (core.symlinks=false) has text files in their place, and the folders of
+# the sub-packages beside this one.
+if _Path(__file__).with_name("model").is_file():
+    __path__.append(str(_Path(__file__).parents[1]))
+
+#: The public names, and the modules that have them: each is imported when it is asked for.
+_MODULES = {
+    "load": "loading",
+    "body": "deriving",
+    "catalog": "cataloging",
+    "derive": "deriving",
+    "kernels": "deriving",
+    "kinds": "committed",
+    "number": "deriving",
+    "explain": "checking",
+    "verify": "checking",
+    "Mechanism": "mechanism",
+    "open_run": "saved",
+    "Result": "runtime.integrate.result",
+    "Scene": "model.scene",
+    "SceneBuilder": "model.builder",
+    "Run": "runtime.run",
+    "SavedRun": "runtime.saved",
+    "Interrupted": "runtime.run",
+    "AssemblyError": "model.errors",
+    "CompilerError": "model.errors",
+    "KousokuError": "model.errors",
+    "MotionError": "model.errors",
+    "SceneError": "model.errors",
+    "SolveError": "model.errors",
+}
+
+__all__ = [
+    "AssemblyError",
+    "CompilerError",
+    "Interrupted",
+    "KousokuError",
+    "Mechanism",
+    "MotionError",
+    "Result",
+    "Run",
+    "SavedRun",
+    "Scene",
+    "SceneBuilder",
+    "SceneError",
+    "SolveError",
+    "__version__",
+    "body",
+    "catalog",
+    "derive",
+    "explain",
+    "kernels",
+    "kinds",
+    "load",
+    "number",
+    "open_run",
+    "verify",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is asked for: NumPy alone is needed until then."""
+    if name not in _MODULES:
+        raise AttributeError(f"module 'kousoku' has no attribute {name!r}")
+    found = getattr(import_module(f"kousoku.{_MODULES[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

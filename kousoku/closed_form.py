@@ -102,6 +102,23 @@ def closed_form(scene: Scene, divisions: int, rows: int) -> Motion | None:
     return Motion(*tables)
 
 
+def errors_of(scene: Scene, motion: Any) -> dict[str, float] | None:
+    """Return the largest distances from the closed form, None where there is none."""
+    exact = closed_form(scene, motion.divisions, len(motion))
+    if exact is None:
+        return None
+    pairs: dict[str, tuple[Mapping[str, np.ndarray], Mapping[str, np.ndarray]]] = {
+        "position": (motion.positions, exact.positions),
+        "velocity": (motion.velocities, exact.velocities),
+        "acceleration": (motion.accelerations, exact.accelerations),
+    }
+    return {
+        name: max(float(np.hypot(*(got[node] - wanted[node]).T).max()) for node in wanted)
+        for name, (got, wanted) in pairs.items()
+        if got
+    }
+
+
 def _recognise(scene: Scene) -> _Dyad | None:
     """Return the dyad that a scene is, None if it is another linkage."""
     fixed = {name for name, node in scene.nodes.items() if node.fixed}

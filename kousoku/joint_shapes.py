@@ -259,3 +259,38 @@ SHAPES: dict[str, Shape] = {
     ),
 }
 """The picture of each joint, by its name in :data:`kousoku.model.joints.JOINTS`."""
+
+
+def _of(joint: str, *places: int) -> tuple[Solid, ...]:
+    """Return some of the solids that a joint is drawn with."""
+    return tuple(SHAPES[joint].solids[place] for place in places)
+
+
+SIGNS: dict[str, tuple[Solid, ...]] = {
+    "fixed": (Box("i", (-0.3, -0.3, -0.3), (0.3, 0.3, 0.3)),),
+    "revolute": (Cylinder("i", (0.0, 0.0, -0.5), (0.0, 0.0, 0.5), 0.36),),
+    "prismatic": _of("prismatic", 1),
+    "cylindrical": _of("cylindrical", 1),
+    "spherical": _of("spherical", 1),
+    "universal": (
+        Cylinder("i", (0.0, 0.6, 0.0), (0.0, -0.6, 0.0), 0.24),
+        Cylinder("j", (0.0, 0.0, -0.6), (0.0, 0.0, 0.6), 0.24),
+    ),
+    "planar": (Box("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)), *_of("planar", 1)),
+    "rod": (Ball("i", ORIGIN, 0.3), Ball("j", ORIGIN, 0.3)),
+    "point_on_line": (Ball("j", ORIGIN, 0.36),),
+    "point_on_plane": (Box("i", (-0.9, -0.9, -0.12), (0.9, 0.9, 0.0)), Ball("j", ORIGIN, 0.36)),
+    "parallel_axes": (),
+    "perpendicular_axes": (),
+    "screw": (
+        *_of("screw", 7),
+        Cylinder("j", (-0.62, 0.0, 0.0), (-0.4, 0.0, 0.0), 0.3),
+        Cylinder("j", (0.4, 0.0, 0.0), (0.62, 0.0, 0.0), 0.3),
+    ),
+    "constant_velocity": _of("constant_velocity", 1, 2),
+}
+"""What stands for each joint in the picture of a mechanism: the middle of its own picture.
+
+Lengths are those of :data:`SHAPES`, where the rods that meet in a joint are 0.3 thick. What is body
+i's stands in the joint frame of body i, along its axis, the rest in that of body j.
+"""

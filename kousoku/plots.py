@@ -9,6 +9,7 @@ import io
 from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 
 from kousoku.model.cache import write_atomically
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
 
-    import numpy as np
     from matplotlib.typing import RcKeyType
     from numpy.typing import NDArray
 
@@ -35,6 +35,13 @@ STYLE: dict[RcKeyType, Any] = {
 _PATH = "#404040"
 _LINK = "#b0b0b0"
 _TURN = "viridis"  # ordered, and readable without colour vision
+
+
+class Drawing(Figure):
+    """A figure that a notebook shows as SVG, at the end of a cell, without ``pyplot``."""
+
+    def _repr_svg_(self) -> str:
+        return to_svg(self)
 
 
 def draw_motion(
@@ -61,7 +68,7 @@ def draw_motion(
         Which of x and y to draw.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.5, 1.9 * len(curves)), layout="constrained")
+        figure = Drawing(figsize=(5.5, 1.9 * len(curves)), layout="constrained")
         panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (label, values) in zip(panels, curves, strict=True):
             for name in components:
@@ -105,7 +112,7 @@ def draw_vectors(
     """
     scale = _scale(path, vectors, links)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 4.2), layout="constrained")
+        figure = Drawing(figsize=(6.0, 4.2), layout="constrained")
         axes = figure.subplots()
         for ends in links:
             axes.plot(ends[:, 0], ends[:, 1], "o-", color=_LINK, linewidth=2.5, markersize=4)
@@ -130,6 +137,48 @@ def draw_vectors(
         axes.set_ylabel(f"y [{unit}]")
         axes.set_title(title)
     return figure
+
+
+def draw_linkage(motion: Any, node: str | None = None) -> dict[str, Figure]:
+    """Draw what figures 5, 7 and 8 of the paper show.
+
+    Parameters
+    ----------
+    motion : Trajectory
+        The motion of a linkage of nodes.
+    node : str, optional
+        The node whose path and vectors are drawn; the last one that moves unless given.
+
+    Returns
+    -------
+    dict of str to Figure
+        The figures by node and what they show.
+    """
+    if node is None:
+        node = next(
+            name for name, path in [*motion.positions.items()][::-1] if np.ptp(path, 0).any()
+        )
+    symbol, alpha = next(iter(motion.inputs.items()))
+    name, unit, path = motion.name, motion.unit, motion.positions[node]
+    curves = [(f"position [{unit}]", path)]
+    figures = {}
+    place = len(motion) // 8
+    links = [
+        np.array([motion.positions[first][place], motion.positions[second][place]])
+        for _, first, second, _ in motion.links
+    ]
+    for what, per, vectors in (
+        ("velocity", "s", motion.velocities),
+        ("acceleration", "s²", motion.accelerations),
+    ):
+        if vectors:
+            curves.append((f"{what} [{unit}/{per}]", vectors[node]))
+            title = f"{name}: {what} of {node}"
+            figures[what] = draw_vectors(
+                alpha, path, vectors[node], links=links, title=title, unit=unit, symbol=symbol
+            )
+    figures["motion"] = draw_motion(alpha, curves, title=f"{name}: {node}", symbol=symbol)
+    return {f"{node}_{what}": figure for what, figure in figures.items()}
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -2,23 +2,55 @@
 
 from __future__ import annotations
 
+import re
+import sys
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Self
 
+from kousoku.model.decode import decode, join
 from kousoku.model.errors import SceneError
+from kousoku.model.loads import Force
+from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.read import scene_from_dict
+from kousoku.model.spatial import Body, Coordinate, Driver, Joint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from typing import Unpack
 
-    from numpy.typing import NDArray
+    import msgspec
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.keys import (
+        BodyKeys,
+        CoordinateKeys,
+        DriverKeys,
+        ForceKeys,
+        JointKeys,
+        MethodKeys,
+        Numbers,
+        Value,
+    )
+    from kousoku.model.scene import Output, Scene, Unit
 
-    Coordinates = Sequence[float] | NDArray[Any]
+RECORDS: MappingProxyType[str, type[msgspec.Struct]] = MappingProxyType(
+    {
+        **{"nodes": Node, "links": Link, "rigid": Rigid, "sliders": Slider, "inputs": Input},
+        **{"bodies": Body, "joints": Joint, "coordinates": Coordinate, "drivers": Driver},
+        "forces": Force,
+    }
+)
+"""What the elements of each table are."""
+
+OF_SYMPY = {"Abs": "abs", "Min": "min", "Max": "max", "E": "exp(1)"}
+"""What SymPy writes otherwise than a formula of a scene."""
 
 
 class SceneBuilder:
-    """Build a scene step by step; nothing is checked but names given twice, until :meth:`build`.
+    """Build a scene step by step.
+
+    Each call takes the keys of an element, as a file has them, and refuses those that the element
+    does not have, and values of another type. What relates elements to each other is checked by
+    :meth:`build`. Expressions of SymPy stand for formulas, arrays of NumPy for lists.
 
     Parameters
     ----------
@@ -28,6 +60,8 @@ class SceneBuilder:
         Length unit of all that follows.
     title : str
         One line for people.
+    duration : float [s], optional
+        How long the mechanism moves unless a run says so.
     divisions : int, optional
         Steps from the first to the last value of the inputs; 60 when left out.
 
@@ -50,13 +84,29 @@ class SceneBuilder:
     """
 
     def __init__(
-        self, name: str, *, unit: str, title: str = "", divisions: int | None = None
+        self,
+        name: str,
+        *,
+        unit: Unit,
+        title: str = "",
+        duration: float | None = None,
+        divisions: int | None = None,
     ) -> None:
         self._tree: dict[str, Any] = _plain(
-            {"name": name, "title": title, "unit": unit, "divisions": divisions}
+            {
+                "name": name,
+                "title": title,
+                "unit": unit,
+                "duration": duration,
+                "divisions": divisions,
+            }
         )
 
-    def node(self, name: str, *, at: Coordinates, fixed: bool = False) -> Self:
+    def __repr__(self) -> str:
+        counts = [f"{len(own)} in {table}" for table, own in self._tree.items() if table in RECORDS]
+        return f"<SceneBuilder {self._tree['name']}: {', '.join(counts) or 'nothing in it'}>"
+
+    def node(self, name: str, *, at: Numbers, fixed: bool = False) -> Self:
         """Add a node, see :class:`kousoku.model.planar.Node`."""
         return self._add("nodes", name, at=at, fixed=fixed)
 
@@ -65,12 +115,12 @@ class SceneBuilder:
         return self._add("links", name, nodes=(first, second), length=length)
 
     def rigid(
-        self, name: str, *, at: str, links: Sequence[str], angle: float | None = None
+        self, name: str, *, at: str, links: Sequence[str], angle: Value | None = None
     ) -> Self:
         """Connect links rigidly at a node, see :class:`kousoku.model.planar.Rigid`."""
         return self._add("rigid", name, at=at, links=links, angle=angle)
 
-    def slider(self, name: str, *, node: str, through: Coordinates, direction: Coordinates) -> Self:
+    def slider(self, name: str, *, node: str, through: Numbers, direction: Numbers) -> Self:
         """Let a node slide on a line, see :class:`kousoku.model.planar.Slider`."""
         return self._add("sliders", name, node=node, through=through, direction=direction)
 
@@ -82,42 +132,42 @@ class SceneBuilder:
         about: str | None = None,
         slider: str | None = None,
         joint: str | None = None,
-        start: float = 0.0,
-        to: float | None = None,
+        start: Value = 0.0,
+        to: Value | None = None,
         turns: float | None = None,
-        rate: float = 1.0,
-        acceleration: float = 0.0,
+        rate: Value = 1.0,
+        acceleration: Value = 0.0,
     ) -> Self:
         """Prescribe a motion, see :class:`kousoku.model.planar.Input`."""
         target = {"link": link, "about": about, "slider": slider, "joint": joint}
         way = {"from": start, "to": to, "turns": turns}
         return self._add("inputs", name, **target, **way, rate=rate, acceleration=acceleration)
 
-    def body(self, name: str, **keys: Any) -> Self:
+    def body(self, name: str, **keys: Unpack[BodyKeys]) -> Self:
         """Add a body with the keys of :class:`kousoku.model.spatial.Body`, tables as dicts."""
         return self._add("bodies", name, **keys)
 
-    def joint(self, name: str, **keys: Any) -> Self:
+    def joint(self, name: str, **keys: Unpack[JointKeys]) -> Self:
         """Add a joint with the keys of :class:`kousoku.model.spatial.Joint`."""
         return self._add("joints", name, **keys)
 
-    def coordinate(self, name: str, **keys: Any) -> Self:
+    def coordinate(self, name: str, **keys: Unpack[CoordinateKeys]) -> Self:
         """Name a coordinate with the keys of :class:`kousoku.model.spatial.Coordinate`."""
         return self._add("coordinates", name, **keys)
 
-    def driver(self, name: str, **keys: Any) -> Self:
+    def driver(self, name: str, **keys: Unpack[DriverKeys]) -> Self:
         """Drive a coordinate or a point with the keys of :class:`kousoku.model.spatial.Driver`."""
         return self._add("drivers", name, **keys)
 
-    def parameter(self, name: str, value: float) -> Self:
+    def parameter(self, name: str, value: Value) -> Self:
         """Name a number that formulas may use."""
         return self._put("parameters", name, value)
 
-    def force(self, name: str, **keys: Any) -> Self:
+    def force(self, name: str, **keys: Unpack[ForceKeys]) -> Self:
         """Add a force, torque or spring with the keys of :class:`kousoku.model.loads.Force`."""
         return self._add("forces", name, **keys)
 
-    def gravity(self, x: float | str, y: float | str, z: float | str) -> Self:
+    def gravity(self, x: Value, y: Value, z: Value) -> Self:
         """Set the acceleration of free fall, in frame O, in the unit of the scene per s².
 
         Components may be formulas of parameters.
@@ -125,14 +175,15 @@ class SceneBuilder:
         self._tree["gravity"] = _plain([x, y, z])
         return self
 
-    def outputs(self, *names: str) -> Self:
+    def outputs(self, *names: Output) -> Self:
         """Say what is wanted beside positions, instead of the default."""
         self._tree["outputs"] = names
         return self
 
-    def method(self, **keys: Any) -> Self:
+    def method(self, **keys: Unpack[MethodKeys]) -> Self:
         """Set the keys of :class:`kousoku.model.planar.Method`."""
         self._tree["method"] = _plain(keys)
+        decode(self._tree["method"], Method, key="method")
         return self
 
     def build(self) -> Scene:
@@ -151,15 +202,47 @@ class SceneBuilder:
     def _put(self, table: str, name: str, value: Any) -> Self:
         elements = self._tree.setdefault(table, {})
         if name in elements:
-            raise SceneError(f"the name {name!r} is given twice", key=f"{table}.{name}")
-        elements[name] = _plain(value)
+            raise SceneError(f"the name {name!r} is given twice", key=join(table, name))
+        plain = _plain(value)
+        if table in RECORDS:
+            decode(plain, RECORDS[table], key=join(table, name))
+        elements[name] = plain
         return self
 
 
 def _plain(value: Any) -> Any:
-    """Turn NumPy numbers and arrays into Python's, and leave out keys that are None."""
+    """Turn NumPy's and SymPy's values into Python's, and leave out keys that are None."""
+    if _is_of_sympy(value):
+        return _formula(value)
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items() if item is not None}
     if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _is_of_sympy(value: Any) -> bool:
+    """Return whether a value is an expression or a matrix of SymPy, which is not imported here."""
+    sympy: Any = sys.modules.get("sympy")
+    return sympy is not None and isinstance(value, (sympy.Basic, sympy.MatrixBase))
+
+
+def _formula(value: Any) -> Any:
+    """Return a number for a number of SymPy, a list for a vector, else the text of a formula.
+
+    The text is read by the grammar of scenes as any other is: what it does not have is refused.
+    """
+    sympy: Any = sys.modules["sympy"]
+    if isinstance(value, sympy.MatrixBase):
+        is_vector = 1 in value.shape
+        return [_plain(item) for item in (value if is_vector else value.tolist())]
+    if not isinstance(value, sympy.Expr):
+        raise SceneError(f"{type(value).__name__} of SymPy is no expression; wanted one, or text")
+    if value.is_Integer:
+        return int(value)
+    if value.is_number and value.is_real and value.is_finite:
+        return float(value)
+    # A Float is printed in 15 digits: a name with all of them stands for it.
+    digits = {one: sympy.Symbol(f"({float(one)!r})") for one in value.atoms(sympy.Float)}
+    text = str(value.xreplace(digits)).replace("**", "^")
+    return re.sub(r"[A-Za-z_]\w*", lambda word: OF_SYMPY.get(word[0], word[0]), text)

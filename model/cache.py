@@ -3,9 +3,51 @@
 from __future__ import annotations
 
 import os
+import shutil
 import sys
 import tempfile
+import time
+from contextlib import suppress
+from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+#: Folders of the cache: solvers of scenes, where one is that was given with some bytes, kernels of
+#: kinds, what the compiler made of them, and what a command was asked to generate.
+SHELVES = ("scenes", "found", "derived", "lib", "verified", "generated")
+#: That one is the user's own, and is not removed to make room.
+ASKED_FOR = "generated"
+#: Bytes that the cache may take, unless ``KOUSOKU_CACHE_SIZE`` says another number.
+LARGEST = 2 * 1024**3
+#: An entry that was used so lately stays, since another process may be reading it [s].
+RECENT = 600.0
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What the cache holds under one key.
+
+    Parameters
+    ----------
+    path : Path
+        A folder, or a file.
+    size : int
+        Bytes.
+    used : float [s]
+        When it was made or found last, since the epoch.
+    """
+
+    path: Path
+    size: int
+    used: float
+
+    @property
+    def shelf(self) -> str:
+        """The folder of the cache that it stands in."""
+        return self.path.parent.name
 
 
 def cache_folder() -> Path:
@@ -77,3 +119,75 @@ def _allow_what_the_umask_allows(path: str) -> None:
         mask = os.umask(0)
         os.umask(mask)
         Path(path).chmod(0o666 & ~mask)
+
+
+def touch(path: Path) -> None:
+    """Note that an entry was used."""
+    with suppress(OSError):
+        os.utime(path)
+
+
+def entries() -> list[Entry]:
+    """Return what the cache holds, the longest unused first."""
+    root = cache_folder()
+    every = [entry for shelf in SHELVES for entry in _on(root / shelf)]
+    return sorted(every, key=lambda entry: (entry.used, entry.path))
+
+
+def _on(shelf: Path) -> Iterator[Entry]:
+    with suppress(OSError):
+        for path in sorted(shelf.iterdir()):
+            if path.name.startswith(".") or path.suffix == ".lock":
+                continue
+            with suppress(OSError):
+                used = path.stat().st_mtime
+                files = (one for one in path.rglob("*") if one.is_file())
+                size = sum(one.stat().st_size for one in files) if path.is_dir() else 0
+                yield Entry(path, size or path.stat().st_size, used)
+
+
+def shrink(limit: int | None = None) -> list[Entry]:
+    """Remove the entries that were not used for longest, until the rest is small enough.
+
+    Parameters
+    ----------
+    limit : int, optional
+        Bytes that may stay; :data:`LARGEST` unless given, or ``KOUSOKU_CACHE_SIZE`` says so.
+
+    Returns
+    -------
+    list of Entry
+        What is removed.
+    """
+    if limit is None:
+        given = os.environ.get("KOUSOKU_CACHE_SIZE", "")
+        limit = int(given) if given.isdecimal() else LARGEST
+    kept = [entry for entry in entries() if entry.shelf != ASKED_FOR]
+    size, latest = sum(entry.size for entry in kept), time.time() - RECENT
+    removed = []
+    for entry in kept:
+        if size <= limit or entry.used > latest:
+            break
+        if _remove(entry.path):
+            size -= entry.size
+            removed.append(entry)
+    return removed
+
+
+def clear(which: Iterable[Entry] | None = None) -> list[Entry]:
+    """Remove all entries, or some of them; return those that are gone."""
+    return [entry for entry in (entries() if which is None else which) if _remove(entry.path)]
+
+
+def _remove(path: Path) -> bool:
+    """Remove an entry at once: nobody finds half of it."""
+    try:
+        if path.is_dir() and not path.is_symlink():
+            gone = path.with_name(f".gone-{os.getpid()}-{path.name}")
+            path.rename(gone)
+            shutil.rmtree(gone, ignore_errors=True)
+        else:
+            path.unlink()
+    except OSError:
+        return False
+    return True

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, Literal, TypeVar, Union, cast, get_args, 
 
 import msgspec
 
-from kousoku.model.design import Design, Formula
+from kousoku.model.angles import Angle
+from kousoku.model.design import Design, Formula, NumberOrAngle
 from kousoku.model.errors import SceneError
 from kousoku.model.problems import Problems
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Sequence
+    from collections.abc import Callable, Collection, Iterable, Sequence
 
     from kousoku.model.errors import Problem
 
@@ -36,6 +37,17 @@ MOST_COMPARED = 1000
 
 MOST_ELEMENTS = 20_000
 """Bodies, joints … of the largest scene; larger tables are refused before they are read."""
+
+
+_LIMITS = "joints have no limits and no stops"
+_FRICTION = (
+    "there is no Coulomb friction; 'damping' is viscous, and a force along a coordinate s may be"
+    " such as '-3*s_dot/sqrt(s_dot^2 + 1e-6)'"
+)
+NOT_THERE = dict.fromkeys(
+    ("limits", "limit", "range", "lower", "upper", "stop", "stops", "min", "max"), _LIMITS
+) | dict.fromkeys(("coefficient", "coulomb", "friction", "mu", "static", "dynamic"), _FRICTION)
+"""Keys that people look for, and what stands against them."""
 
 
 def decode(tree: object, record: type[S], *, key: str = "") -> S:
@@ -93,13 +105,15 @@ def _fields(
 ) -> dict[str, Any]:
     """Return the fields that are right; a key that is unknown breaks the one that it resembles."""
     if not isinstance(tree, Mapping):
-        problems.add(f"{_got(tree)} stands where a table is wanted", key, breaks=key)
+        example = getattr(record, "EXAMPLE", "")
+        such = f", such as {example}" if example else ""
+        problems.add(f"{_got(tree)} stands where a table is wanted{such}", key, breaks=key)
         return {}
     fields = _fields_of(record)
     meant: dict[str, None] = {}
     for name in tree:
         if name not in fields and not problems.is_full:
-            problems.add(unknown("key", str(name), tuple(fields)), join(key, str(name)))
+            problems.add(_unknown_key(str(name), tree, record), join(key, str(name)))
             meant.update(dict.fromkeys(_nearest(str(name), tuple(fields))))
     values: dict[str, Any] = {}
     for name, field in fields.items():
@@ -119,6 +133,19 @@ def _fields(
 def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
     """Return the fields of a record by their names in a file."""
     return {field.encode_name: field for field in msgspec.structs.fields(record)}
+
+
+def _unknown_key(name: str, tree: Mapping[Any, object], record: type[msgspec.Struct]) -> str:
+    """Return the message for a key that a record does not have, with those that it may have."""
+    fields = tuple(_fields_of(record))
+    near = _nearest(name, fields)
+    sort = tree.get("type")
+    own = getattr(record, "keys_of_type", lambda _: ())(sort) if isinstance(sort, str) else ()
+    listed = ", ".join(own or fields)
+    known = f"a {sort} has {listed}" if own else f"known here: {listed}"
+    if name in NOT_THERE:
+        return f"unknown key: {NOT_THERE[name]}; {known}"
+    return f"unknown key; did you mean {near[0]!r}?" if near else f"unknown key; {known}"
 
 
 def unknown(what: str, name: str, known: tuple[str, ...]) -> str:
@@ -191,6 +218,14 @@ def join(key: str, name: str) -> str:
     return f"{key}.{shown}" if key else shown
 
 
+def dotted(path: Iterable[str | int]) -> str:
+    """Return the dotted key of a path of keys and of places in lists."""
+    key = ""
+    for part in path:
+        key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
+    return key
+
+
 def _nearest(name: str, known: tuple[str, ...]) -> list[str]:
     """Return the known name that resembles `name` most, if any does."""
     if len(known) > MOST_COMPARED:
@@ -209,6 +244,8 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     if kind == Design and isinstance(value, str):
         problems.has_formulas = True
         return Formula(value)
+    if kind == NumberOrAngle and isinstance(value, str):
+        return _angle(value, key, problems)
     wanted, kind = kind, _chosen(kind, value)
     origin, arguments = get_origin(kind), get_args(kind)
     if isinstance(kind, type) and issubclass(kind, msgspec.Struct):
@@ -226,6 +263,18 @@ def _value(value: object, kind: Any, key: str, problems: Problems) -> object:
     except msgspec.ValidationError:
         return _failed(_refusal(value, wanted), key, problems)
     return leaf
+
+
+def _angle(text: str, key: str, problems: Problems) -> object:
+    try:
+        angle = Angle(text)
+    except ValueError as error:
+        return _failed(
+            f"the text {error}; no formula may stand here, write the number itself", key, problems
+        )
+    if not abs(angle) <= LARGEST:
+        return _failed(f"{_got(text)} is too large; wanted at most {LARGEST:g}", key, problems)
+    return angle
 
 
 def _failed(problem: str, key: str, problems: Problems) -> object:
@@ -303,6 +352,8 @@ def _wanted(kind: Any) -> str:
     kind = _without_none(kind)
     if kind == Design:
         return "a number, or a formula of parameters,"
+    if kind == NumberOrAngle:
+        return "a number, or an angle such as '30 deg',"
     if str in _choices(kind) and kind is not str:
         names = {float: "a number", str: "a formula"}
         return " or ".join(names.get(of) or _wanted(of) for of in _choices(kind))
@@ -316,7 +367,8 @@ def _wanted(kind: Any) -> str:
         return "a list"
     if origin is tuple:
         what = "numbers or formulas" if float in _choices(arguments[0]) else "lists"
-        what = {float: "numbers", Design: "numbers", str: "names"}.get(arguments[0], what)
+        numbers = dict.fromkeys((float, Design, NumberOrAngle), "numbers")
+        what = (numbers | {str: "names"}).get(arguments[0], what)
         return f"a list of {len(arguments)} {what}"
     return "a table"
 

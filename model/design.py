@@ -13,6 +13,12 @@ import msgspec
 Design = Annotated[float, msgspec.Meta(extra_json_schema={"formula": True})]
 """A number, or in a file the text of a formula of parameters."""
 
+NumberOrAngle = Annotated[float, msgspec.Meta(extra_json_schema={"angle": True})]
+"""A number, or in a file the text of an angle, such as ``"30 deg"``, which is one in radians."""
+
+Turns = tuple[NumberOrAngle, NumberOrAngle, NumberOrAngle]
+"""Three angles, or a vector of an angular velocity."""
+
 Place = tuple[Design, Design, Design]
 """Three of them: a point, or a direction."""
 

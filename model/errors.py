@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -198,19 +198,22 @@ class AssemblyError(SolveError):
 
 
 class MotionError(SolveError):
-    """A linkage cannot be moved on.
+    """A mechanism cannot be moved on.
 
     Parameters
     ----------
     problem : str
         Where it stopped, what holds it, and what to do.
-    trajectory : kousoku.runtime.linkage.Trajectory
-        All good positions up to there.
+    result : kousoku.runtime.integrate.result.Result
+        All good rows up to there.
     """
 
-    def __init__(self, problem: str, trajectory: object) -> None:
-        self.trajectory = trajectory
+    def __init__(self, problem: str, result: object) -> None:
+        self.result = result
         super().__init__(problem)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.result)  # a pool of processes hands it on
 
 
 class LedgerError(KousokuError):

@@ -6,10 +6,12 @@
     product = sign (("*" | "/") sign)*
     sign    = ("-" | "+") sign | power
     power   = atom ["^" sign]
-    atom    = number | "pi" | name | function "(" sum ("," sum)* ")" | "(" sum ")"
+    atom    = number ["deg"] | "pi" | "deg" | name | function "(" sum ("," sum)* ")" | "(" sum ")"
 
 A power binds more tightly than a sign before it, and from right to left. A name is an identifier,
-or several with dots between them.
+or several with dots between them. A number that ``deg`` follows is that many degrees, and ``deg``
+alone is one: pi/180. A number of degrees is no divisor and is raised to no power without
+parentheses, where it could be read in two ways.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import re
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.model.angles import DEGREE
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import ExpressionError
 from kousoku.model.terms import (
@@ -52,6 +55,9 @@ ARGUMENTS = {
     if function not in {Function.ADD, Function.MUL, Function.DIV, Function.NEG, Function.POW}
 }
 """The functions that a formula may call, and how many arguments each takes."""
+
+CONSTANTS = {"pi": PI, "deg": DEGREE}
+"""The numbers that have a name."""
 
 _TOKEN = re.compile(
     r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
@@ -92,6 +98,7 @@ class _Parser:
         self.depths: dict[int, int] = {}
         self.kept: list[Expression] = []
         self.nesting = 0
+        self.counted = -1  # where the last number of degrees began
         self.kind, self.token, self.start, self.end = "", "", 0, 0
         self.advance()
 
@@ -141,6 +148,8 @@ class _Parser:
             if self.text.startswith("**", at - 1):
                 raise self.error("'**' is no operator; wanted ^ for a power", at - 1)
             factor = self.sign()
+            if mark == "/" and self.is_degrees(at):
+                raise self.error("a division by degrees; wanted parentheses, or '*deg'", at)
             if mark == "/" and factor == ZERO:
                 raise self.error("a division by zero", at)
             value = self.settled((mul if mark == "*" else div)(value, factor), start)
@@ -161,9 +170,13 @@ class _Parser:
         base = self.atom()
         if not self.takes("^"):
             return base
+        at = self.start
+        is_counted = self.is_degrees(start)
         self.nest(start)
         exponent = self.sign()
         self.nesting -= 1
+        if is_counted or self.is_degrees(at):
+            raise self.error("a power of degrees; wanted parentheses, or '*deg'", start)
         is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
         if isinstance(base, Number) and base.value < 0 and not is_whole:
             raise self.error("a negative number to a power that is not whole", start)
@@ -185,15 +198,24 @@ class _Parser:
             raise self.error(f"{what} where a number, a name or a '(' is wanted")
         self.advance()
         if kind == "number":
-            return self.number(token, start)
+            number = self.number(token, start)
+            if self.token != "deg":
+                return number
+            self.counted = start
+            self.advance()
+            return Number(number.value * DEGREE)
         if token in self.names:
             return Name(token)
         if token in ARGUMENTS:
             return self.call(token, start)
-        if token == "pi":
-            return Number(PI)
-        known = (*sorted(self.names), *ARGUMENTS, "pi")
+        if token in CONSTANTS:
+            return Number(CONSTANTS[token])
+        known = (*sorted(self.names), *ARGUMENTS, *CONSTANTS)
         raise self.error(unknown(f"name {token[:40]!r}", token, known), start)
+
+    def is_degrees(self, start: int) -> bool:
+        """Return whether what was read since then begins with a number of degrees."""
+        return start <= self.counted and not self.text[start : self.counted].strip("+- \t\r\n")
 
     def number(self, token: str, start: int) -> Number:
         digits, _, exponent = token.lower().partition("e")

@@ -58,12 +58,12 @@ def used_parameters(scene: Scene) -> dict[str, float]:
     """Return those parameters of a scene of bodies that stand in its formulas."""
     if not scene.parameters:
         return {}
-    texts = " ".join(text for part in WITH_FORMULAS for text in _texts(getattr(scene, part)))
+    texts = " ".join(text for part in WITH_FORMULAS for text in texts_of(getattr(scene, part)))
     used = used_names(texts, scene.parameters)
     return {name: value for name, value in scene.parameters.items() if name in used}
 
 
-def _texts(value: object) -> Iterator[str]:
+def texts_of(value: object) -> Iterator[str]:
     """Yield all texts in a part of a scene, names of elements among them."""
     if isinstance(value, str):
         yield value
@@ -71,13 +71,13 @@ def _texts(value: object) -> Iterator[str]:
         yield value.text
     elif isinstance(value, msgspec.Struct):
         for name in value.__struct_fields__:
-            yield from _texts(getattr(value, name))
+            yield from texts_of(getattr(value, name))
     elif isinstance(value, tuple):
         for item in value:
-            yield from _texts(item)
+            yield from texts_of(item)
     elif hasattr(value, "values"):
         for item in value.values():
-            yield from _texts(item)
+            yield from texts_of(item)
 
 
 def values_at_start(scene: Scene) -> Mapping[str, float]:

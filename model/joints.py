@@ -257,6 +257,22 @@ NAMES: dict[str, str] = {
 """The joint or coupling that each accepted name stands for."""
 
 
+def keys_of(kind: str) -> tuple[str, ...]:
+    """Return the keys of a joint or a coupling by its name or alias, none where there is none."""
+    name = NAMES.get(kind, "")
+    if name in COUPLINGS:
+        return ("type", *COUPLINGS[name].keys)
+    if name not in JOINTS:
+        return ()
+    entry = JOINTS[name]
+    points = ("points",) if name == "rod" else ("points", "at")
+    axes = ("axes", "axis", "second_axis")[: 1 + entry.axes] if entry.axes else ()
+    zero = ("zero",) * entry.has_zero
+    length = ("length",) * (name == "rod")
+    own = (*points * entry.has_point, *axes, *zero, *length, *entry.keys)
+    return ("type", "bodies", *own)
+
+
 def leaves_of(kind: str) -> tuple[str, ...]:
     """Return what a joint leaves free that is one number, by its name or alias."""
     name = NAMES[kind]

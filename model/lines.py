@@ -46,6 +46,24 @@ def each_key_line(text: str) -> Iterator[tuple[Path, int]]:
         scanner.lines.clear()
 
 
+def twice_given(text: str) -> tuple[Path, int, int] | None:
+    """Return the first key that is given twice, with both of its lines; None where none is found.
+
+    Parameters
+    ----------
+    text : str
+        What a parser refused because of a key; it is followed up to there.
+    """
+    scanner = _Twice(text)
+    try:
+        for _ in scanner.statements():
+            if scanner.found:
+                break
+    except (IndexError, KeyError, ValueError):  # it is no TOML in another way, too
+        return None
+    return scanner.found
+
+
 def deep_key_line(text: str, parts: int) -> int:
     """Return the first line with a key of more than some parts between dots, 0 if there is none.
 
@@ -184,6 +202,32 @@ class _Scanner:
         return found.group()
 
     def line(self) -> int:
+        """Return the line of the place, counted from 1."""
         self._line += self.text.count("\n", self._counted, self.place)
         self._counted = self.place
         return self._line
+
+
+class _Twice(_Scanner):
+    """Looks for a key that stands twice."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(text)
+        self.found: tuple[Path, int, int] | None = None
+        self._given: dict[Path, int] = {}
+
+    def header(self, *, is_list: bool) -> Path:
+        line, path = self.line(), super().header(is_list=is_list)
+        self._give(path, line)
+        return path
+
+    def assigned(self, table: Path) -> Path:
+        line, path = self.line(), super().assigned(table)
+        self._give(path, line)
+        return path
+
+    def _give(self, path: Path, line: int) -> None:
+        if path not in self._given:
+            self._given[path] = line
+        elif self.found is None:
+            self.found = path, self._given[path], line

@@ -10,6 +10,31 @@ Six = tuple[Value, Value, Value, Value, Value, Value]
 """Along three directions, then about them."""
 
 
+KEYS = {
+    "force": ("body", "point", "force", "force_b"),
+    "torque": ("body", "torque", "torque_b"),
+    "spring_damper": ("bodies", "points", "stiffness", "damping", "tension", "free_length"),
+    "rotational_spring_damper": (
+        *("joint", "of", "coordinate", "stiffness", "damping", "moment", "free_angle"),
+    ),
+    "along": ("coordinate", "force"),
+    "friction": ("joint", "of", "damping"),
+    "bushing": ("bodies", "points", "at", "axes", "stiffness", "damping"),
+}
+"""Keys of each type."""
+
+TITLES = {
+    "force": "a force on a body",
+    "torque": "a torque on a body",
+    "spring_damper": "a spring and damper between two points",
+    "rotational_spring_damper": "a spring and damper against an angle",
+    "along": "a force or moment along a coordinate",
+    "friction": "viscous friction in a joint",
+    "bushing": "springs and dampers along and about three directions",
+}
+"""What each type is, in one line."""
+
+
 class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A force, a torque, or a spring and damper.
 
@@ -70,6 +95,11 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Angle of a rotational spring without moment; the one as the orientations are written when
         left out.
     """
+
+    @staticmethod
+    def keys_of_type(sort: str) -> tuple[str, ...]:
+        """Return the keys of a force of a type, none where there is no such type."""
+        return ("type", *KEYS[sort]) if sort in KEYS else ()
 
     type: str
     body: str | None = None

@@ -2,11 +2,12 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from math import hypot
-from typing import Literal
+from typing import ClassVar, Literal
 
 import msgspec
 
 from kousoku.model.decode import LARGEST
+from kousoku.model.design import NumberOrAngle, Turns
 from kousoku.model.errors import SceneError
 
 Vector = tuple[float, float, float]
@@ -57,12 +58,14 @@ class Orientation(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_on
         A itself, row by row; its columns are the axes of the first frame.
     """
 
+    EXAMPLE: ClassVar[str] = '{ quaternion = [1, 0, 0, 0], order = "wxyz" }'
+
     quaternion: Quaternion | None = None
     order: Literal["wxyz", "xyzw"] | None = None
-    rotation_vector: Vector | None = None
+    rotation_vector: Turns | None = None
     axis: Vector | None = None
-    angle: float | None = None
-    angles: Vector | None = None
+    angle: NumberOrAngle | None = None
+    angles: Turns | None = None
     sequence: Sequence | None = None
     about: Literal["body", "fixed"] | None = None
     matrix: tuple[Vector, Vector, Vector] | None = None
@@ -97,7 +100,7 @@ def check_orientation(orientation: Orientation, key: str) -> None:
 
 MEANINGS = {
     "order": "one of 'wxyz', 'xyzw'",
-    "angle": "the angle about the axis, in radians",
+    "angle": "the angle about the axis, in radians or such as '30 deg'",
     "sequence": "the axes of the three turns in their order, such as 'zyx'",
     "about": "'body' (axes that turn with the body) or 'fixed' (axes that stay)",
 }

@@ -5,6 +5,8 @@ from typing import Literal
 
 import msgspec
 
+from kousoku.model.design import NumberOrAngle
+
 Point = tuple[float, float]
 
 
@@ -60,7 +62,7 @@ class Rigid(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     at: str
     links: tuple[str, ...]
-    angle: float | None = None
+    angle: NumberOrAngle | None = None
 
 
 class Slider(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -108,11 +110,11 @@ class Input(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     about: str | None = None
     slider: str | None = None
     joint: str | None = None
-    start: float = msgspec.field(default=0.0, name="from")
-    to: float | None = None
+    start: NumberOrAngle = msgspec.field(default=0.0, name="from")
+    to: NumberOrAngle | None = None
     turns: float | None = None
-    rate: float = 1.0
-    acceleration: float = 0.0
+    rate: NumberOrAngle = 1.0
+    acceleration: NumberOrAngle = 0.0
 
 
 class Method(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

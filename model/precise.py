@@ -10,6 +10,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model import traced
+from kousoku.model.angles import Angle
 from kousoku.model.terms import Function
 from kousoku.model.traced import Traced, applied, at_scene
 from kousoku.model.varying import Varying
@@ -34,10 +35,14 @@ IDENTITY: Quadruple = (CONTEXT.mpf(1), *ZERO)
 def number(value: float | Fraction | High) -> High:
     """Return a double without rounding, or a fraction rounded to 50 digits; 50 digits as they are.
 
+    Of an angle in degrees it is the angle: 90 degrees are a right one.
+
     Of a double that depends on parameters it is the number with its formula.
     """
     if type(value) is float:
         return CONTEXT.mpf(value)
+    if isinstance(value, Angle):
+        value = value.exact
     if isinstance(value, Varying):
         return value.traced
     if isinstance(value, Traced):

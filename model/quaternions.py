@@ -38,7 +38,7 @@ def quaternion(orientation: Orientation | None) -> Quadruple:
         axis = precise.triple(orientation.rotation_vector)
         return _about(axis, precise.length(axis))
     assert orientation.axis is not None
-    return _about(precise.triple(orientation.axis), CONTEXT.mpf(orientation.angle))
+    return _about(precise.triple(orientation.axis), precise.number(orientation.angle))
 
 
 def _from_angles(orientation: Orientation) -> Quadruple:
@@ -46,7 +46,9 @@ def _from_angles(orientation: Orientation) -> Quadruple:
     assert orientation.sequence is not None
     p = IDENTITY
     for letter, angle in zip(orientation.sequence, orientation.angles, strict=True):
-        turn = _about(precise.triple(float(letter == name) for name in "xyz"), CONTEXT.mpf(angle))
+        turn = _about(
+            precise.triple(float(letter == name) for name in "xyz"), precise.number(angle)
+        )
         p = compose(p, turn) if orientation.about == "body" else compose(turn, p)
     return p
 

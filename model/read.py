@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import decode_parts, join
+from kousoku.model.decode import decode_parts, dotted
 from kousoku.model.design_numbers import read_formulas
 from kousoku.model.errors import AssemblyError, Problem, SceneError
 from kousoku.model.lines import deep_key_line, each_key_line
+from kousoku.model.not_toml import toml_problem
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
 from kousoku.model.validate import check_parts
@@ -42,6 +42,17 @@ def read_scene(path: str | Path) -> Scene:
         The file cannot be read, is not TOML, or does not describe a mechanism that can be solved;
         the message names the file, the key, the reason and what was wanted.
     """
+    return scene_from_toml(text_of(path), file=str(path))
+
+
+def text_of(path: str | Path) -> str:
+    """Return the text of a scene file.
+
+    Raises
+    ------
+    SceneError
+        It cannot be read, is too large, or is no text.
+    """
     file = str(path)
     try:
         with Path(path).open("rb") as stream:
@@ -57,7 +68,7 @@ def read_scene(path: str | Path) -> Scene:
     if len(data) > LARGEST_FILE:
         limit = LARGEST_FILE // 2**20
         raise SceneError(f"is too large: a scene file has at most {limit} MiB", file=file)
-    return scene_from_toml(text, file=file)
+    return text
 
 
 def scene_from_toml(text: str, *, file: str = "") -> Scene:
@@ -78,9 +89,7 @@ def scene_from_toml(text: str, *, file: str = "") -> Scene:
     except RecursionError:
         raise SceneError("is not a scene: its tables are nested too deeply", file=file) from None
     except ValueError as error:
-        at = re.search(r"\(at line ([0-9]+), column [0-9]+\)", str(error))
-        problem = Problem(f"is not valid TOML: {error}", line=int(at[1]) if at else 0)
-        raise SceneError.of([problem], file=file) from error
+        raise SceneError.of([toml_problem(error, text)], file=file) from error
     return _scene(tree, text, file)
 
 
@@ -158,20 +167,13 @@ def _lines(text: str, wanted: Sequence[str] = ()) -> dict[str, int]:
     lines: dict[str, int] = {}
     missing = set(wanted)
     for path, line in each_key_line(text):
-        key = _dotted(path)
+        key = dotted(path)
         lines.setdefault(key, line)
         if key in missing:
             missing.remove(key)
             if not missing:
                 break
     return lines
-
-
-def _dotted(path: tuple[str | int, ...]) -> str:
-    key = ""
-    for part in path:
-        key = f"{key}[{part}]" if isinstance(part, int) else join(key, part)
-    return key
 
 
 def _line(lines: Mapping[str, int], key: str) -> int:

@@ -2,15 +2,18 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
+from functools import partial
 from math import atan2, hypot
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, Self
 
 import msgspec
 
+from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Joint
+from kousoku.model.text import counted
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal[
@@ -73,6 +76,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         formulas of parameters.
     inputs : mapping of str to Input
         Prescribed motions; they all take their division k at the same time.
+    duration : float [s], optional
+        How long the mechanism moves unless a run says so.
     divisions : int
         Steps from the first to the last value of the inputs: rows 0 … divisions are computed.
     outputs : tuple of str
@@ -92,12 +97,13 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     sliders: Mapping[str, Slider] = {}
     bodies: Mapping[str, Body] = {}
     joints: Mapping[str, Joint] = {}
-    parameters: Mapping[str, float] = {}
+    parameters: Mapping[str, NumberOrAngle] = {}
     coordinates: Mapping[str, Coordinate] = {}
     drivers: Mapping[str, Driver] = {}
     forces: Mapping[str, Force] = {}
     gravity: Components = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
+    duration: float | None = None
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")
     method: Method = Method()
@@ -106,6 +112,18 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         for field in TABLES:
             frozen = MappingProxyType(dict(getattr(self, field)))
             msgspec.structs.force_setattr(self, field, frozen)
+
+    def __repr__(self) -> str:
+        tables = ("bodies", "joints", "drivers", "forces", "nodes", "links", "sliders", "inputs")
+        counts = {table: len(getattr(self, table)) for table in tables}
+        one = {"bodies": "body"}
+        parts = [counted(n, one.get(x, x[:-1]), x) for x, n in counts.items() if n]
+        return f"<Scene {self.name}: {', '.join(parts) or 'nothing in it'}>"
+
+    def __reduce__(self) -> tuple[partial[Self], tuple[()]]:
+        """Return what is pickled: tables as dictionaries."""
+        values = {name: getattr(self, name) for name in self.__struct_fields__}
+        return partial(type(self), **values | {name: dict(values[name]) for name in TABLES}), ()
 
     @property
     def is_spatial(self) -> bool:

@@ -16,15 +16,16 @@ import msgspec
 from kousoku.model import loads, planar, scene, spatial
 from kousoku.model.decode import LARGEST
 from kousoku.model.joints import NAMES
+from kousoku.model.loads import KEYS
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
 from kousoku.model.validate import LONGEST_TITLE, MOST_DIVISIONS, MOST_ITERATIONS
-from kousoku.model.validate_forces import KEYS
 
 LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
         "name": {"pattern": PATTERN, "maxLength": LONGEST},
         "title": {"maxLength": LONGEST_TITLE},
+        "duration": {"exclusiveMinimum": 0},
         "divisions": {"minimum": 1, "maximum": MOST_DIVISIONS},
     },
     "Link": {"length": {"exclusiveMinimum": 0}},
@@ -47,6 +48,13 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
 NUMBER = {"type": "number", "minimum": -LARGEST, "maximum": LARGEST}
 
 
+TEXTS: dict[str, dict[str, Any]] = {
+    "formula": {"type": "string"},
+    "angle": {"type": "string", "pattern": r"^[-+ 0-9.eE]*[*]? *(deg|pi)? *(/[ 0-9.eE+-]+)?$"},
+}
+"""What may stand in place of a number, by the mark of its type."""
+
+
 def _three(name: str) -> dict[str, Any]:
     item = {"$ref": f"#/$defs/{name}"}
     return {
@@ -61,7 +69,9 @@ def _three(name: str) -> dict[str, Any]:
 SHARED: dict[str, dict[str, Any]] = {
     "number": NUMBER,
     "formula": {"anyOf": [{"$ref": "#/$defs/number"}, {"type": "string"}]},
+    "number_or_angle": {"anyOf": [{"$ref": "#/$defs/number"}, TEXTS["angle"]]},
     "vector": _three("number"),
+    "turns": _three("number_or_angle"),
     "place": _three("formula"),
 }
 """What stands in many places is defined once, under these names."""
@@ -88,6 +98,7 @@ def scene_schema() -> dict[str, Any]:
         }
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "$id": "urn:kousoku:scene",
         "title": "A scene of kousoku",
     }
     found = dict(_shared(_bounded(schema)))
@@ -128,8 +139,9 @@ def _bounded(node: Any) -> Any:
         if len(choices) > 1:  # a number, or the text of a formula
             return rest | {"anyOf": _bounded(choices)}
         return _bounded(choices[0] | rest)
-    if "formula" in node:
-        return _or_formula({key: item for key, item in node.items() if key != "formula"})
+    for mark, text in TEXTS.items():
+        if node.get(mark) is True:  # a key of a record may have the same name
+            return _or_text({key: item for key, item in node.items() if key != mark}, text)
     bounded = {key: _bounded(item) for key, item in node.items() if item is not None}
     if bounded.get("type") == "number":
         bounded = NUMBER | bounded
@@ -138,12 +150,12 @@ def _bounded(node: Any) -> Any:
     return bounded
 
 
-def _or_formula(node: dict[str, Any]) -> Any:
-    """Return what a number of a design may be: within its limits, or the text of a formula."""
+def _or_text(node: dict[str, Any], text: dict[str, Any]) -> Any:
+    """Return what a number may be: within its limits, or the text of a formula or an angle."""
     told = {key: node[key] for key in ("description", "default") if key in node}
     number = {key: item for key, item in node.items() if key not in told}
     return _bounded({key: item for key, item in told.items() if item is not None}) | {
-        "anyOf": [_bounded(number), {"type": "string"}]
+        "anyOf": [_bounded(number), text]
     }
 
 

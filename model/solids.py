@@ -1,6 +1,8 @@
 """What the mass of a body is made of, as a scene describes it."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
+from typing import ClassVar
+
 import msgspec
 
 from kousoku.model.design import Design, Place
@@ -19,6 +21,8 @@ class Inertia(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     about : (3,) [unit of the scene], optional
         The point that the moments belong to, in the body frame; the centre of mass when left out.
     """
+
+    EXAMPLE: ClassVar[str] = "{ xx = 1, yy = 1, zz = 1 }"
 
     xx: Design
     yy: Design

@@ -5,7 +5,8 @@ from typing import Literal
 
 import msgspec
 
-from kousoku.model.design import Design, Place
+from kousoku.model.design import Design, NumberOrAngle, Place, Turns
+from kousoku.model.joints import keys_of
 from kousoku.model.orientation import Orientation
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
@@ -68,8 +69,8 @@ class Body(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True
     position: Vector
     orientation: Orientation | None = None
     velocity: Vector = (0.0, 0.0, 0.0)
-    angular_velocity: Vector | None = None
-    angular_velocity_b: Vector | None = None
+    angular_velocity: Turns | None = None
+    angular_velocity_b: Turns | None = None
     hold: tuple[Held, ...] = ()
     point: bool = False
     mass: Design | None = None
@@ -132,6 +133,11 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Of a linear coupling, what each is multiplied by; the sum stays what it is.
     """
 
+    @staticmethod
+    def keys_of_type(sort: str) -> tuple[str, ...]:
+        """Return the keys of a joint of a type, none where there is no such type."""
+        return keys_of(sort)
+
     type: str
     bodies: tuple[str, str] | None = None
     points: tuple[Place, Place] | None = None
@@ -191,7 +197,7 @@ class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_onl
     body: str | None = None
     point: Place | None = None
     along: Place | None = None
-    near: float | None = None
+    near: NumberOrAngle | None = None
     hold: bool = False
 
 

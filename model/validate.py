@@ -140,6 +140,8 @@ def _check_settings(scene: Scene, problems: Problems) -> None:
     if not 1 <= scene.divisions <= MOST_DIVISIONS:
         problem = f"{_short(scene.divisions)} divisions; wanted 1 to {MOST_DIVISIONS}"
         problems.add(problem, "divisions", breaks="divisions")
+    if scene.duration is not None and not scene.duration > 0:
+        problems.add(f"a duration of {scene.duration!r}; wanted seconds, above 0", "duration")
     method = scene.method
     if not 1 <= method.iterations <= MOST_ITERATIONS:
         problem = f"{_short(method.iterations)} iterations; wanted 1 to {MOST_ITERATIONS}"

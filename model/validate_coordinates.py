@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
+from kousoku.model.angles import Angle
 from kousoku.model.decode import LARGEST, join, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import ARGUMENTS
@@ -33,6 +34,13 @@ KEYS = {
 }
 """Keys of each sort of coordinate, by the one that says which it is."""
 
+TITLES = {
+    "joint": "the angle or the displacement of a joint",
+    "bodies": "the distance of two points",
+    "body": "the place of a point along a direction",
+}
+"""What each sort is, in one line."""
+
 SECOND = "_ddot"
 """What follows the name of a coordinate in the column of its accelerations."""
 
@@ -60,7 +68,8 @@ def check_coordinates(scene: Scene, problems: Problems) -> None:
 
 
 def _check_name(scene: Scene, table: str, name: str) -> None:
-    taken = {TIME: "the time", "pi": "a number"} | dict.fromkeys(ARGUMENTS, "a function")
+    taken = {TIME: "the time", "pi": "a number", "deg": "the unit of 1/180 of pi"}
+    taken |= dict.fromkeys(ARGUMENTS, "a function")
     if table == "parameters":
         taken = dict.fromkeys(LAW_NAMES, "what the tension of a spring may depend on") | taken
     key = join(table, name)
@@ -178,6 +187,8 @@ def _check_coordinate(scene: Scene, given: Coordinate, key: str) -> None:
             raise SceneError("is missing; wanted a direction in frame O", key=f"{key}.along")
         if not hypot(*given.along) >= 1 / LARGEST:
             raise SceneError("has zero length; wanted a direction", key=f"{key}.along")
+    if isinstance(given.near, Angle) and not is_angle:
+        raise SceneError("is an angle; wanted a distance", key=f"{key}.near")
     if given.near is not None and not is_angle and not given.hold:
         raise SceneError(
             "belongs to an angle, whose turns it tells apart, or to a coordinate with 'hold'; "

@@ -35,6 +35,13 @@ KEYS = {
 }
 """Keys of each sort of driver, by the one that says which it is."""
 
+TITLES = {
+    "coordinate": "a coordinate as a function of time",
+    "joint": "the angle or the displacement of a joint as a function of time",
+    "body": "a point on a path, three functions of time",
+}
+"""What each sort is, in one line."""
+
 Driven = tuple[object, ...]
 
 

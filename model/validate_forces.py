@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.decode import join, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import fixed_names, formula_problems, values_at_start
+from kousoku.model.loads import KEYS
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinate_forces import (
@@ -23,19 +24,6 @@ if TYPE_CHECKING:
     from kousoku.model.loads import Force
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
-
-KEYS = {
-    "force": ("body", "point", "force", "force_b"),
-    "torque": ("body", "torque", "torque_b"),
-    "spring_damper": ("bodies", "points", "stiffness", "damping", "tension", "free_length"),
-    "rotational_spring_damper": (
-        *("joint", "of", "coordinate", "stiffness", "damping", "moment", "free_angle"),
-    ),
-    "along": ("coordinate", "force"),
-    "friction": ("joint", "of", "damping"),
-    "bushing": ("bodies", "points", "at", "axes", "stiffness", "damping"),
-}
-"""Keys of each type."""
 
 OF_MOTION = ("force", "force_b", "torque", "torque_b")
 """Keys whose formulas may depend on the motion; the others' on what is fixed in a run."""

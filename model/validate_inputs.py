@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isfinite, isnan, tau
 from typing import TYPE_CHECKING
 
+from kousoku.model.angles import Angle
 from kousoku.model.decode import join, require_known
 from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
@@ -80,6 +81,8 @@ def _check_way(given: Input, target: str, key: str) -> None:
         raise SceneError("a slider makes no turns; wanted 'to'", key=f"{key}.turns")
     if target == "slider" and given.to is None:
         raise SceneError("is missing; wanted the last displacement", key=f"{key}.to")
+    if target == "slider":
+        _refuse_angles(given, key)
     if target != "link" and given.about is not None:
         raise SceneError("belongs to an input of a link; leave it out", key=f"{key}.about")
     numbers = {"from": given.start, "rate": given.rate, "acceleration": given.acceleration}
@@ -103,6 +106,14 @@ def _check_speed(scene: Scene, name: str) -> None:
         )
 
 
+def _refuse_angles(given: Input, key: str) -> None:
+    """Refuse angles of what slides."""
+    numbers = {"from": given.start, "rate": given.rate, "acceleration": given.acceleration}
+    for what, number in {**numbers, "to": given.to}.items():
+        if isinstance(number, Angle):
+            raise SceneError("is an angle; wanted a displacement", key=f"{key}.{what}")
+
+
 def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
     """Check that the coordinate of a joint reaches the last value, on the straight way."""
     kind = scene.joints[joint].type
@@ -115,6 +126,7 @@ def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
         )
         raise SceneError(f"{joint} is a {kind} joint, which {problem}", key=f"{key}.joint")
     if leaves[0] == "displacement":
+        _refuse_angles(given, key)
         if given.turns is not None:
             raise SceneError(
                 f"{joint} is a {kind} joint, which makes no turns; wanted 'to'", key=f"{key}.turns"

@@ -49,6 +49,16 @@ def check_planar(scene: Scene, problems: Problems) -> None:
 
 
 def _check_tables(scene: Scene, problems: Problems) -> None:
+    if not (scene.nodes or scene.links or problems.touches("nodes", "links")):
+        problem = (
+            "has no mechanism: wanted nodes and links, a planar linkage whose inputs are"
+            " prescribed, or bodies and joints, in space or in a plane; 'kousoku new' writes one to"
+            " begin with"
+        )
+        problems.add(problem, "")
+        problems.break_("nodes")
+        problems.break_("links")
+        return
     for table, wanted in (("nodes", "nodes and links"), ("links", "one link at least")):
         if not getattr(scene, table) and not problems.touches(table):
             problems.add(f"is missing; wanted {wanted}", table, breaks=table)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
+from kousoku.model.angles import Angle
 from kousoku.model.design import Formula
 from kousoku.model.scene import TABLES, Scene
 
@@ -50,7 +51,7 @@ def _value(value: object) -> str:
         return f"{{ {inner} }}"
     if isinstance(value, tuple):
         return f"[{', '.join(_value(item) for item in value)}]"
-    if isinstance(value, Formula):
+    if isinstance(value, Formula | Angle):
         return json.dumps(value.text, ensure_ascii=False)
     if isinstance(value, bool):
         return "true" if value else "false"

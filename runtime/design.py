@@ -14,7 +14,7 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.run_stop import SHOWN, key_of
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterator, Mapping
 
     import numpy.typing as npt
 
@@ -97,19 +97,8 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
         q=state[:count],
         v=state[count:],
         design=None,
-        bodies=tuple(
-            replace(one, origin_b=_given(one.origin_b, numbers), axes_b=_given(one.axes_b, numbers))
-            for one in solver.bodies
-        ),
-        reactions=tuple(
-            replace(one, point_b=_given(one.point_b, numbers)) for one in solver.reactions
-        ),
+        layout=solver.layout.at(numbers),
     )
-
-
-def _given(values: Sequence[float], numbers: Array) -> tuple[float, ...]:
-    """Return numbers; an index stands for one that depends on parameters."""
-    return tuple(float(numbers[x]) if isinstance(x, int) else x for x in values)
 
 
 def require_closed(solver: DynamicsSolver, values: Array, state: Array) -> None:
@@ -139,7 +128,7 @@ def require_closed(solver: DynamicsSolver, values: Array, state: Array) -> None:
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
         joint, unit = solver.left_out[k]
-        if sizes[k] > OPEN * (solver.length if unit == "m" else 1.0):
+        if sizes[k] > OPEN * (solver.layout.length if unit == "m" else 1.0):
             worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
     if worst:
         raise SolveError(

@@ -16,16 +16,14 @@ from kousoku.runtime.given import (
     require_callable,
     require_numbers,
     require_options,
-    require_room,
-    shown,
+    require_shape,
     times_of,
 )
-from kousoku.runtime.integrate.body_tables import BodyPlaces
+from kousoku.runtime.integrate.motion import Layout
 from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
-from kousoku.runtime.places import CoordinatePlaces, ReactionPlaces
 from kousoku.runtime.run import Run
 from kousoku.runtime.saved import SavedRun, checked
 
@@ -37,15 +35,14 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics_targets import SolverTarget
+    from kousoku.runtime.integrate.body_tables import BodyPlaces
+    from kousoku.runtime.integrate.motion import Motion
     from kousoku.runtime.integrate.state import Field
-    from kousoku.runtime.motion import Motion
 
     Array = npt.NDArray[np.float64]
 
 #: What a scene's folder tells about its bodies.
 MOTION_FILE = "motion.json"
-#: Times that a motion may have; more rows fit into no memory.
-MOST_ROWS = 10**9
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,36 +53,18 @@ class DynamicsSolver:
     ----------
     name : str
         The scene.
-    unit : float [m]
-        Its unit of length.
-    bodies : tuple of BodyPlaces
-        In the order of the scene.
+    layout : Layout
+        What stands where in a row.
     q, v : array
         Coordinates and velocities at the start.
     target : SolverTarget
         What computes.
-    length : float [m]
-        A length of the scene: corrections are compared with it, and torques weighed by it.
     rows : tuple of (str, str)
         Joint or driver of each constraint, and the unit of its residual: m or rad.
     left_out : tuple of (str, str)
         The same of constraints that depend on others and are not solved for.
     reduced : tuple of (str, str)
         The same of constraints that hold by themselves: bodies are put onto these joints.
-    checked : tuple of str
-        The joints and drivers of all of them, in the order of the scene.
-    parts : tuple of (str, int)
-        What a row has beyond time, q and v, and how many numbers.
-    reactions : tuple of ReactionPlaces
-        Where the forces of joints stand.
-    not_unique : tuple of str
-        Joints whose forces the motion does not determine.
-    is_flat : bool
-        Whether all lies in one plane, so that no force leads out of it.
-    coordinates : tuple of CoordinatePlaces
-        Where the coordinates stand that are shown.
-    works : tuple of (str, int)
-        Forces and drivers that do work that is no potential energy, and where it stands in q.
     kept : tuple of KeptPlaces
         Parts of the scene that keep some momentum.
     parameters : tuple of (str, float)
@@ -104,22 +83,13 @@ class DynamicsSolver:
     """
 
     name: str
-    unit: float
-    bodies: tuple[BodyPlaces, ...]
+    layout: Layout
     q: Array
     v: Array
     target: SolverTarget
-    length: float
     rows: tuple[tuple[str, str], ...]
     left_out: tuple[tuple[str, str], ...]
     reduced: tuple[tuple[str, str], ...]
-    checked: tuple[str, ...]
-    parts: tuple[tuple[str, int], ...]
-    reactions: tuple[ReactionPlaces, ...]
-    not_unique: tuple[str, ...]
-    is_flat: bool
-    coordinates: tuple[CoordinatePlaces, ...]
-    works: tuple[tuple[str, int], ...]
     kept: tuple[KeptPlaces, ...]
     parameters: tuple[tuple[str, float], ...]
     is_driven: bool
@@ -127,6 +97,21 @@ class DynamicsSolver:
     places: Mapping[str, tuple[int, int]]
     state: Mapping[str, Field]
     design: Design | None = None
+
+    @property
+    def unit(self) -> float:
+        """Unit of length of the scene [m]."""
+        return self.layout.unit
+
+    @property
+    def length(self) -> float:
+        """A length of the scene [m], with which corrections are compared."""
+        return self.layout.length
+
+    @property
+    def bodies(self) -> tuple[BodyPlaces, ...]:
+        """Where the bodies stand in q and v, in the order of the scene."""
+        return self.layout.bodies
 
     def method_for(self, tolerance: float) -> str:
         """Return the method that costs least for a tolerance."""
@@ -147,8 +132,9 @@ class DynamicsSolver:
 
         Parameters
         ----------
-        end : float [s]
-            The last time; ``samples`` times from 0 on are written, equally far apart.
+        end : float [s], optional
+            The last time, the duration of the scene unless given; ``samples`` times from 0 on are
+            written, equally far apart.
         times : sequence of float [s], optional
             The times to write, ascending, instead of ``end`` and ``samples``.
         samples : int
@@ -169,7 +155,10 @@ class DynamicsSolver:
         """
         require_options(self.name, options, OPTIONS, "end", "times", "samples", "progress")
         require_callable(self.name, progress)
-        return self.begin(self._times(end, times, samples), **options).finish(progress)
+        if end is None and times is None:
+            end = self.layout.duration
+        chosen = times_of(self.name, end, times, samples, self.target.row_size)
+        return self.begin(chosen, **options).finish(progress)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Return a run at time 0 that can be stopped and go on.
@@ -180,7 +169,8 @@ class DynamicsSolver:
             The times to write, ascending.
         **options
             As in :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``method``, ``step``,
-            ``largest_step``, ``checks``, ``most_steps``, ``parameters``.
+            ``largest_step``, ``checks``, ``most_steps``, ``parameters``, ``initial``, ``q0``,
+            ``v0``.
 
         Raises
         ------
@@ -189,7 +179,7 @@ class DynamicsSolver:
         """
         require_options(self.name, options, OPTIONS, "times")
         chosen = options_of(self, **options)
-        return Run(self, self._times(None, times, 0), chosen)
+        return Run(self, times_of(self.name, None, times, 0), chosen)
 
     def at(self, parameters: Mapping[str, float]) -> DynamicsSolver:
         """Return the solver with the start that the scene has with other parameters.
@@ -247,10 +237,7 @@ class DynamicsSolver:
         state = []
         for name, given, start in (("q", q, there.q), ("v", v, there.v)):
             array = numbers_of(self.name, name, start if given is None else given)
-            if array.shape != start.shape:
-                raise SolveError(
-                    f"{self.name}: {name} has the shape {array.shape}, wanted {start.shape}"
-                )
+            require_shape(self.name, name, array, start)
             state.append(array)
         work = np.zeros(self.target.work_size)
         if self.target.evaluate(float(time), state[0], state[1], values, work) != 0:
@@ -267,21 +254,6 @@ class DynamicsSolver:
         """
         found = checked(self, saved)
         return Run(self, found.times, found.options, found)
-
-    def _times(self, end: float | None, times: Any, samples: int) -> Array:
-        if (end is None) == (times is None):
-            raise SolveError(f"{self.name}: give either end or times")
-        if times is None:
-            require_numbers(self.name, end=end)
-            require_numbers(self.name, is_whole=True, samples=samples)
-            if end is None or not (0.0 < end < np.inf and 2 <= samples <= MOST_ROWS):
-                raise SolveError(
-                    f"{self.name}: end {shown(end)} with {shown(samples)} samples; wanted an end"
-                    f" above 0 and 2 to {MOST_ROWS} samples"
-                )
-            require_room(self.name, samples, self.target.row_size)
-            return np.linspace(0.0, float(end), samples)
-        return times_of(self.name, times)
 
 
 def load_dynamics(
@@ -316,22 +288,13 @@ def load_dynamics(
     data = json.loads(files[MOTION_FILE])
     return DynamicsSolver(
         name=manifest.package,
-        unit=data["unit"],
-        bodies=tuple(map(BodyPlaces.from_data, data["bodies"])),
+        layout=Layout.from_data(data),
         q=np.array(data["q"], dtype=np.float64),
         v=np.array(data["v"], dtype=np.float64),
         target=open_solver(folder, manifest, files, target),
-        length=data["length"],
         rows=tuple((joint, unit) for joint, unit in data["rows"]),
         left_out=tuple((joint, unit) for joint, unit in data["left_out"]),
         reduced=tuple((joint, unit) for joint, unit in data["reduced"]),
-        checked=tuple(data["checked"]),
-        parts=tuple((part, size) for part, size in data["parts"]),
-        reactions=tuple(map(ReactionPlaces.from_data, data["reactions"])),
-        not_unique=tuple(data["not_unique"]),
-        is_flat=data["is_flat"],
-        coordinates=tuple(map(CoordinatePlaces.from_data, data["coordinates"])),
-        works=tuple((name, place) for name, place in data["works"]),
         kept=tuple(map(KeptPlaces.from_data, data["kept"])),
         parameters=tuple((name, value) for name, value in data["parameters"]),
         is_driven=data["is_driven"],

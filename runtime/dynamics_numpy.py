@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
+from kousoku.runtime.dynamics_targets import open_same
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.library import require_digest
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-    from pathlib import Path
+    from collections.abc import Callable
 
     import numpy as np
     import numpy.typing as npt
 
-    from kousoku.model.manifest import Manifest
     from kousoku.runtime.dynamics_targets import Memory
     from kousoku.runtime.integrate.settings import Settings
     from kousoku.runtime.integrate.solver import Solver
+    from kousoku.runtime.sources import Sources
 
     Array = npt.NDArray[np.float64]
 
@@ -39,15 +40,27 @@ class NumpySolver:
 
     name = "numpy"
 
-    def __init__(self, solver: Solver) -> None:
+    def __init__(self, solver: Solver, sources: Sources) -> None:
         self.solver = solver
+        self.sources = sources
         self.state_size = solver.scene.state_size
         self.work_size = solver.scene.work_size
         self.row_size = solver.scene.row_size
 
-    def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
-        """Take a position and velocity, and project them onto the constraints."""
-        return int(self.solver.start(time, q, v, parameters, memory.state, memory.work))
+    def __reduce__(self) -> tuple[Any, ...]:
+        return open_same, (self.sources, self.name)
+
+    def starter(
+        self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
+    ) -> Callable[[], int]:
+        """Return what takes a position and velocity, and projects them onto the constraints."""
+        return partial(self.solver.start, time, q, v, parameters, memory.state, memory.work)
+
+    def runner(
+        self, settings: Settings, times: Array, memory: Memory
+    ) -> Callable[[int, Array], int]:
+        """Return what moves on by at most some steps, and writes as many rows as there are."""
+        return lambda max_steps, rows: self.run(settings, times, max_steps, memory, rows)
 
     def run(
         self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
@@ -79,22 +92,13 @@ class NumpySolver:
         return int(self.solver.pivots(memory.state, memory.work, found))
 
 
-def load_numpy(
-    folder: Path,
-    manifest: Manifest,
-    files: Mapping[str, bytes],
-    reason: Exception | None = None,
-) -> NumpySolver:
+def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver:
     """Load the solver in NumPy, and say in one line what that means.
 
     Parameters
     ----------
-    folder : Path
-        Where the files lie.
-    manifest : Manifest
-        What the folder promises.
-    files : mapping of str to bytes
-        Name and content, compared with the manifest.
+    sources : Sources
+        The files of the scene's folder.
     reason : Exception, optional
         Why there is no compiled solver.
 
@@ -103,14 +107,15 @@ def load_numpy(
     LoadError
         The module is not the manifest's.
     """
-    solver: Solver = import_source(folder, files, NUMPY_SOURCE).SOLVER
-    require_digest(folder, manifest, NUMPY_SOURCE, solver.scene.digest)
+    solver: Solver = import_source(sources.folder, sources.files, NUMPY_SOURCE).SOLVER
+    require_digest(sources.folder, sources.manifest, NUMPY_SOURCE, solver.scene.digest)
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""
         say_once(f"kousoku uses the NumPy solver{cost}: {reason}")
     elif is_slow:
         say_once(
-            f"{folder.name}: the NumPy solver takes 100 to 200 times as long as the compiled one"
+            f"{sources.folder.name}: the NumPy solver takes 100 to 200 times as long as the"
+            " compiled one"
         )
-    return NumpySolver(solver)
+    return NumpySolver(solver, sources)

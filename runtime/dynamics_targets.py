@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Protocol, get_type_hints
 
 from kousoku.runtime.choice import choose
 from kousoku.runtime.integrate.settings import Settings
+from kousoku.runtime.sources import Sources
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
     from pathlib import Path
 
     import numpy as np
@@ -49,20 +51,28 @@ class SolverTarget(Protocol):
         What computes.
     state_size, work_size, row_size : int
         Counts of numbers in a state, in the memory for work, and in a row of results.
+    sources : Sources
+        The generated files.
     """
 
     name: str
+    sources: Sources
     state_size: int
     work_size: int
     row_size: int
 
-    def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
-        """Take a position and velocity, and project them onto the constraints."""
+    def starter(
+        self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
+    ) -> Callable[[], int]:
+        """Return what takes a position and velocity, and projects them onto the constraints.
 
-    def run(
-        self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
-    ) -> int:
-        """Move on to the last of the times, and write a row for each, as many as there are."""
+        Each call takes the arrays as they are then: they are looked up once, calls cost little.
+        """
+
+    def runner(
+        self, settings: Settings, times: Array, memory: Memory
+    ) -> Callable[[int, Array], int]:
+        """Return what moves on by at most some steps, and writes as many rows as there are."""
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
         """Compute all that the scene has at a state as it is; it is left in the work."""
@@ -81,6 +91,10 @@ _TYPES: dict[type, type[ctypes.c_double | ctypes.c_int]] = {
 }
 
 
+#: What begins where an array does.
+_NOTHING = ctypes.c_char * 0
+
+
 class _Settings(ctypes.Structure):
     """The record ``settings`` of ``solver.h``, field by field as in Python."""
 
@@ -94,41 +108,55 @@ class CompiledSolver:
     ----------
     library : ctypes.CDLL
         The loaded library.
-    scene : str
-        Its functions begin with ``kousoku_<scene>``.
+    sources : Sources
+        What it was built of; its functions begin with ``kousoku_<package>``.
     """
 
     name = "c"
 
-    def __init__(self, library: ctypes.CDLL, scene: str) -> None:
+    def __init__(self, library: ctypes.CDLL, sources: Sources) -> None:
         self._library = library
-        self._prefix = f"kousoku_{scene}_"
+        self.sources = sources
+        self._prefix = f"kousoku_{sources.manifest.package}_"
         self.state_size, self.work_size, self.row_size = (
             self._function(f"{part}_size", ctypes.c_size_t)() for part in ("state", "work", "row")
         )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return open_same, (self.sources, self.name)
 
     def _function(self, name: str, result: Any = ctypes.c_int) -> Any:
         function = self._library[self._prefix + name]
         function.restype = result
         return function
 
-    def start(self, time: float, q: Array, v: Array, parameters: Array, memory: Memory) -> int:
-        """Take a position and velocity, and project them onto the constraints."""
+    def starter(
+        self, time: float, q: Array, v: Array, parameters: Array, memory: Memory
+    ) -> Callable[[], int]:
+        """Return what takes these arrays, as they are then, and projects onto the constraints."""
         arrays = map(_address, (q, v, parameters, memory.state, memory.work))
-        return int(self._function("start")(ctypes.c_double(time), *arrays))
+        return partial(self._function("start"), ctypes.c_double(time), *arrays)
 
-    def run(
-        self, settings: Settings, times: Array, max_steps: int, memory: Memory, rows: Array
-    ) -> int:
-        """Move on to the last of the times, and write a row for each, as many as there are."""
-        status = self._function("run")(
+    def runner(
+        self, settings: Settings, times: Array, memory: Memory
+    ) -> Callable[[int, Array], int]:
+        """Return what moves on by at most some steps, and writes as many rows as there are."""
+        steps, count, place = ctypes.c_size_t(), ctypes.c_size_t(), ctypes.c_void_p()
+        call = partial(
+            self._function("run"),
             ctypes.byref(_Settings(*settings)),
             _address(times),
-            *map(ctypes.c_size_t, (len(times), max_steps, len(rows))),
-            *map(_address, (memory.state, memory.work, rows)),
+            *(ctypes.c_size_t(len(times)), steps, count),
+            *(_address(memory.state), _address(memory.work), place),
             ctypes.byref(ctypes.c_size_t()),
         )
-        return int(status)
+
+        def run(max_steps: int, rows: Any) -> int:
+            steps.value, count.value = max_steps, len(rows)
+            place.value = ctypes.addressof(_NOTHING.from_buffer(rows))  # less than rows.ctypes
+            return int(call())
+
+        return run
 
     def evaluate(self, time: float, q: Array, v: Array, parameters: Array, work: Array) -> int:
         """Compute all that the scene has at a state as it is; it is left in the work."""
@@ -146,7 +174,8 @@ class CompiledSolver:
 
 
 def _address(array: Array) -> ctypes.c_void_p:
-    return ctypes.c_void_p(array.ctypes.data)
+    """Return a pointer that keeps its array alive."""
+    return array.ctypes.data_as(ctypes.c_void_p)
 
 
 def open_solver(
@@ -180,17 +209,25 @@ def open_solver(
     """
     from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE, load_numpy
 
+    sources = Sources(folder, manifest, files)
     return choose(
         target,
         folder,
         files,
-        (C_SOURCE, lambda: _compiled(manifest, files)),
-        (NUMPY_SOURCE, lambda reason: load_numpy(folder, manifest, files, reason)),
+        (C_SOURCE, lambda: _compiled(sources)),
+        (NUMPY_SOURCE, lambda reason: load_numpy(sources, reason)),
     )
 
 
-def _compiled(manifest: Manifest, files: Mapping[str, bytes]) -> SolverTarget:
+def open_same(sources: Sources, target: Target) -> SolverTarget:
+    """Open the target that another process had."""
+    folder = sources.place()
+    return open_solver(folder, sources.manifest, sources.files, target)
+
+
+def _compiled(sources: Sources) -> SolverTarget:
     from kousoku.runtime.library import compiled
     from kousoku.runtime.toolchain import find_toolchain
 
-    return CompiledSolver(compiled(manifest, files, find_toolchain())[0], manifest.package)
+    handle, _ = compiled(sources.manifest, sources.files, find_toolchain())
+    return CompiledSolver(handle, sources)

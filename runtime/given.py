@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
+from kousoku.runtime.integrate.result import shown, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -18,8 +19,10 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: Characters of a value that a message shows.
-LONGEST = 60
+__all__ = ["shown", "unknown"]
+
+#: Times that a motion may have; more rows fit into no memory.
+MOST_ROWS = 10**9
 
 
 def require_options(
@@ -46,18 +49,6 @@ def require_options(
     for name in given:
         if name not in options:
             raise SolveError(f"{scene}: {unknown('option', name, (*also, *options))}")
-
-
-def unknown(what: str, name: object, known: Sequence[str]) -> str:
-    """Say that there is no such parameter or option, and which ones there are."""
-    from difflib import get_close_matches
-
-    of = "its formulas have" if what == "parameter" else "there are"
-    if not known:
-        return f"no {what} {shown(name)}: {of} none"
-    near = get_close_matches(str(name), known, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"no {what} {shown(name)}: {of} {', '.join(known)}{hint}"
 
 
 def folder_of(given: object) -> Path:
@@ -159,19 +150,44 @@ def _memory() -> float:
         return float("inf")
 
 
-def times_of(scene: str, given: object) -> Array:
-    """Return the times that are asked for as an array.
+def times_of(scene: str, end: object, times: object, samples: object, size: int = 0) -> Array:
+    """Return the times of a motion: those that are given, or samples from 0 to an end.
 
     Raises
     ------
     SolveError
-        They are not one row of finite numbers that ascend from 0 or later.
+        Both are given, or neither; or they are not possible, or have no room in rows of a size.
     """
-    times = numbers_of(scene, "times", given)
-    is_good = times.ndim == 1 and times.size and bool(np.isfinite(times).all())
-    if not is_good or times[0] < 0.0 or bool((np.diff(times) < 0.0).any()):
+    if (end is None) == (times is None):
+        raise SolveError(f"{scene}: give either end or times")
+    if times is None:
+        require_numbers(scene, end=end)
+        require_numbers(scene, is_whole=True, samples=samples)
+        last, count = cast(float, end), cast(int, samples)
+        if not (0.0 < last < np.inf and 2 <= count <= MOST_ROWS):
+            raise SolveError(
+                f"{scene}: end {shown(end)} with {shown(samples)} samples; wanted an end"
+                f" above 0 and 2 to {MOST_ROWS} samples"
+            )
+        require_room(scene, count, size)
+        return np.linspace(0.0, float(last), count)
+    chosen = numbers_of(scene, "times", times)
+    is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
+    if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
         raise SolveError(f"{scene}: times must ascend from 0 or later, one row of numbers")
-    return times
+    return chosen
+
+
+def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
+    """Refuse an array that has too many or too few numbers.
+
+    Raises
+    ------
+    SolveError
+        The message says which shape is wanted.
+    """
+    if given.shape != wanted.shape:
+        raise SolveError(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
 
 
 def require_callable(scene: str, progress: object) -> None:
@@ -192,12 +208,3 @@ def _is_double(value: Any) -> bool:
     except OverflowError:
         return False
     return True
-
-
-def shown(value: object) -> str:
-    """Return a value as a message shows it: in one line that is not too long."""
-    try:
-        text = " ".join(repr(value).split())
-    except ValueError:  # a whole number of thousands of digits
-        text = "a number of very many digits"
-    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import types
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -16,6 +16,7 @@ from kousoku.runtime.choice import choose
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.notice import say_once
+from kousoku.runtime.sources import Sources
 from kousoku.runtime.targets import CTarget, NumpyTarget, lane_width, open_library
 
 if TYPE_CHECKING:
@@ -53,6 +54,8 @@ class Library:
         The shared library, None for NumPy.
     damage : str
         What was wrong with the library that lay in the cache before; ``""`` if nothing was.
+    files : mapping of str to bytes
+        Name and content of the files: pickled, the library takes them along.
     """
 
     folder: Path
@@ -61,6 +64,7 @@ class Library:
     kernels: Mapping[str, Kernel]
     path: Path | None = None
     damage: str = ""
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     _handle: ctypes.CDLL | None = None
 
     def __getitem__(self, name: str) -> Kernel:
@@ -85,8 +89,8 @@ class Library:
         return [*object.__dir__(self), *self.kernels]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Function pointers do not travel; the other side loads the folder itself.
-        return load_same, (self.folder, self.target)
+        # Function pointers do not travel; the other side loads the sources itself.
+        return load_same, (Sources(self.folder, self.manifest, self.files), self.target)
 
     def function(self, name: str) -> Any:
         """Return any function that the shared library exports, as a ctypes function pointer.
@@ -142,9 +146,9 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     )
 
 
-def load_same(folder: Path, target: Literal["c", "numpy"]) -> Library:
+def load_same(sources: Sources, target: Literal["c", "numpy"]) -> Library:
     """Load a package with the target that another process had."""
-    return load(folder, target=target)
+    return load(sources.place(), target=target)
 
 
 def read_manifest(folder: Path) -> Manifest:
@@ -234,7 +238,7 @@ def _load_numpy(
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)
         target = NumpyTarget(getattr(module, k.name), k)
         kernels[k.name] = Kernel(k, signature, target, target.call)
-    return Library(folder, manifest, "numpy", types.MappingProxyType(kernels))
+    return Library(folder, manifest, "numpy", types.MappingProxyType(kernels), files=files)
 
 
 def c_sources(files: Mapping[str, bytes]) -> tuple[tuple[str, bytes], ...]:
@@ -271,7 +275,14 @@ def _load_c(folder: Path, manifest: Manifest, files: dict[str, bytes]) -> Librar
         target = CTarget(handle, f"kousoku_{manifest.package}_{k.name}", k, width)
         kernels[k.name] = Kernel(k, signature, target, _fast_call(plan, target, signature))
     return Library(
-        folder, manifest, "c", types.MappingProxyType(kernels), built.path, built.damage, handle
+        folder,
+        manifest,
+        "c",
+        types.MappingProxyType(kernels),
+        built.path,
+        built.damage,
+        files,
+        handle,
     )
 
 

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
-from types import MappingProxyType
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
-from kousoku.runtime.given import require_numbers, require_options, shown
+from kousoku.runtime.given import require_numbers, require_options, shown, times_of
 from kousoku.runtime.importing import import_source
-from kousoku.runtime.kinematics.rows import METHODS, empty_rows
+from kousoku.runtime.kinematics.rows import empty_rows
 from kousoku.runtime.kinematics.status import Status
+from kousoku.runtime.kinematics.trajectory import Trajectory, trajectory_of
 from kousoku.runtime.library import Library, load, read_files
-from kousoku.runtime.linkage_trajectory import Trajectory
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping
+    from collections.abc import Iterable, Mapping, Sequence
     from pathlib import Path
     from types import ModuleType
 
@@ -41,6 +40,7 @@ ADVICE = {
     Status.DEAD_CENTRE: "shorten the way of the input, or drive another link",
     Status.LIMIT_TOO_SMALL: "give a larger residual limit",
     Status.NOT_FINITE: "check lengths, positions and inputs",
+    Status.TOO_FAR: "ask for more rows between",
 }
 #: Divisions that are counted without rounding.
 MOST_ROWS = 2**53
@@ -60,6 +60,9 @@ class LinkageSolver:
 
     library: Library
     module: ModuleType
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return solver_of, (self.library,)
 
     @property
     def mechanism(self) -> Mechanism:
@@ -99,7 +102,47 @@ class LinkageSolver:
         SolveError
             An option is not possible, or a residual limit is below rounding.
         """
-        run, rows = self._rows(options)
+        return self._moved(options)
+
+    def simulate(
+        self,
+        end: float | None = None,
+        *,
+        times: Sequence[float] | npt.NDArray[np.float64] | None = None,
+        samples: int = 1001,
+        method: Literal["newton", "paper"] | None = None,
+        limit: float | None = None,
+    ) -> Trajectory:
+        """Return the motion in time, with all inputs at from + rate t + ½ acceleration t².
+
+        Where :meth:`solve` keeps the divisions and one rate at all of them, here the rates grow
+        with the accelerations, and inputs go on by their laws until the end, also beyond ``to``
+        and ``turns``. Between times they go at most a division of the scene in one step, and halt
+        where they turn back, so that no dead centre on the way is passed over.
+
+        Parameters
+        ----------
+        end : float [s]
+            The last time; ``samples`` times from 0 on are written, equally far apart.
+        times : sequence of float [s], optional
+            The times to write, ascending, instead of ``end`` and ``samples``.
+        samples : int
+            How many times.
+        method, limit
+            As of :meth:`solve`.
+
+        Raises
+        ------
+        AssemblyError, MotionError, SolveError
+            As of :meth:`solve`.
+        """
+        chosen = times_of(self.library.manifest.package, end, times, samples)
+        return self._moved({"method": method, "limit": limit}, chosen)
+
+    def _moved(
+        self, options: dict[str, Any], times: npt.NDArray[np.float64] | None = None
+    ) -> Trajectory:
+        run, rows = self._rows(options, times)
         good = self._trajectory(run, rows)
         if rows.status != Status.GOOD:
             raise self._error(run, rows, good)
@@ -123,12 +166,16 @@ class LinkageSolver:
         rows: Rows = self.module.solve(self.library, run)
         return rows
 
-    def _rows(self, options: dict[str, Any]) -> tuple[Run, Rows]:
+    def _rows(
+        self, options: dict[str, Any], times: npt.NDArray[np.float64] | None
+    ) -> tuple[Run, Rows]:
         self._check(options)
         try:
             run = self.request(**options)
         except (ValueError, TypeError) as error:
             raise SolveError(f"{self.library.manifest.package}: {error}") from None
+        if times is not None:
+            run = replace(run, times=times, rows=len(times))
         try:
             if run.first + run.rows > MOST_ROWS:
                 raise MemoryError
@@ -152,14 +199,7 @@ class LinkageSolver:
         """Run the whole turn in one call of the compiled library."""
         prefix = f"kousoku_{self.library.manifest.package}"
         rows = empty_rows(self.mechanism, run.rows)
-        record = _run_type(len(self.mechanism.inputs))()
-        for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
-            setattr(record, name, getattr(run, name))
-        for name in ("origin", "span", "turns", "rate", "rate_dot"):
-            getattr(record, name)[:] = getattr(run, name)
-        for name in (*RESULTS, *ANGLES, "iterations", "residual"):
-            array = getattr(rows, name)
-            setattr(record, name, array.ctypes.data if array.size else None)
+        record = record_of(run, rows)
         sizes = [self._size(f"{prefix}_{name}_size") for name in ("run", "workspace")]
         if sizes[0] != ctypes.sizeof(record):
             raise LoadError(f"{self.library.path}: its run is not as in this version of kousoku")
@@ -178,28 +218,8 @@ class LinkageSolver:
 
     def _trajectory(self, run: Run, rows: Rows) -> Trajectory:
         """Return the good rows."""
-        mechanism, n = self.mechanism, rows.done
-        wanted, nodes = mechanism.outputs, mechanism.nodes
-        links = [link.name for link in mechanism.links] if mechanism.wants_angles else []
-        return Trajectory(
-            name=self.library.manifest.package,
-            unit=mechanism.unit,
-            method=METHODS[run.method],
-            divisions=run.divisions,
-            inputs=_by_name([given.name for given in mechanism.inputs], rows.alpha[:n]),
-            positions=_by_name(nodes, rows.position[:n]),
-            velocities=_by_name(nodes if "velocities" in wanted else (), rows.velocity[:n]),
-            accelerations=_by_name(
-                nodes if "accelerations" in wanted else (), rows.acceleration[:n]
-            ),
-            angles=_by_name(links, rows.angle[:n]),
-            angular_velocities=_by_name(links, rows.angle_dot[:n]),
-            angular_accelerations=_by_name(links, rows.angle_ddot[:n]),
-            iterations=rows.iterations[:n],
-            residual=rows.residual[:n],
-            links=mechanism.links,
-            target=self.target,
-        )
+        name = self.library.manifest.package
+        return trajectory_of(self.mechanism, run, rows, name=name, target=self.target)
 
     def _error(self, run: Run, rows: Rows, good: Trajectory) -> SolveError:
         """Say what went wrong, where, and what to do."""
@@ -290,10 +310,19 @@ def solve(
     return load_scene(folder, target=target).solve(**options)
 
 
-def _by_name(names: Iterable[str], rows: npt.NDArray[np.float64]) -> Mapping[str, Any]:
-    """Return the columns of ``rows`` by name, which nobody can write to."""
-    rows.flags.writeable = False
-    return MappingProxyType({name: rows[:, k] for k, name in enumerate(names)})
+def record_of(run: Run, rows: Rows) -> Any:
+    """Return the record of ``kernels.h`` that asks for a run and points at room for its rows."""
+    record = _run_type(len(run.origin))()
+    for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
+        setattr(record, name, getattr(run, name))
+    for name in ("origin", "span", "turns", "rate", "rate_dot"):
+        getattr(record, name)[:] = getattr(run, name)
+    if run.times is not None:
+        record.times = run.times.ctypes.data
+    for name in (*RESULTS, *ANGLES, "iterations", "residual"):
+        array = getattr(rows, name)
+        setattr(record, name, array.ctypes.data if array.size else None)
+    return record
 
 
 def _run_type(inputs: int) -> type[ctypes.Structure]:
@@ -313,6 +342,7 @@ def _run_type(inputs: int) -> type[ctypes.Structure]:
             ("turns", whole * inputs),
             ("rate", numbers),
             ("rate_dot", numbers),
+            ("times", ctypes.c_void_p),
             *((name, ctypes.c_void_p) for name in (*RESULTS, *ANGLES)),
             ("iterations", ctypes.c_void_p),
             ("residual", ctypes.c_void_p),

@@ -5,16 +5,23 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.given import require_numbers, shown, unknown
+from kousoku.runtime.initial import Initial, initial_of
 from kousoku.runtime.integrate.settings import Settings
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy.typing as npt
+
     from kousoku.runtime.dynamics import DynamicsSolver
+
+    Array = npt.NDArray[np.float64]
 
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
@@ -23,9 +30,27 @@ RUNGE_KUTTA = ("dopri5", "dop853")
 #: In the order of the solver's text; the last one is there only where drivers determine the motion.
 METHODS = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run.
-OPTIONS = ("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters")
+OPTIONS = (
+    *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
+    *("initial", "q0", "v0"),
+)
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
+
+
+class RunOptions(TypedDict, total=False):
+    """What a run may be told, as :func:`options_of` takes it."""
+
+    tolerance: float
+    method: Literal["dopri5", "dop853", "kinematics"] | None
+    step: float | None
+    largest_step: float
+    checks: bool
+    most_steps: int
+    parameters: Mapping[str, float] | None
+    initial: Mapping[str, float | str] | None
+    q0: Sequence[float] | None
+    v0: Sequence[float] | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +73,8 @@ class Options:
         A run that needs more is stopped.
     parameters : tuple of (str, float)
         All of the scene, in its order.
+    initial : Initial
+        Where the run starts, if not where the scene does.
     """
 
     tolerance: float
@@ -57,6 +84,7 @@ class Options:
     method: str
     most_steps: int
     parameters: tuple[tuple[str, float], ...]
+    initial: Initial
 
     def settings(self) -> Settings:
         """Return what a solver takes."""
@@ -75,6 +103,9 @@ def options_of(
     checks: bool = True,
     most_steps: int = MOST_STEPS,
     parameters: Mapping[str, float] | None = None,
+    initial: Mapping[str, float | str] | None = None,
+    q0: Sequence[float] | Array | None = None,
+    v0: Sequence[float] | Array | None = None,
 ) -> Options:
     """Return the options of a run.
 
@@ -98,6 +129,12 @@ def options_of(
         A run that needs more is stopped.
     parameters : mapping of str to float, optional
         Values of parameters of the scene; those that are left out keep what the scene says.
+    initial : mapping of str to float or str, optional
+        Values at the start of coordinates, and of their rates as ``theta_dot``, in the unit of the
+        scene; angles may be texts such as ``"30 deg"``. The scene is led there.
+    q0, v0 : sequence of float, optional
+        Instead of them position and velocity of all bodies, in the scene's order and unit: r of the
+        body frame's origin and its Euler parameters; its velocity and ω′. Points have three each.
 
     Raises
     ------
@@ -123,7 +160,8 @@ def options_of(
         )
     values = with_values(solver, parameters)
     numbers = float(tolerance), float(largest_step), step
-    return Options(*numbers, bool(checks), name, int(most_steps), values)
+    started = initial_of(solver, initial, q0, v0)
+    return Options(*numbers, bool(checks), name, int(most_steps), values, started)
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:

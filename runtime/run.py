@@ -3,54 +3,52 @@
 from __future__ import annotations
 
 import sys
-import time
 from dataclasses import replace
-from types import MappingProxyType
-from typing import TYPE_CHECKING
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import require_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.given import require_callable, require_numbers, require_room
-from kousoku.runtime.integrate.settings import (
-    BAD_ARGUMENT,
-    BUFFER_FULL,
-    GOOD,
-    NOT_ASSEMBLED,
-    NOT_PROJECTED,
-    PAUSED,
-    STEP_TOO_SMALL,
-    WRONG_STATE,
+from kousoku.runtime.given import (
+    numbers_of,
+    require_callable,
+    require_numbers,
+    require_room,
+    require_shape,
 )
-from kousoku.runtime.motion import motion_of
-from kousoku.runtime.options import KINEMATICS
+from kousoku.runtime.initial import Initial, started_at
+from kousoku.runtime.integrate.motion import Motion
+from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
-from kousoku.runtime.run_stop import joints_at_stop, joints_of_bodies
+from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
 from kousoku.runtime.saved import SavedRun
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping, Sequence
 
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
-    from kousoku.runtime.motion import Motion
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
 
-MESSAGES = {
-    STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is too"
-    " fast, or the tolerance is too tight for doubles",
-    NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
+MESSAGES: dict[int, str] = {
+    Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
+    " too fast, or the tolerance is too tight for doubles",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
     " dependent; steps of other lengths may pass such a place",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not determine the"
-    " motion there, or a formula of a force has no finite value there",
-    BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
-    WRONG_STATE: "the state belongs to another solver, or was damaged",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
+    " determine the motion there, or a formula of a force has no finite value there",
+    Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
+    Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
+#: What a run that is not over goes on after.
+GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
 #: Instead of the first of them, where drivers determine the motion.
 NO_FURTHER = (
     "no step can be taken: drivers lead no further, as at a dead centre, or the motion is not"
@@ -63,15 +61,15 @@ PULSE = 0.1
 
 
 class Interrupted(KeyboardInterrupt):
-    """The user stopped a run; ``motion`` has what was computed, ``run`` can go on.
+    """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
 
     It is a ``KeyboardInterrupt``: a script stops, unless it asks for it.
     """
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        self.motion = run.motion()
-        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.motion)} rows")
+        self.result = run.motion()
+        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.result)} rows")
 
 
 class Run:
@@ -89,46 +87,125 @@ class Run:
         Go on from there; what :func:`kousoku.runtime.saved.checked` returned.
     """
 
+    #: What moves, where kousoku loaded it; results pass it on.
+    mechanism: Any = None
+
     def __init__(
         self, solver: DynamicsSolver, times: Array, options: Options, saved: SavedRun | None = None
     ) -> None:
         self.solver = solver
         self.times = times
         self.options = options
+        self.seconds = {"start": 0.0, "run": 0.0}
+        self._status: int = Status.PAUSED
+        target = solver.target
         self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
         self._there = with_parameters(solver, self._values)
-        self.seconds = {"start": 0.0, "run": 0.0}
-        self._status = PAUSED
-        target = solver.target
-        require_room(solver.name, len(times), target.row_size)
-        try:
-            self._rows = np.empty((len(times), target.row_size))
-        except MemoryError:
-            raise SolveError(
-                f"{solver.name}: no room for {len(times)} rows of {target.row_size} numbers; ask"
-                " for fewer times"
-            ) from None
+        self._q, self._v = self._there.q.copy(), self._there.v.copy()
+        self._rows = self._room()
+        self._is_shown, self._is_elsewhere = False, any(options.initial)
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
+        self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
+        self._go = target.runner(options.settings(), times, self._memory)
+        self._places = {name: solver.state[name].place for name in ("time", "next_row", "steps")}
+        self._pace = STEPS
         if saved is None:
             self._start()
         else:
-            if target.pivots(self._memory, self._scratch()) == WRONG_STATE:
-                raise SolveError(f"{solver.name}: {MESSAGES[WRONG_STATE]}, or is not started")
+            if target.pivots(self._memory, self._scratch()) == Status.WRONG_STATE:
+                raise SolveError(
+                    f"{solver.name}: {MESSAGES[Status.WRONG_STATE]}, or is not started"
+                )
             self._rows[: len(saved.rows)] = saved.rows
 
+    def __repr__(self) -> str:
+        rows = f"{self.written} of {len(self.times)} rows"
+        return f"<Run of {self.solver.name}: at {self.time:.6g} s, {self.steps} steps, {rows}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        given = (self.solver, self.times, self.options, self.save())
+        return type(self), given, (self._q, self._v, self._is_elsewhere, self.mechanism)
+
+    def __setstate__(self, start: tuple[Array, Array, bool, Any]) -> None:
+        self._q[:], self._v[:], self._is_elsewhere, self.mechanism = start
+
+    def restart(
+        self,
+        parameters: Mapping[str, float] | None = None,
+        q: Sequence[float] | Array | None = None,
+        v: Sequence[float] | Array | None = None,
+    ) -> Run:
+        """Start over at time 0 with the same times and options, in the same memory.
+
+        It costs a few microseconds beyond the solver's own work: arguments are not looked up again.
+        Results that were taken before stay as they are.
+
+        Parameters
+        ----------
+        parameters : mapping of str to float, optional
+            Those that are not as in the scene; as before unless given.
+        q, v : array, optional
+            Where to begin, as in ``solver.q`` and ``solver.v``, in SI units; as before unless
+            given, or as the scene has it with new parameters. They are projected onto the
+            constraints.
+
+        Raises
+        ------
+        SolveError
+            A number is not possible, or the start is not.
+        """
+        if parameters is not None:
+            options = replace(self.options, parameters=with_values(self.solver, parameters))
+            values = np.array([value for _, value in options.parameters])
+            self._there, self.options = with_parameters(self.solver, values), options
+            self._values[:] = values
+            self._q[:], self._v[:] = self._there.q, self._there.v
+            self._is_elsewhere = any(options.initial)
+        if q is not None or v is not None:
+            self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
+        for name, own, given in (("q", self._q, q), ("v", self._v, v)):
+            if given is not None:
+                array = numbers_of(self.solver.name, name, given)
+                require_shape(self.solver.name, name, array, own)
+                own[:] = array
+        if self._is_shown:
+            self._rows, self._is_shown = self._room(), False
+        self.seconds["run"] = 0.0
+        self._status = Status.PAUSED
+        self._start()
+        return self
+
+    def _room(self) -> Array:
+        """Return room for all rows."""
+        size = self.solver.target.row_size
+        require_room(self.solver.name, len(self.times), size)
+        try:
+            return np.empty((len(self.times), size))
+        except MemoryError:
+            raise SolveError(
+                f"{self.solver.name}: no room for {len(self.times)} rows of {size} numbers; ask"
+                " for fewer times"
+            ) from None
+
     def _start(self) -> None:
-        begin = time.perf_counter()
-        given = (self._there.q, self._there.v, self._values)
-        status = self.solver.target.start(0.0, *given, self._memory)
-        self.seconds["start"] = time.perf_counter() - begin
-        if status != GOOD:
+        begin = perf_counter()
+        status = self._begin()
+        if status == Status.GOOD and self._is_elsewhere:
+            y = self.solver.state["y"].view(self.state)
+            led = started_at(self._there, self.options.initial, self._values, y)
+            self._q[:], self._v[:] = led
+            self._is_elsewhere = False  # to start over leads nowhere again
+            status = self._begin()
+        self.seconds["start"] = perf_counter() - begin
+        if status != Status.GOOD:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{self._where()}")
-        require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
+        if self.solver.design is not None:
+            require_closed(self.solver, self._values, self.solver.state["y"].view(self.state))
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
-        if status != NOT_ASSEMBLED or self.solver.design is None:
+        if status != Status.NOT_ASSEMBLED or self.solver.design is None:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
@@ -144,21 +221,17 @@ class Run:
     @property
     def time(self) -> float:
         """The time reached [s]: rows up to it are written, or will be in the next call."""
-        return self._number("time")
+        return self.state.item(self._places["time"])
 
     @property
     def written(self) -> int:
         """How many rows are written."""
-        return int(self._number("next_row"))
+        return int(self.state.item(self._places["next_row"]))
 
     @property
     def steps(self) -> int:
         """How many steps were made."""
-        return int(self._number("steps"))
-
-    def _number(self, name: str) -> float:
-        """Return a number of the state."""
-        return float(self.solver.state[name].view(self.state))
+        return int(self.state.item(self._places["steps"]))
 
     def advance(self, max_steps: int = STEPS, max_rows: int = BUFFER) -> int:
         """Go on for some steps and rows; return 0 at the end, else why it returned.
@@ -168,7 +241,7 @@ class Run:
         Returns
         -------
         int
-            ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
+            A `Status`: ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
 
         Raises
         ------
@@ -177,13 +250,12 @@ class Run:
         """
         counts = {"max_steps": max_steps, "max_rows": max_rows}
         require_numbers(self.solver.name, is_whole=True, least=1, **counts)
-        begin = time.perf_counter()
-        settings = self.options.settings()
-        place = self._rows[self.written :]
-        self._status = self.solver.target.run(
-            settings, self.times, min(max_steps, sys.maxsize), self._memory, place[:max_rows]
-        )
-        self.seconds["run"] += time.perf_counter() - begin
+        return self._advance(min(max_steps, sys.maxsize), max_rows)
+
+    def _advance(self, max_steps: int, max_rows: int) -> int:
+        begin, first = perf_counter(), self.written
+        self._status = self._go(max_steps, self._rows[first : first + max_rows])
+        self.seconds["run"] += perf_counter() - begin
         return self._status
 
     def finish(self, progress: Callable[[float, float], object] | None = None) -> Motion:
@@ -202,18 +274,17 @@ class Run:
             The user stopped it; so has the interrupt.
         """
         require_callable(self.solver.name, progress)
-        steps = STEPS
         try:
-            while self.advance(min(steps, self._steps_left())) in (BUFFER_FULL, PAUSED):
+            while self._advance(min(self._pace, self._steps_left()), BUFFER) in GOES_ON:
                 if self._steps_left() <= 0:
                     raise MotionError(self._too_many(), self.motion())
                 pulse = self.seconds["run"] / max(self.steps, 1)
-                steps = max(1, int(PULSE / pulse)) if pulse else STEPS
+                self._pace = max(1, int(PULSE / pulse)) if pulse else STEPS
                 if progress is not None:
                     progress(self.time, float(self.times[-1]))
         except KeyboardInterrupt:
             raise Interrupted(self) from None
-        if self._status != GOOD:
+        if self._status != Status.GOOD:
             raise MotionError(self._stop(), self.motion())
         return self.motion()
 
@@ -224,18 +295,29 @@ class Run:
         return (
             f"{self.solver.name}: at t = {self.time:.9g} s: {self.steps} steps are made and"
             f" t = {self.times[-1]:.9g} s is not reached; a larger tolerance makes longer steps,"
-            " most_steps allows more of them"
+            f" most_steps allows more of them{self._jumps()}"
+        )
+
+    def _jumps(self) -> str:
+        """Name the forces that jump: around a jump no step is short enough."""
+        jumps = self.solver.layout.jumps
+        if not jumps:
+            return ""
+        more = f" and {len(jumps) - SHOWN} more" if len(jumps) > SHOWN else ""
+        return (
+            f"; the sign in {', '.join(jumps[:SHOWN])}{more} jumps, and where what it is taken of"
+            " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 
     def _stop(self) -> str:
-        is_driven = self.options.method == KINEMATICS and self._status == STEP_TOO_SMALL
+        is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
         return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"
 
     def _where(self) -> str:
         """Name the joints that are open, and those whose rows are dependent."""
         residuals, pivots = self._residuals(), self._scratch()
-        if self.solver.target.pivots(self._memory, pivots) != GOOD:
+        if self.solver.target.pivots(self._memory, pivots) != Status.GOOD:
             return ""
         text = joints_at_stop(self.solver.rows, residuals, pivots[:-1])
         return text + joints_of_bodies(
@@ -244,26 +326,22 @@ class Run:
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
-        begin = time.perf_counter()
-        solver = self.solver
-        ledger = ledger_of(
-            {name: field.view(self.state) for name, field in solver.state.items()},
-            solver.rows,
-            self.options,
-            {},
-            solver.works,
-            left_out=solver.left_out,
-            reduced=solver.reduced,
-            order=solver.checked,
-            kept=solver.kept,
-            length=solver.length,
-            is_weighed=solver.is_weighed,
-        )
-        is_complete = self.written == len(self.times)
         rows = self._rows[: self.written]
-        motion = motion_of(self._there, rows, ledger, is_complete=is_complete)
-        seconds = self.seconds | {"tables": time.perf_counter() - begin}
-        return replace(motion, ledger=replace(ledger, seconds=MappingProxyType(seconds)))
+        rows.flags.writeable = False
+        self._is_shown = True  # its rows are not written over
+        options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
+        solver = self.solver
+        motion = Motion(
+            self._there.layout,
+            rows,
+            target=solver.target.name,
+            method=options.method,
+            ledger=lambda: ledger_of(solver, state, options, seconds),
+            parameters=dict(options.parameters),
+            is_complete=len(rows) == len(self.times),
+        )
+        motion.mechanism = self.mechanism
+        return motion
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.runtime.integrate.result import Named
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_stop import SHOWN, key_of
@@ -17,7 +17,8 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from kousoku.runtime.momenta import KeptPlaces, Momentum
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
@@ -134,6 +135,9 @@ class RunLedger:
     released: tuple[str, ...]
     seconds: Mapping[str, float]
 
+    def __repr__(self) -> str:
+        return f"<RunLedger: {str(self).splitlines()[0]}; print() shows all>"
+
     def worst(self, level: str) -> tuple[float, float]:
         """Return the largest violation of all joints at a level, in metres and in radians."""
         k = LEVELS.index(level)
@@ -223,72 +227,55 @@ class RunLedger:
                 f"{self.passed} rows where rows of the constraints are dependent, the last at"
                 f" t = {self.passed_time:.6g} s: told by the states before and after, reactions NaN"
             )
-        times = ", ".join(f"{name} {seconds:.3g} s" for name, seconds in self.seconds.items())
-        return "\n".join([*lines, f"time: {times}"])
+        return "\n".join(lines)
 
 
 def ledger_of(
-    state: Mapping[str, Array],
-    rows: Sequence[tuple[str, str]],
-    options: Options,
-    seconds: Mapping[str, float],
-    works: Sequence[tuple[str, int]] = (),
-    *,
-    left_out: Sequence[tuple[str, str]] = (),
-    reduced: Sequence[tuple[str, str]] = (),
-    order: Sequence[str] = (),
-    kept: Sequence[KeptPlaces] = (),
-    length: float = 1.0,
-    is_weighed: bool = True,
+    solver: DynamicsSolver, numbers: Array, options: Options, seconds: Mapping[str, float]
 ) -> RunLedger:
-    """Return the ledger of a state.
+    """Return the ledger of a run.
 
     Parameters
     ----------
-    state : mapping of str to array
-        The fields of the state of a run.
-    rows : sequence of (str, str)
-        Joint and unit of each constraint.
+    solver : DynamicsSolver
+        What moves.
+    numbers : array
+        The state of the run.
     options : Options
         How the run is made.
     seconds : mapping of str to float
         Time that each phase took.
-    works : sequence of (str, int)
-        What does work, and where that stands in q.
-    left_out : sequence of (str, str)
-        Joint and unit of each constraint that depends on others and is not solved for.
-    reduced : sequence of (str, str)
-        Joint and unit of each constraint that holds by itself, bodies being put onto their joints.
-    order : sequence of str
-        In which joints are told; in that of their constraints unless given.
-    kept : sequence of KeptPlaces
-        Parts that keep some momentum.
-    length : float [m]
-        A length of the scene.
-    is_weighed : bool
-        Whether energies and works mean something.
     """
-    numbers = {name: float(field) for name, field in state.items() if field.ndim == 0}
-    counts = {name: int(numbers[name]) for name in COUNTS}
-    checked = [*rows, *left_out, *reduced]
-    worst, changes = state["violations"], state["momentum_errors"]
+    state = {name: field.view(numbers) for name, field in solver.state.items()}
+    single = {name: float(field) for name, field in state.items() if field.ndim == 0}
+    counts = {name: int(single[name]) for name in COUNTS}
+    layout, left_out = solver.layout, solver.left_out
+    checked = [*solver.rows, *left_out, *solver.reduced]
+    worst, first = state["violations"], len(solver.rows)
+    works: dict[str, float] = {}
+    violations: dict[str, Violation] = {}
+    if solver.is_weighed:
+        works = _works(state["y"], layout.works, options)
+    if options.checks:
+        violations = _violations(worst, checked, layout.checked)
+    changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
         tolerance=options.tolerance,
         fixed_step=options.step,
-        parameters=MappingProxyType(dict(options.parameters)),
-        drift=numbers["drift"],
-        growth=numbers["least_pivot_ratio"],
-        growth_time=numbers["least_pivot_ratio_time"],
-        passed_time=numbers["passed_time"] if numbers["passed"] else None,
-        fallback_time=numbers["fallback_time"] if numbers["fallbacks"] else None,
-        energy=numbers["energy"] if is_weighed else None,
-        energy_error=numbers["energy_error"] if options.checks and is_weighed else None,
-        works=MappingProxyType(_works(state["y"], works, options) if is_weighed else {}),
-        momenta=momenta_of(kept, changes.tolist()) if options.checks else (),
-        violations=MappingProxyType(_violations(worst, checked, order) if options.checks else {}),
-        released=_released(worst[0], len(rows), left_out, length) if options.checks else (),
-        seconds=MappingProxyType(dict(seconds)),
+        parameters=Named(dict(options.parameters)),
+        drift=single["drift"],
+        growth=single["least_pivot_ratio"],
+        growth_time=single["least_pivot_ratio_time"],
+        passed_time=single["passed_time"] if single["passed"] else None,
+        fallback_time=single["fallback_time"] if single["fallbacks"] else None,
+        energy=single["energy"] if solver.is_weighed else None,
+        energy_error=single["energy_error"] if options.checks and solver.is_weighed else None,
+        works=Named(works),
+        momenta=momenta_of(solver.kept, changes) if options.checks else (),
+        violations=Named(violations),
+        released=_released(worst[0], first, left_out, layout.length) if options.checks else (),
+        seconds=Named(seconds),
         **counts,
     )
 

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.given import numbers_of, shown, times_of
+from kousoku.runtime.initial import Initial
 from kousoku.runtime.options import METHODS, Options, options_of
 
 if TYPE_CHECKING:
@@ -53,6 +54,10 @@ class SavedRun:
     state: Array
     rows: Array
 
+    def __repr__(self) -> str:
+        last = self.times[-1] if len(self.times) else 0.0
+        return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
+
 
 def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
     """Return a saved run whose numbers fit the solver and each other.
@@ -70,7 +75,7 @@ def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
         )
     found = SavedRun(
         options=_options(solver, saved.options),
-        times=times_of(solver.name, saved.times),
+        times=times_of(solver.name, None, saved.times, 0),
         state=numbers_of(solver.name, "state", saved.state),
         rows=numbers_of(solver.name, "rows", saved.rows),
     )
@@ -83,14 +88,19 @@ def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
 def _options(solver: DynamicsSolver, given: object) -> Options:
     if not isinstance(given, Options):
         raise SolveError(f"{solver.name}: options {shown(given)}; wanted those of a saved run")
-    names = set(Options.__slots__) - {"parameters"}
+    names = set(Options.__slots__) - {"parameters", "initial"}
+    if not isinstance(given.initial, Initial):
+        raise SolveError(
+            f"{solver.name}: initial {shown(given.initial)}; wanted that of a saved run"
+        )
     try:
         parameters = dict(given.parameters)
     except (TypeError, ValueError):
         raise SolveError(
             f"{solver.name}: parameters {shown(given.parameters)}; wanted names and numbers"
         ) from None
-    return options_of(solver, **{k: getattr(given, k) for k in names}, parameters=parameters)
+    own = {name: getattr(given, name) for name in names}
+    return replace(options_of(solver, **own, parameters=parameters), initial=given.initial)
 
 
 def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:

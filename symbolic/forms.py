@@ -192,7 +192,8 @@ def collect(c: Constraint) -> Forms:
 
 def _reaction(c: Constraint, jacobian: Sequence[Matrix]) -> tuple[Matrix, ...]:
     if c.closed is None:
-        return tuple(_weighted(block, symbol(c.lam)) for block in jacobian)
+        known: dict[str, Matrix] = {}
+        return tuple(_weighted(block, symbol(c.lam), known) for block in jacobian)
     factor = symbol(c.lam)[0, 0]
     return tuple(mul(factor, transpose(block)) for block in c.closed.jacobian)
 
@@ -253,16 +254,21 @@ def _index(column: Column) -> str:
     return column.name.replace("θ", "theta")
 
 
-def _weighted(block: Matrix, lam: Matrix) -> Matrix:
-    """Return blockᵀ λ; a single multiplier is a number and goes to the vector on the right."""
+def _weighted(block: Matrix, lam: Matrix, known: dict[str, Matrix]) -> Matrix:
+    """Return blockᵀ λ; a single multiplier is a number and goes to the vector on the right.
+
+    The ``known`` names of such vectors are added to: another vector gets another name.
+    """
     if lam.shape[0] > 1 or is_zero(block):
         return mul(transpose(block), lam)
     scalar, factors = coefficient_and_factors(transpose(block))
     sign = -1 if scalar.could_extract_minus_sign() else 1
     vector = factors[-1]
     suffix = vector.name[1:] if isinstance(vector, Named) and vector.name.startswith("d_") else ""
-    weighted = Named(f"b{suffix}", mul(sign * scalar * lam[0, 0], vector))
-    return mul(sign, *factors[:-1], weighted)
+    value = mul(sign * scalar * lam[0, 0], vector)
+    names = (f"b{suffix}", *(f"b_{number}" for number in range(2, len(COLUMNS) + 2)))
+    name = next(name for name in names if known.setdefault(name, value) == value)
+    return mul(sign, *factors[:-1], Named(name, value))
 
 
 def steps(c: Constraint, forms: Forms) -> tuple[Step, ...]:

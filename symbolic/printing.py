@@ -38,7 +38,7 @@ from kousoku.symbolic.notation import Latex, Piece, Text, at_least, in_lines, in
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.symbolic.derivation import Derivation
+    from kousoku.symbolic.derivation import Derivation, Step
 
 
 class _Printer:
@@ -186,18 +186,28 @@ def print_steps(derivation: Derivation, style: Literal["text", "latex"] = "text"
         Ends in one newline.
     """
     printer = _Printer(_style(style))
-    lines = []
-    for number, step in enumerate(derivation.steps, 1):
-        left, right = printer.piece(step.left)[0], printer.piece(step.right)[0]
-        source = f" ({step.source})" if step.source else ""
-        if style == "text":
-            lines.append(f"{number:3d}. {step.rule}{source}\n       {left} = {right}")
-        else:
-            first, *more = in_lines(right)
-            lines.append(f"{left} &= {first} && \\text{{{in_text(step.rule + source)}}}")
-            lines += [f"&\\qquad {part}" for part in more]
     if style == "latex":
-        body = " \\\\\n".join(lines)
-        return f"\\begin{{align*}}\n{body}\n\\end{{align*}}\n"
+        return latex_of(derivation.steps)
+    lines = []
+    for number, step in zip(derivation.step_numbers, derivation.steps, strict=True):
+        left, right = printer.piece(step.left)[0], printer.piece(step.right)[0]
+        lines.append(f"{number:3d}. {step.rule}{_source(step)}\n       {left} = {right}")
     title = f"{derivation.title}\n{derivation.source}\n"
     return title + "\n" + "\n".join(lines) + "\n"
+
+
+def latex_of(steps: Sequence[Step]) -> str:
+    """Return steps as one ``align*`` environment, each line with its rule and equation number."""
+    printer = _Printer(STYLES["latex"])
+    lines = []
+    for step in steps:
+        left, right = printer.piece(step.left)[0], printer.piece(step.right)[0]
+        first, *more = in_lines(right)
+        lines.append(f"{left} &= {first} && \\text{{{in_text(step.rule + _source(step))}}}")
+        lines += [f"&\\qquad {part}" for part in more]
+    body = " \\\\\n".join(lines)
+    return f"\\begin{{align*}}\n{body}\n\\end{{align*}}\n"
+
+
+def _source(step: Step) -> str:
+    return f" ({step.source})" if step.source else ""

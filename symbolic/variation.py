@@ -204,10 +204,11 @@ def _of_product(x: Matrix, symbol: Matrix) -> Matrix:
     if isinstance(factor, Skew):
         right = mul(*after)
         return neg(mul(scalar, *before, skew(right), coefficient(factor.v, symbol)))
-    if tuple(x.shape) == (1, 1):
-        return coefficient(transpose(x), symbol)
-    if (number := mul(factor, *after)).shape == (1, 1):
-        return mul(scalar, *before, coefficient(transpose(number), symbol))
+    first = max((k for k in range(where[0] + 1) if factors[k].shape[0] == 1), default=-1)
+    last = min((k for k in range(where[0], len(factors)) if factors[k].shape[1] == 1), default=-1)
+    if min(first, last) >= 0 and x.shape[1] == 1:  # the number that holds it may stand at the end
+        number = transpose(mul(*factors[first : last + 1]))
+        return mul(scalar, *factors[:first], *factors[last + 1 :], coefficient(number, symbol))
     raise DerivationError(f"linear form: {symbol} cannot be brought to the right in {x}")
 
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "docs" / "joints.md").read_text(encoding="utf-8")
 SECTIONS = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## |\Z)", TEXT, re.M | re.S))
-BALL = {"mass": 1.0, "inertia": {"xx": 1.0, "yy": 1.0, "zz": 1.0}}
+BALL: dict[str, Any] = {"mass": 1.0, "inertia": {"xx": 1.0, "yy": 1.0, "zz": 1.0}}
 HEAD = """
 name = "two_bodies"
 unit = "m"
@@ -48,7 +48,7 @@ mass = 1
 def two_bodies(joint: str) -> System:
     """Return two bodies at the origin with a joint as it is drawn."""
     kind, shape = JOINTS[joint], SHAPES[joint]
-    keys: dict[str, object] = {}
+    keys: dict[str, Any] = {}
     if kind.has_point:
         keys["points"] = (shape.points[0], shape.points[-1])
     if kind.axes:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.assembly.moved import moved_by_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.bodies import thickened
@@ -19,6 +20,7 @@ from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hol
 from kousoku.codegen.dynamics.simplification.merge import merged
 from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.dynamics.simplification.weights import require_driven, weighted
+from kousoku.model.about import About
 from kousoku.model.errors import SceneError
 from kousoku.model.held import require_kept, without_held
 from kousoku.model.manifest import REFERENCE_FILE
@@ -26,7 +28,7 @@ from kousoku.model.system import system_of
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
@@ -36,6 +38,8 @@ if TYPE_CHECKING:
 
 #: What every solver has for the ledger of its runs.
 LEDGER = ("checks", "energies")
+#: Joints that a note names.
+SHOWN = 6
 #: Rows are dependent when one pivot is smaller than this part of another.
 DEPENDENT = 1e-12
 
@@ -69,9 +73,51 @@ def generate_dynamics(
         Its bodies do not fit together near the positions that it gives.
     """
     wanted = scene.outputs if outputs is None else outputs
+    made = composed(scene, wanted)
+    program, system = made.program, made.system
+    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
+    return emit_dynamics(inline(program), system, wanted, more, made.about)
+
+
+@dataclass(frozen=True, slots=True)
+class Composed:
+    """What a solver is emitted from.
+
+    Parameters
+    ----------
+    program, system : Program, System
+        What is computed, and of what.
+    degrees : int
+        Degrees of freedom.
+    about : About
+        What is told of the scene.
+    """
+
+    program: Program
+    system: System
+    degrees: int
+    about: About
+
+
+def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
+    """Return what a scene of bodies becomes before it is emitted; all that is wrong is found here.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked spatial scene.
+    wanted : sequence of str
+        What is computed.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As of :func:`generate_dynamics`.
+    """
     given = system_of(scene, wanted)
     require_kept(given)
-    found = weighted(merged(without_held(assemble(given)), wanted).system)
+    placed = assemble(given)
+    found = weighted(merged(without_held(placed), wanted).system)
     system = found.system
     program, freedom = independent(system, (*LEDGER, *wanted))
     require_driven(found, freedom, wanted)
@@ -79,8 +125,20 @@ def generate_dynamics(
         program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
     program = reduced(system, (*LEDGER, *wanted), program)
     program = replace(program, is_weighed=not found.missing)
-    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
-    return emit_dynamics(inline(program), system, wanted, more)
+    notes = (*moved_by_assembly(given, placed, scene.unit), *_of_reactions(program))
+    return Composed(program, system, freedom.degrees, About.of(scene, notes))
+
+
+def _of_reactions(program: Program) -> Iterator[str]:
+    """Yield a note on reactions that are not unique out of the plane of the motion."""
+    joints = program.unique_in_plane
+    if joints:
+        more = f" and {len(joints) - SHOWN} more" if len(joints) > SHOWN else ""
+        yield (
+            "not unique: of force and torque of "
+            f"{', '.join(f'joints.{name}' for name in joints[:SHOWN])}{more} only what"
+            " leads out of the plane; what acts in the plane is unique"
+        )
 
 
 def independent(
@@ -119,13 +177,20 @@ def with_reactions(
         What is computed.
     program, freedom : Program, Freedom
         As :func:`independent` returned them.
+
+    Returns
+    -------
+    Program
+        In a plane, joints that are named because of what leads out of it only are named apart.
     """
     if not program.is_planar:
         return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
-    if not is_flat(program, system) and (found := _in_space(system, wanted)):
-        return found
-    joints = (*freedom.not_unique, *freedom.unknown, *held_twice(fixed_system(system), program))
-    return replace(program, not_unique=tuple(dict.fromkeys(joints)))
+    in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
+    found = None if is_flat(program, system) else _in_space(system, wanted)
+    if found is None:
+        found = replace(program, not_unique=held_twice(fixed_system(system), program))
+    others = tuple(name for name in found.not_unique if name not in in_plane)
+    return replace(found, not_unique=tuple(in_plane), unique_in_plane=others)
 
 
 def _in_space(system: System, wanted: Sequence[str]) -> Program | None:

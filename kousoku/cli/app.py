@@ -8,12 +8,17 @@ from typing import Annotated
 import typer
 
 from kousoku import __version__
+from kousoku.cli.animate import animate
+from kousoku.cli.cache import cache
+from kousoku.cli.check import check
 from kousoku.cli.console import BAD_INPUT
 from kousoku.cli.derive import derive
 from kousoku.cli.explain import explain
 from kousoku.cli.generate import generate
 from kousoku.cli.ledger import ledger
 from kousoku.cli.listing import list_names
+from kousoku.cli.new import new
+from kousoku.cli.schema import schema
 from kousoku.cli.simulate import simulate
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
@@ -22,7 +27,6 @@ from kousoku.model.errors import KousokuError
 app = typer.Typer(
     name="kousoku",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
@@ -46,18 +50,23 @@ def _kousoku(
     """Derive constraint equations, emit them as NumPy and C, verify what was emitted, solve.
 
     Exit codes: 0 all is well, 1 emitted code or a proof disagrees with what was derived, 2 bad
-    input.
+    input, 3 a motion that stopped, 130 Ctrl-C.
     """
 
 
 app.command("derive")(derive)
 app.command("generate")(generate)
 app.command("verify")(verify)
+app.command("new")(new)
+app.command("check")(check)
+app.command("schema")(schema)
 app.command("explain")(explain)
 app.command("solve")(solve)
 app.command("simulate")(simulate)
+app.command("animate")(animate)
 app.command("ledger")(ledger)
 app.command("list")(list_names)
+app.command("cache")(cache)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -13,10 +13,13 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from kousoku.model.errors import DerivationError, LoadError
+from kousoku.model.text import table
 from kousoku.symbolic import KINDS, packages_of
 
-#: Exit codes: emitted code disagrees with what was derived; bad input.
-DISAGREEMENT, BAD_INPUT = 1, 2
+#: Number of the format of what ``--json`` prints, see :mod:`kousoku.cli.answers`.
+FORMAT = 1
+#: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped.
+DISAGREEMENT, BAD_INPUT, STOPPED = 1, 2, 3
 
 
 class Target(StrEnum):
@@ -34,7 +37,7 @@ def generated_folder() -> Path:
     """Return the folder of the generated packages that came with kousoku."""
     import kousoku.generated
 
-    return Path(kousoku.generated.__path__[0]).resolve()  # past the link of a checkout
+    return Path(str(kousoku.generated.__file__)).resolve().parent  # past the links of a checkout
 
 
 def checkout() -> Path | None:
@@ -79,9 +82,12 @@ def find_packages(name: str = "") -> list[Path]:
         raise LoadError(f"{name}: no such package, kind or folder; known: {names}") from None
 
 
-def print_json(data: Any) -> None:
-    """Print data for a program to read; numbers that are not finite become strings."""
-    print(json.dumps(_finite(data), indent=1, ensure_ascii=False))
+def print_json(data: Mapping[str, Any]) -> None:
+    """Print data for a program to read, with the number of its format.
+
+    Numbers that are not finite become texts.
+    """
+    print(json.dumps(_finite({"format": FORMAT, **data}), indent=1, ensure_ascii=False))
 
 
 def _finite(data: Any) -> Any:
@@ -109,17 +115,8 @@ def print_table(
     title: str = "",
     numbers: bool = False,
 ) -> None:
-    """Print a table, the same on a terminal and in a pipe; numbers stand to the right."""
-    if title:
-        typer.echo(title)
-    lines = [columns, *rows]
-    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
-    for line in lines:
-        cells = [
-            cell.rjust(width) if numbers else cell.ljust(width)
-            for cell, width in zip(line, widths, strict=True)
-        ]
-        typer.echo("  ".join(cells).rstrip())
+    """Print a table, the same on a terminal and in a pipe."""
+    typer.echo(table(columns, rows, title=title, numbers=numbers))
 
 
 def progress() -> Progress:

@@ -1,14 +1,15 @@
 """``kousoku generate``: from kinds and scenes to folders of NumPy and C."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
@@ -18,9 +19,6 @@ from kousoku.cli.console import (
     progress,
 )
 from kousoku.model.errors import EmitError
-
-if TYPE_CHECKING:
-    from kousoku.model.scene import Scene
 
 SourceTree = dict[str, str]
 
@@ -52,7 +50,10 @@ class Order:
 def generate(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Kinds and scene files; all that kousoku ships when left out."),
+        typer.Argument(
+            help="Kinds and scene files; all that kousoku ships when left out.",
+            autocompletion=files(".toml"),
+        ),
     ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; fail where a folder would change.")
@@ -68,28 +69,39 @@ def generate(
     """Derive, freeze, optimise and emit packages of NumPy and C.
 
     Without --out, a kind or scene that kousoku ships goes where it stands in a checkout, and any
-    other into the user's cache.
+    other into the user's cache. Kinds whose sources did not change are not derived again; --check
+    derives all, and says of each file that differs which input changed.
     """
     if out is None and target is not Emitted.ALL:
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
-    orders = [order for name in names or [""] for order in _orders(name, out)]
+    orders = [order for name in names or [""] for order in _orders(name, out, check)]
+    is_all = not names and out is None and checkout() is not None
     with progress() as bar:
-        trees = [_only(order.make(), target) for order in bar.track(orders, description="generate")]
+        trees = [_files(order, target) for order in bar.track(orders, description="generate")]
     if check:
-        leftovers = _leftovers() if not names and out is None else []
-        _report_check(orders, trees, leftovers, is_shipped=out is None, as_json=as_json)
+        more = [*_leftovers(), *_record_differs(orders, trees)] if is_all else []
+        _report_check(orders, trees, more, is_shipped=out is None, as_json=as_json)
         return
     from kousoku.codegen.generate import write_tree
+    from kousoku.model.cache import write_atomically
 
     rows = [
         (order.folder, write_tree(order.folder, tree))
         for order, tree in zip(orders, trees, strict=True)
     ]
+    if is_all:
+        path, text = _record(orders, trees)
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            write_atomically(path, text.encode())
     if as_json:
-        print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
+        written = [{"folder": str(folder), "changed": changed} for folder, changed in rows]
+        print_json({"packages": written})
         return
     for folder, changed in rows:
-        typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
+        if changed:
+            typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
+    same = sum(not changed for _, changed in rows)
+    typer.echo(f"{same} of {len(rows)} packages unchanged")
 
 
 def _shown(folder: Path) -> Path:
@@ -98,19 +110,19 @@ def _shown(folder: Path) -> Path:
     return folder.relative_to(here) if folder.is_relative_to(here) else folder
 
 
-def _only(tree: SourceTree, target: Emitted) -> SourceTree:
-    """Return a package without the sources of the other target, and its manifest without them."""
-    from kousoku.codegen.generate import MANIFEST_FILE
-    from kousoku.model.manifest import Manifest
+def _files(order: Order, target: Emitted) -> SourceTree:
+    """Return a package as it is written into its folder, without sources of the other target."""
+    from kousoku.codegen.generate import without
+    from kousoku.runtime.library import LANES
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
-    kept = {name: text for name, text in tree.items() if not name.endswith(left_out)}
-    manifest = Manifest.from_json(tree[MANIFEST_FILE])
-    files = tuple(file for file in manifest.files if file[0] in kept)
-    return kept | {MANIFEST_FILE: replace(manifest, files=files).to_json()}
+    tree = without(order.make(), *left_out)
+    # Of the kinds that are shipped lanes.h stands once, in the runtime beside them.
+    is_shipped = order.folder.resolve().is_relative_to(generated_folder() / "kinds")
+    return without(tree, LANES.name) if is_shipped else tree
 
 
-def _orders(name: str, out: Path | None) -> list[Order]:
+def _orders(name: str, out: Path | None, check: bool) -> list[Order]:
     """Return the packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names, package_of
@@ -123,31 +135,24 @@ def _orders(name: str, out: Path | None) -> list[Order]:
         return [_scene_order(scenes[name.removesuffix(".toml")], out)]
     packages = (package_of(name),) if name else package_names()
     kinds = _kinds_folder() if out is None else out
-    orders = [Order(kinds / package, partial(generate_kind, package)) for package in packages]
+    known = None if check else generated_folder() / "kinds"
+    orders = [Order(kinds / p, partial(generate_kind, p, known)) for p in packages]
     return orders if name else orders + [_scene_order(path, out) for path in scenes.values()]
 
 
 def _scene_order(path: Path, out: Path | None) -> Order:
     from kousoku.cli.scenes import scene_folder
-    from kousoku.codegen.dynamics.generate import generate_dynamics
-    from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.read import read_scene
+    from kousoku.loading import Given, generated, naming
 
-    scene = read_scene(path)
+    given = Given.of(path)
+    scene = given.read()
     folder = scene_folder(scene.name) if out is None else out / scene.name
-    if scene.is_spatial:
-        return Order(
-            folder, partial(_made, path, partial(generate_dynamics, references=True), scene)
-        )
-    return Order(folder, partial(_made, path, generate_scene, scene))
 
+    def make() -> SourceTree:
+        with naming(given.file):
+            return generated(scene, references=True)
 
-def _made(path: Path, make: "Callable[[Scene], SourceTree]", scene: "Scene") -> SourceTree:
-    """Return the solver of a scene; what is wrong with it is told with its file."""
-    from kousoku.cli.scenes import naming
-
-    with naming(path):
-        return make(scene)
+    return Order(folder, make)
 
 
 def _kinds_folder() -> Path:
@@ -170,7 +175,25 @@ def _leftovers() -> list[str]:
     found_kinds = sorted(generated_folder().glob("kinds/*/manifest.json"))
     left = [path.parent for path in found if path.parent.name not in scenes]
     left += [path.parent for path in found_kinds if path.parent.name not in kinds]
-    return [f"{folder} is not generated any more" for folder in left] if checkout() else []
+    return [f"{folder} is not generated any more" for folder in left]
+
+
+def _record(orders: Sequence[Order], trees: Sequence[SourceTree]) -> tuple[Path, str]:
+    """Return where it stands of which sources the kinds were derived, and what stands there."""
+    from kousoku.codegen.derived import RECORD_FILE, record_of
+
+    folder = generated_folder() / "kinds"
+    pairs = zip(orders, trees, strict=True)
+    kinds = {order.folder.name: tree for order, tree in pairs if order.folder.parent == folder}
+    return folder / RECORD_FILE, record_of(kinds)
+
+
+def _record_differs(orders: Sequence[Order], trees: Sequence[SourceTree]) -> list[str]:
+    """Return a line if the kinds were derived of other sources, also where that changed nothing."""
+    path, text = _record(orders, trees)
+    if path.is_file() and path.read_text(encoding="utf-8") == text:
+        return []
+    return [f"{path} differs; changed: sources that derive (symbolic/, codegen/) or their results"]
 
 
 def _report_check(

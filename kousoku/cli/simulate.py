@@ -1,12 +1,28 @@
-"""``kousoku simulate``: generate the solver of a scene of bodies, let it move, say what it cost."""
+"""``kousoku simulate``: load a scene, let it move in time, say what it cost."""
 
 from enum import StrEnum
-from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kousoku.cli.console import AsJson, Target
+from kousoku.cli.moving import (
+    Columns,
+    Initial,
+    Of,
+    Out,
+    Plot,
+    SceneFile,
+    Set,
+    Wish,
+    move,
+    numbers_of,
+    parameters_of,
+)
+
+if TYPE_CHECKING:
+    from kousoku.mechanism import Mechanism
+    from kousoku.runtime.integrate.result import Result
 
 
 class Method(StrEnum):
@@ -15,6 +31,8 @@ class Method(StrEnum):
     DOPRI5 = "dopri5"
     DOP853 = "dop853"
     KINEMATICS = "kinematics"
+    NEWTON = "newton"
+    PAPER = "paper"
 
 
 class Output(StrEnum):
@@ -24,59 +42,71 @@ class Output(StrEnum):
     COORDINATES = "coordinates"
     REACTIONS = "reactions"
     ENERGIES = "energies"
+    VELOCITIES = "velocities"
+    ANGLES = "angles"
 
 
 def simulate(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, *.toml.")],
+    scene_file: SceneFile,
     *,
-    end: Annotated[float, typer.Option(help="The last time, in seconds.")],
+    end: Annotated[
+        float | None,
+        typer.Option(help="The last time, in seconds; the duration of the scene when left out."),
+    ] = None,
     samples: Annotated[
         int, typer.Option(help="How many times to write, from 0 to the end.")
     ] = 1001,
-    tolerance: Annotated[float, typer.Option(help="Local error of a step, relative.")] = 1e-9,
+    tolerance: Annotated[
+        float | None, typer.Option(help="Local error of a step, relative; 1e-9 when left out.")
+    ] = None,
     method: Annotated[
         Method | None,
         typer.Option(
             help="Of order 5 or 8, by the tolerance when left out; kinematics where drivers"
-            " determine the motion."
+            " determine the motion; newton or paper for linkages of nodes."
         ),
     ] = None,
     step: Annotated[
         float | None,
         typer.Option(help="Make all steps so long, in seconds, without control of the error."),
     ] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scene, for each."),
+    largest_step: Annotated[
+        float | None, typer.Option(help="No step is longer, in seconds.")
     ] = None,
-    body: Annotated[str | None, typer.Option(help="The body to print and to draw.")] = None,
-    out: Annotated[
-        Path | None, typer.Option(help="Write all rows to a file, *.csv or *.npz.")
+    most_steps: Annotated[
+        int | None, typer.Option(help="A run that needs more steps is stopped; 1000000.")
     ] = None,
-    plot: Annotated[Path | None, typer.Option(help="Draw plots into this folder.")] = None,
+    given: Set = None,
+    initial: Initial = None,
     output: Annotated[
         list[Output] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),
     ] = None,
+    column: Columns = None,
+    of: Of = None,
+    out: Out = None,
+    plot: Plot = None,
     target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
     as_json: AsJson = False,
 ) -> None:
-    """Integrate the motion of bodies, with joints that hold to rounding.
+    """Move a mechanism in time: bodies are integrated, a linkage follows its inputs.
 
     When the motion cannot go on, or Ctrl-C is pressed, what was computed before is written; the
-    exit code is 2, or 130.
+    exit code is 3, or 130.
     """
-    from kousoku.cli.bodies import Wish, move, parameters_of
-    from kousoku.cli.scenes import read_spatial_scene
-
-    options = {
-        "end": end,
-        "samples": samples,
+    options: dict[str, Any] = {
         "tolerance": tolerance,
         "method": method.value if method else None,
         "step": step,
-        "parameters": parameters_of(given),
+        "largest_step": largest_step,
+        "most_steps": most_steps,
+        "parameters": parameters_of(given) or None,
+        "initial": numbers_of("--initial", initial) or None,
     }
+    options = {name: value for name, value in options.items() if value is not None}
+
+    def how(mechanism: "Mechanism", progress: Any) -> "Result":
+        return mechanism.simulate(end, samples=samples, progress=progress, **options)
+
     outputs = [one.value for one in output] if output else None
-    wish = Wish(scene_file, target, outputs, body, out, plot, as_json, options)
-    move(read_spatial_scene(scene_file), wish)
+    move(Wish(scene_file, target, outputs, column, of, out, plot, as_json), how)

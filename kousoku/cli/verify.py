@@ -3,12 +3,13 @@
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
@@ -31,7 +32,10 @@ SHOWN = 4
 def verify(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Packages, kinds, folders or scene files; all when left out."),
+        typer.Argument(
+            help="Packages, kinds, folders or scene files; all when left out.",
+            autocompletion=files(".toml"),
+        ),
     ] = None,
     target: Annotated[
         Target, typer.Option(help="What to check: all that this machine can run, or one target.")
@@ -41,8 +45,9 @@ def verify(
     """Check that emitted code computes what was derived, within 4 units of rounding."""
     from kousoku.runtime.report import LIMIT
 
-    folders = [folder for name in names or [""] for folder in _folders(name)]
-    reports = verify_all(folders, target.value)
+    with ExitStack() as stack:
+        folders = [folder for name in names or [""] for folder in _folders(name, stack)]
+        reports = verify_all(folders, target.value)
     if as_json:
         ok = all(report.ok for report in reports)
         packages = [report.to_dict() for report in reports]
@@ -55,7 +60,7 @@ def verify(
         raise typer.Exit(DISAGREEMENT)
 
 
-def _folders(name: str) -> list[Path]:
+def _folders(name: str, stack: ExitStack) -> list[Path]:
     """Return the folders that a name stands for; that of a scene file is generated.
 
     Raises
@@ -63,8 +68,10 @@ def _folders(name: str) -> list[Path]:
     LoadError
         There is no such package, scene or folder.
     """
+    from kousoku.loading import Given, solver_folder
+
     if name.endswith(".toml"):
-        return [_generated(Path(name))]
+        return [stack.enter_context(solver_folder(Given.of(name), references=True))]
     try:
         return find_packages(name)
     except LoadError:
@@ -72,27 +79,7 @@ def _folders(name: str) -> list[Path]:
         scene = None if root is None else root / "scenes" / f"{name}.toml"
         if scene is None or not scene.is_file():
             raise
-        return [_generated(scene)]
-
-
-def _generated(scene_file: Path) -> Path:
-    """Return the folder of a scene's solver with reference values, in the user's cache."""
-    from kousoku.cli.scenes import naming
-    from kousoku.codegen.dynamics.generate import generate_dynamics
-    from kousoku.codegen.generate import MANIFEST_FILE, write_tree
-    from kousoku.codegen.linkage import generate_scene
-    from kousoku.model.cache import cache_folder
-    from kousoku.model.manifest import Manifest
-    from kousoku.model.read import read_scene
-
-    scene = read_scene(scene_file)
-    make = partial(generate_dynamics, references=True) if scene.is_spatial else generate_scene
-    with naming(scene_file):
-        tree = make(scene)
-    digest = Manifest.from_json(tree[MANIFEST_FILE]).digest
-    folder = cache_folder() / "verified" / digest[:32] / scene.name
-    write_tree(folder, tree)
-    return folder
+        return [stack.enter_context(solver_folder(Given.of(scene), references=True))]
 
 
 def verify_all(

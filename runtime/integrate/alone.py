@@ -1,24 +1,17 @@
-"""A run of a generated folder, with NumPy and nothing else."""
+"""Runs of a generated folder where kousoku is not installed, with NumPy and nothing else."""
 
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .body_tables import BodyPlaces, body_tables
 from .methods import METHODS
+from .motion import Layout, Motion
+from .result import unknown
 from .scene import state_of
-from .settings import (
-    BAD_ARGUMENT,
-    GOOD,
-    NOT_ASSEMBLED,
-    NOT_PROJECTED,
-    PAUSED,
-    STEP_TOO_SMALL,
-    Settings,
-)
+from .settings import Settings, Status
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -30,65 +23,18 @@ if TYPE_CHECKING:
     from .solver import Solver
 
     Array: TypeAlias = npt.NDArray[np.float64]
-    Table: TypeAlias = dict[str, Array]
 
-MESSAGES = {
-    PAUSED: "most_steps are made",
-    STEP_TOO_SMALL: "no step can be taken",
-    NOT_PROJECTED: "the constraints cannot be met inside of a step",
-    NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
-    BAD_ARGUMENT: "an argument is out of range, or a time is",
+MESSAGES: dict[int, str] = {
+    Status.PAUSED: "most_steps are made",
+    Status.STEP_TOO_SMALL: "no step can be taken",
+    Status.NOT_PROJECTED: "the constraints cannot be met inside of a step",
+    Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints",
+    Status.BAD_ARGUMENT: "an argument is out of range, or a time is",
 }
 
 
-class Motion(NamedTuple):
-    """What :func:`simulate` gives.
-
-    Parameters
-    ----------
-    unit : float [m]
-        The unit of lengths.
-    method : str
-        How it was integrated.
-    time : (n,) array [s]
-        The times.
-    position, velocity, acceleration : dict of str to (n, 3) array
-        Of the origin of each body's frame, in frame O; accelerations where they are wanted.
-    orientation : dict of str to (n, 4) array
-        Euler parameters of each body that turns, scalar first.
-    angular_velocity, angular_acceleration : dict of str to (n, 3) array
-        Components in the frame of the body [rad/s, rad/s²].
-    parts : dict of str to (n, ·) array
-        What else is wanted, as it stands in the rows of the solver, in SI units.
-    """
-
-    unit: float
-    method: str
-    time: Array
-    position: Table
-    orientation: Table
-    velocity: Table
-    angular_velocity: Table
-    acceleration: Table
-    angular_acceleration: Table
-    parts: Table
-
-
-def simulate(
-    solver: Solver,
-    folder: Path,
-    end: float | None = None,
-    *,
-    times: Sequence[float] | Array | None = None,
-    samples: int = 1001,
-    tolerance: float = 1e-9,
-    method: str | None = None,
-    step: float | None = None,
-    largest_step: float = 1e300,
-    most_steps: int = 1_000_000,
-    parameters: Mapping[str, float] | None = None,
-) -> Motion:
-    """Move the scene from time 0, in Python: a hundred times as long as compiled.
+class Alone:
+    """The scene of a folder: its functions are those of a solver of kousoku.
 
     Parameters
     ----------
@@ -96,76 +42,170 @@ def simulate(
         That of the folder.
     folder : Path
         Where its ``motion.json`` is.
-    end : float [s], optional
-        The last of ``samples`` times from 0 on.
-    times : sequence of float [s], optional
-        The times to write, instead of both.
-    tolerance, method, step, largest_step, most_steps, parameters
-        As of ``kousoku.runtime.options.options_of``.
-
-    Raises
-    ------
-    ArithmeticError
-        The motion cannot go on.
-    ValueError
-        An option is not possible.
     """
-    text = (folder / "motion.json").read_text(encoding="utf-8")
-    data: dict[str, Any] = json.loads(text)
-    if (end is None) == (times is None):
-        raise ValueError("give either end or times")
-    chosen = np.array(times if end is None else np.linspace(0.0, end, samples), float)
-    known = dict(data["parameters"])
-    values = {**known, **(parameters or {})}
-    is_driven = solver.scene.is_driven
-    names = (*(one.name for one in METHODS), *["kinematics"] * is_driven)
-    name = method or names[-1 if is_driven else int(tolerance <= 1e-5)]
-    if len(values) > len(known) or name not in names:
-        raise ValueError(
-            f"parameters {list(values)}, method {name!r}; wanted of {list(known)} and {names}"
+
+    def __init__(self, solver: Solver, folder: Path) -> None:
+        self.solver = solver
+        self.data: dict[str, Any] = json.loads((folder / "motion.json").read_text(encoding="utf-8"))
+        self.layout = Layout.from_data(self.data)
+
+    def simulate(
+        self, end: float | None = None, *, times: Any = None, samples: int = 1001, **options: Any
+    ) -> Motion:
+        """Move the scene from time 0: to an end with some samples, or to the last of the times.
+
+        Raises
+        ------
+        ArithmeticError
+            The motion cannot go on.
+        ValueError
+            An option is not possible.
+        """
+        if end is None and times is None:
+            end = self.layout.duration
+        if (end is None) == (times is None):
+            raise ValueError(f"{self.layout.name}: give either end or times")
+        given = times if end is None else np.linspace(0.0, end, samples)
+        return self.begin(given, **options).finish()
+
+    def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
+        """Return a run at time 0 that can be stopped and go on."""
+        return Run(self, np.array(times, float), **options)
+
+
+class Run:
+    """A run that can be stopped and go on.
+
+    Parameters
+    ----------
+    scene : Alone
+        What moves.
+    times : (n,) array [s]
+        The times to write, ascending.
+    tolerance, method, step, largest_step, checks, most_steps, parameters, initial, q0, v0
+        As of ``kousoku.runtime.options.options_of``; angles in radians.
+    """
+
+    def __init__(
+        self,
+        scene: Alone,
+        times: Array,
+        *,
+        tolerance: float = 1e-9,
+        method: str | None = None,
+        step: float | None = None,
+        largest_step: float = 1e300,
+        checks: bool = False,
+        most_steps: int = 1_000_000,
+        parameters: Mapping[str, float] | None = None,
+        initial: Mapping[str, float] | None = None,
+        q0: Sequence[float] | Array | None = None,
+        v0: Sequence[float] | Array | None = None,
+    ) -> None:
+        self._scene, self.times, self.most_steps = scene, times, most_steps
+        name, solver = scene.layout.name, scene.solver
+        known = dict(scene.data["parameters"])
+        for one in parameters or {}:
+            if one not in known:
+                raise ValueError(f"{name}: {unknown('parameter', one, [*known])}")
+        values = {**known, **(parameters or {})}
+        methods = [*(one.name for one in METHODS), *["kinematics"] * solver.scene.is_driven]
+        chosen = method or methods[-1 if solver.scene.is_driven else int(tolerance <= 1e-5)]
+        if chosen not in methods:
+            raise ValueError(f"{name}: {unknown('method', chosen, methods)}")
+        self.method, longest = chosen, min(largest_step, 1e300)
+        number = methods.index(chosen)
+        self._settings = Settings(tolerance, longest, step or 0.0, int(checks), number)
+        self.state, self._work = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
+        self._rows, self._layout = np.empty((len(times), solver.scene.row_size)), scene.layout
+        self._parameters = values
+        start = np.array([*scene.data["q"], *scene.data["v"]], float)
+        nq, given = solver.scene.nq, np.array(list(values.values()), float)
+        if solver.scene.has_design:
+            if solver.evaluate(0.0, start[:nq], start[nq:], given, self._work) != Status.GOOD:
+                told = f"parameters {values}: wanted such that masses and lengths are positive"
+                raise ValueError(f"{name}: {told}")
+            design = scene.data["design"]
+            base, size = design["place"]
+            numbers = self._work[base : base + size].copy()
+            for place, at in design["start"]:
+                start[place] = numbers[at]
+            self._layout = scene.layout.at(numbers)
+        self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
+        if initial or q0 is not None or v0 is not None:
+            y = state_of(solver.scene, self.state).y.copy()
+            led = self._started(given, y, initial or {}, q0, v0)
+            self._require(solver.start(0.0, *led, given, self.state, self._work))
+
+    def _started(
+        self, parameters: Array, y: Array, initial: Mapping[str, float], q0: Any, v0: Any
+    ) -> tuple[Array, Array]:
+        """Return q and v with initial values, given the start of the scene."""
+        from .initial import evaluated
+        from .placing import started
+
+        data, layout, solver = self._scene.data, self._layout, self._scene.solver
+        names = [name + dot for name, *_ in layout.coordinates for dot in ("", "_dot")]
+        for one in initial:
+            if one not in names:
+                raise ValueError(f"{layout.name}: {unknown('coordinate', one, names)}")
+        if initial and (q0 is not None or v0 is not None):
+            raise ValueError(f"{layout.name}: give either initial, or q0 and v0")
+        written = []
+        for name, value, turning in (("q0", q0, 4), ("v0", v0, 3)):
+            size = sum(3 + turning * bool(body.p) for body in layout.bodies)
+            array = None if value is None else np.array(value, float)
+            if array is not None and (array.shape != (size,) or not np.isfinite(array).all()):
+                raise ValueError(f"{layout.name}: {name}: wanted {size} finite numbers")
+            written.append(array)
+
+        size = solver.scene.work_size
+        evaluate = evaluated(solver.evaluate, parameters, size, data["places"])
+        rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
+        try:
+            numbers = {name: float(value) for name, value in initial.items()}
+            return started(layout, rows, evaluate, y, (numbers, written[0], written[1]))
+        except ValueError as error:
+            raise ValueError(f"{layout.name}: {error}") from None
+
+    @property
+    def time(self) -> float:
+        """The time reached [s]."""
+        return float(state_of(self._scene.solver.scene, self.state).time)
+
+    def advance(self, max_steps: int = 16) -> int:
+        """Go on for some steps; return 0 at the end, else why it returned, as in ``settings``."""
+        written = int(state_of(self._scene.solver.scene, self.state).next_row)
+        given = (self._settings, self.times, max_steps, self.state, self._work)
+        return self._scene.solver.run(*given, self._rows[written:])[0]
+
+    def finish(self) -> Motion:
+        """Go on to the last time.
+
+        Raises
+        ------
+        ArithmeticError
+            The motion cannot go on.
+        """
+        done = int(state_of(self._scene.solver.scene, self.state).steps)
+        self._require(self.advance(max(0, self.most_steps - done)))
+        return self.motion()
+
+    def motion(self) -> Motion:
+        """Return what was computed so far."""
+        written = int(state_of(self._scene.solver.scene, self.state).next_row)
+        rows, is_complete = self._rows[:written], written == len(self.times)
+        return Motion(
+            self._layout,
+            rows,
+            target="numpy",
+            method=self.method,
+            parameters=self._parameters,
+            is_complete=is_complete,
         )
-    settings = Settings(tolerance, min(largest_step, 1e300), step or 0.0, False, names.index(name))
-    state, workspace = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
-    rows = np.empty((len(chosen), solver.scene.row_size))
-    q, v = np.array(data["q"], float), np.array(data["v"], float)
-    given = np.array(list(values.values()), float)
-    if solver.scene.has_design:
-        if solver.evaluate(0.0, q, v, given, workspace) != GOOD:
-            raise ValueError(
-                f"parameters {values}: wanted such that masses and lengths are positive"
+
+    def _require(self, status: int) -> None:
+        if status != Status.GOOD:
+            raise ArithmeticError(
+                f"{self._scene.layout.name}: {MESSAGES[status]}, at t = {self.time:.9g} s"
             )
-        _put_design(data, q, v, workspace)
-    status = solver.start(0.0, q, v, given, state, workspace)
-    if status == GOOD:
-        status, _ = solver.run(settings, chosen, most_steps, state, workspace, rows)
-    if status != GOOD:
-        time = state_of(solver.scene, state).time
-        raise ArithmeticError(f"{MESSAGES[status]}, at t = {time:.9g} s")
-    return _motion_of(solver, data, name, rows)
-
-
-def _put_design(data: dict[str, Any], q: Array, v: Array, workspace: Array) -> None:
-    """Put in the numbers that depend on parameters: of the start, and of the frames of bodies."""
-    base, size = data["design"]["place"]
-    numbers = workspace[base : base + size].copy()
-    for place, at in data["design"]["start"]:
-        part, k = (q, place) if place < len(q) else (v, place - len(q))
-        part[k] = numbers[at]
-    for body in data["bodies"]:
-        for name in ("origin_b", "axes_b"):
-            given = body[name]
-            body[name] = [numbers[x] if isinstance(x, int) else x for x in given]
-
-
-def _motion_of(solver: Solver, data: dict[str, Any], method: str, rows: Array) -> Motion:
-    """Return rows of the solver by name, for the frames of the scene."""
-    parts, at = {}, 1
-    for name in ("q", "v", *solver.scene.parts):
-        size = solver.scene.size(name)
-        parts[name] = rows[:, at : at + size]
-        at += size
-    bodies = [BodyPlaces.from_data(body) for body in data["bodies"]]
-    q, v = parts.pop("q"), parts.pop("v")
-    found = body_tables(bodies, q, v, parts.pop("v_dot", None), data["unit"])
-    tables = {name: found.get(name, {}) for name in Motion._fields[3:-1]}
-    return Motion(data["unit"], method, rows[:, 0], **tables, parts=parts)

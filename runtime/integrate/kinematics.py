@@ -12,7 +12,7 @@ from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_rat
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
-from .settings import GOOD, STEP_TOO_SMALL
+from .settings import Status
 from .stepper import SMALLEST
 
 if TYPE_CHECKING:
@@ -149,7 +149,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
         hermite_cubic(h, f_before, state.f, state)
 
 
-def driven_step(s: Settings, asked: float, state: State, work: Work) -> int:
+def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """Find the next position of a motion that drivers determine, at most at the time asked for.
 
     Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is put
@@ -165,7 +165,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> int:
         whole = asked - state.time if is_last else longest
         end = asked if is_last and part == 1.0 else state.time + part * whole
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
-            return STEP_TOO_SMALL
+            return Status.STEP_TOO_SMALL
         drift = reach(end, state, work, in_halves=part <= 1.0)
         is_good, error = drift >= 0.0, 0.0
         if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
@@ -189,4 +189,4 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> int:
     state.drift = larger(state.drift, drift)
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
     accept_position(end, asked, state, work)
-    return GOOD
+    return Status.GOOD

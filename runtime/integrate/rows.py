@@ -13,7 +13,7 @@ from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions
 from .scene import larger
-from .settings import GOOD, NOT_PROJECTED
+from .settings import Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -71,7 +71,7 @@ def interpolate_accelerations(
     state.passed_time = t
 
 
-def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> int:
+def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> Status:
     """Write the state at a time of the last step: on the manifold, as all that is asked for."""
     scene, w, y = work.scene, work.w, work.k[0]
     forget_trials(work)
@@ -88,7 +88,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         can = project(t, 0.0, y, None, None, work, state) >= 0.0
         is_passed = not can or pivot_ratio(work, state) < vague
         if is_passed and not interpolate_position(m, t, x, y, work, state) and not can:
-            return NOT_PROJECTED
+            return Status.NOT_PROJECTED
         if is_passed:
             interpolate_accelerations(m, t, x, h, work, state)
     if (scene.accelerates or s.checks) and not is_passed:
@@ -108,4 +108,4 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
     row[1 + scene.ny :] = np.concatenate(
         [np.empty(0), *(w.slots[base : base + size] for base, size in places)]
     )
-    return GOOD
+    return Status.GOOD

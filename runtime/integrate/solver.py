@@ -16,7 +16,7 @@ from .projection import project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, write_row
 from .scene import Work, Workspace, larger, state_of
-from .settings import BAD_ARGUMENT, BUFFER_FULL, GOOD, NOT_ASSEMBLED, PAUSED, WRONG_STATE
+from .settings import Status
 from .stepper import first_step, step
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class Solver:
         parameters: Array | None,
         state: Array,
         workspace: Array,
-    ) -> int:
+    ) -> Status:
         """Take a position and velocity, and project them onto the constraints.
 
         Parameters
@@ -74,32 +74,32 @@ class Solver:
 
         Returns
         -------
-        int
+        Status
             ``GOOD``, ``NOT_ASSEMBLED`` or ``BAD_ARGUMENT``.
         """
         state[:] = 0.0
         given = self.scene.parameters if parameters is None else parameters
         if not _are_numbers(time, q, v, given):
-            return BAD_ARGUMENT
+            return Status.BAD_ARGUMENT
         with np.errstate(all="ignore"):
             s, work = state_of(self.scene, state), Work(self.scene, workspace)
             s.parameters[:] = given
             work.w.prepare(s.parameters)
             if self.scene.has_design and not is_possible(work.w):
-                return BAD_ARGUMENT
+                return Status.BAD_ARGUMENT
             s.y[:] = np.concatenate((q, v))
             return self._start(time, s, work)
 
-    def _start(self, time: float, s: State, work: Work) -> int:
+    def _start(self, time: float, s: State, work: Work) -> Status:
         s.key = -self.scene.key  # not started
         s.time = s.time_before = s.least_pivot_ratio_time = time
         s.error = 1e-4
         if work.all is not None:
             note_usual_ratio(work.all, work, s)
         if self.scene.has_continuation and not continue_parameters(s, work):
-            return NOT_ASSEMBLED
+            return Status.NOT_ASSEMBLED
         if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:
-            return NOT_ASSEMBLED
+            return Status.NOT_ASSEMBLED
         note_largest_pivot(work, s)
         s.least_pivot_ratio = pivot_ratio(work, s)
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
@@ -108,7 +108,7 @@ class Solver:
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
         s.key = self.scene.key
-        return GOOD
+        return Status.GOOD
 
     def run(
         self,
@@ -118,7 +118,7 @@ class Solver:
         state: Array,
         workspace: Array,
         rows: Array,
-    ) -> tuple[int, int]:
+    ) -> tuple[Status, int]:
         """Move on to the last of the times, and write a row for each of them.
 
         Returns early when rows are full or max_steps are made; a run that was stopped goes on from
@@ -139,16 +139,16 @@ class Solver:
 
         Returns
         -------
-        status : int
+        status : Status
             ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or why the motion cannot go on.
         n_rows : int
             How many rows were written.
         """
         s = state_of(self.scene, state)
         if s.key != self.scene.key or not _is_sound(s, len(times)):
-            return WRONG_STATE, 0
+            return Status.WRONG_STATE, 0
         if not self._are_possible(settings, s):
-            return BAD_ARGUMENT, 0
+            return Status.BAD_ARGUMENT, 0
         with np.errstate(all="ignore"):
             work = Work(self.scene, workspace)
             work.w.prepare(s.parameters)
@@ -167,7 +167,7 @@ class Solver:
 
     def _run(
         self, settings: Settings, times: Array, max_steps: int, s: State, work: Work, rows: Array
-    ) -> tuple[int, int]:
+    ) -> tuple[Status, int]:
         """Step and write in turn."""
         m = METHODS[settings.method % len(METHODS)]
         end = float(times[-1]) if len(times) else s.time
@@ -175,43 +175,43 @@ class Solver:
         while int(s.next_row) < len(times):
             t = float(times[int(s.next_row)])
             if not t >= s.time_before:
-                return BAD_ARGUMENT, n_rows
+                return Status.BAD_ARGUMENT, n_rows
             if t <= s.time:
                 if n_rows == len(rows):
-                    return BUFFER_FULL, n_rows
+                    return Status.BUFFER_FULL, n_rows
                 status = write_row(m, settings, t, s, work, rows[n_rows])
-                if status != GOOD:
+                if status != Status.GOOD:
                     return status, n_rows
                 n_rows += 1
                 s.next_row += 1
             else:
                 if steps == max_steps:
-                    return PAUSED, n_rows
+                    return Status.PAUSED, n_rows
                 status = self._advance(m, settings, t, end, s, work)
-                if status != GOOD:
+                if status != Status.GOOD:
                     return status, n_rows
                 steps += 1
-        return GOOD, n_rows
+        return Status.GOOD, n_rows
 
     def _advance(
         self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work
-    ) -> int:
+    ) -> Status:
         """Make one step towards the time that is asked for."""
-        status = GOOD
+        status = Status.GOOD
         s.method = 1.0 + settings.method
         if self.scene.is_driven and settings.method == len(METHODS):
             return driven_step(settings, asked, s, work)
         if s.step_size == 0.0 and not settings.fixed_step > 0.0:
             status = first_step(m, settings, end, s, work)
-        if status == GOOD:
+        if status == Status.GOOD:
             status = step(m, settings, asked, end, s, work)
-        if status == GOOD and asked < s.time:
+        if status == Status.GOOD and asked < s.time:
             prepare_dense(m, work, s)
         return status
 
     def evaluate(
         self, time: float, q: Array, v: Array, parameters: Array | None, workspace: Array
-    ) -> int:
+    ) -> Status:
         """Compute all that the scene has at a state as it is, not projected.
 
         It is left in the workspace: what is where stands in ``motion.json``. Arguments as of
@@ -219,33 +219,33 @@ class Solver:
         """
         given = self.scene.parameters if parameters is None else parameters
         if not _are_numbers(time, q, v, given):
-            return BAD_ARGUMENT
+            return Status.BAD_ARGUMENT
         w = Workspace(self.scene, workspace)
         with np.errstate(all="ignore"):
             w.prepare(given)
             if self.scene.has_design and not is_possible(w):
-                return BAD_ARGUMENT
+                return Status.BAD_ARGUMENT
             w.place(time, np.concatenate((q, v)))
             for segment in EVALUATED:
                 w.run(segment)
-        return GOOD
+        return Status.GOOD
 
     def residuals(self, workspace: Array, left: Array) -> None:
         """Write what is left of the constraints where they were evaluated last."""
         left[: self.scene.nc] = Workspace(self.scene, workspace).C
 
-    def pivots(self, state: Array, workspace: Array, found: Array) -> int:
+    def pivots(self, state: Array, workspace: Array, found: Array) -> Status:
         """Write the pivots of the factors at the state, small where rows are nearly dependent."""
         s, w = state_of(self.scene, state), Workspace(self.scene, workspace)
         if abs(s.key) != self.scene.key:
-            return WRONG_STATE
+            return Status.WRONG_STATE
         with np.errstate(all="ignore"):
             w.prepare(s.parameters)
             w.t[0] = s.time
             w.q[:] = s.y[: self.scene.nq]
             w.run("geometry")
             found[: self.scene.nc] = 1.0 / w.pivots
-        return GOOD
+        return Status.GOOD
 
 
 def _is_sound(s: State, n_times: int) -> bool:

@@ -9,20 +9,20 @@ static void write_row(const Run *run, const Workspace *w, long long division, si
     const double *x_dot, const double *x_ddot, Convergence convergence)
 {
     const size_t nodes = 2 * NODES * row;
-    PUBLIC(nodes)(w->alpha, w->x, run->rate, x_dot, run->rate_dot, x_ddot,
+    PUBLIC(nodes)(w->alpha, w->x, w->rate, x_dot, run->rate_dot, x_ddot,
         run->position ? run->position + nodes : NULL, run->velocity ? run->velocity + nodes : NULL,
         run->acceleration ? run->acceleration + nodes : NULL);
 #if WANTS_ANGLES
     const size_t links = LINKS * row;
-    PUBLIC(angles)(w->alpha, w->x, run->rate, x_dot, run->rate_dot, x_ddot,
+    PUBLIC(angles)(w->alpha, w->x, w->rate, x_dot, run->rate_dot, x_ddot,
         run->angle ? run->angle + links : NULL, run->angle_dot ? run->angle_dot + links : NULL,
         run->angle_ddot ? run->angle_ddot + links : NULL);
 #endif
     for (size_t i = 0; run->alpha && i < INPUTS; ++i) {
         const double turns = (double)run->turns[i], divisions = (double)run->divisions;
-        run->alpha[INPUTS * row + i] =
-            run->origin[i] + (run->turns[i] ? TWO_PI * (turns * (double)division / divisions)
-                                            : run->span[i] * ((double)division / divisions));
+        const double gone = run->turns[i] ? TWO_PI * (turns * (double)division / divisions)
+                                          : run->span[i] * ((double)division / divisions);
+        run->alpha[INPUTS * row + i] = run->times ? w->alpha[i] : run->origin[i] + gone;
     }
     if (run->iterations) {
         run->iterations[row] = convergence.iterations;
@@ -32,14 +32,23 @@ static void write_row(const Run *run, const Workspace *w, long long division, si
     }
 }
 
-/* derivatives at a division: along one division for the next prediction, in time for the row */
+/* derivatives in time for the row, and along the way for the next prediction: in time, too, or
+ * along one division */
 static void motion_at(
-    const Run *run, Workspace *w, const double *delta, double *x_dot, double *x_ddot)
+    const Run *run, Workspace *w, long long division, double *x_dot, double *x_ddot)
 {
     const double none[INPUTS] = { 0.0 };
-    if (INPUTS > 1) {
-        differentiate(w, run->rate, run->rate_dot, x_dot, x_ddot);
-        differentiate(w, delta, none, w->x1, w->x2);
+    double alpha[INPUTS], delta[INPUTS];
+    inputs_of(run, division, alpha, delta);
+    if (INPUTS > 1 || run->times) {
+        differentiate(w, w->rate, run->rate_dot, x_dot, x_ddot);
+        for (size_t i = 0; i < UNKNOWNS; ++i) {
+            w->x1[i] = x_dot[i];
+            w->x2[i] = x_ddot[i];
+        }
+        if (!run->times) {
+            differentiate(w, delta, none, w->x1, w->x2);
+        }
         return;
     }
     /* one input: both follow from the derivatives by it */

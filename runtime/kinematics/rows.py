@@ -37,9 +37,12 @@ class Run:
         Row r is division ``first + r``; the continuation begins at division ``start``.
     origin, span, rate, rate_dot : sequence of float
         Of each input, in its unit: value at division 0, what is added over all divisions, time
-        derivatives.
+        derivatives at time 0.
     turns : sequence of int
         Of each input: whole turns over all divisions, 0 where ``span`` counts.
+    times : (rows,) array [s], optional
+        Row r is this time, ascending from 0, and the inputs follow their laws
+        origin + rate t + ½ rate_dot t²; ``start`` and ``first`` are 0.
     """
 
     method: int
@@ -54,6 +57,7 @@ class Run:
     rate_dot: Sequence[float]
     start: int = 0
     first: int = 0
+    times: Array | None = None
 
     @property
     def is_periodic(self) -> bool:
@@ -64,8 +68,11 @@ class Run:
     def is_possible(self) -> bool:
         """Whether counts, limit and inputs are such that an analysis can be made."""
         inputs = (*self.origin, *self.span, *self.rate, *self.rate_dot)
+        times = np.zeros(1) if self.times is None else np.concatenate(([0.0], self.times))
         return (
-            self.divisions >= 1
+            bool((np.diff(times) >= 0).all() and times[-1] < math.inf)
+            and (self.times is None or self.first == 0)
+            and self.divisions >= 1
             and self.rows >= 1
             and 0 <= self.start <= self.first
             and self.max_iterations >= 1
@@ -94,6 +101,17 @@ class Run:
                 alpha[i] = self.origin[i] + self.span[i] * (division / n)
                 delta[i] = self.span[i] / n
         return alpha, delta
+
+    def laws_at(self, time: float) -> tuple[Array, Array]:
+        """Return the inputs by their laws in time, and their rates, (inputs,) each."""
+        rate, rate_dot = np.asarray(self.rate), np.asarray(self.rate_dot)
+        alpha = np.asarray(self.origin) + (rate + 0.5 * rate_dot * time) * time
+        return alpha, rate + rate_dot * time
+
+    def end_of(self, now: float, time: float) -> float:
+        """Return where a step to a time ends, at the latest where an input turns back."""
+        turns = -np.asarray(self.rate) / np.asarray(self.rate_dot)  # not finite: never
+        return float(np.min(turns[(now < turns) & (turns < time)], initial=time))
 
     def counted_inputs(self, division: int) -> list[float]:
         """Return the inputs of a division, counting on over the turns."""

@@ -22,17 +22,16 @@
 /* from division to division, beginning at that of w->x; rows are written from run->first on */
 static int follow(Run *run, Workspace *w, long long begin, Convergence convergence)
 {
-    double alpha[INPUTS], delta[INPUTS], x_dot[UNKNOWNS], x_ddot[UNKNOWNS];
+    double x_dot[UNKNOWNS], x_ddot[UNKNOWNS];
     const long long last = run->first + (long long)run->rows - 1;
     for (long long division = begin;; ++division) {
-        inputs_of(run, division, alpha, delta);
-        if (division > begin) {
-            const int status = advance(run, w, alpha, delta, &convergence);
+        if (division > begin || run->times) {
+            const int status = advance(run, w, division, &convergence);
             if (status != GOOD) {
                 return stop(run, w, division, status);
             }
         }
-        motion_at(run, w, delta, x_dot, x_ddot);
+        motion_at(run, w, division, x_dot, x_ddot);
         if (division >= run->first) {
             write_row(run, w, division, run->done, x_dot, x_ddot, convergence);
             ++run->done;
@@ -52,8 +51,14 @@ static int is_possible(const Run *run)
             return 0;
         }
     }
-    return run->divisions >= 1 && run->rows >= 1 && run->start >= 0 && run->first >= run->start &&
-           run->max_iterations >= 1 && run->limit > 0.0;
+    for (size_t row = 0; run->times && row < run->rows; ++row) {
+        if (!(run->times[row] >= (row ? run->times[row - 1] : 0.0) && run->times[row] < HUGE_VAL)) {
+            return 0;
+        }
+    }
+    return (!run->times || run->first == 0) && run->divisions >= 1 && run->rows >= 1 &&
+           run->start >= 0 && run->first >= run->start && run->max_iterations >= 1 &&
+           run->limit > 0.0;
 }
 
 size_t PUBLIC(run_size)(void) { return sizeof(Run); }
@@ -65,14 +70,14 @@ void PUBLIC(defaults)(Run *run) { *run = defaults; }
 int PUBLIC(solve)(Run *run, Workspace *workspace)
 {
     Convergence convergence = { 0, 0.0 };
-    double delta[INPUTS];
     int is_periodic = 1;
     run->done = 0;
     run->block = 0;
     if (!is_possible(run)) {
         return BAD_ARGUMENT;
     }
-    inputs_of(run, 0, workspace->alpha, delta);
+    laws_at(run, 0.0, workspace->alpha, workspace->rate);
+    workspace->time = 0.0;
     const int status = assemble(run, workspace, &convergence);
     if (status != GOOD) {
         return stop(run, workspace, 0, status);

@@ -20,7 +20,9 @@ def test_version_is_printed(run: Run) -> None:
     assert run("--version") == (0, f"kousoku {__version__}\n", "")
 
 
-@pytest.mark.parametrize("command", ["derive", "generate", "verify", "solve", "ledger", "list"])
+@pytest.mark.parametrize(
+    "command", ["derive", "generate", "verify", "solve", "ledger", "list", "new", "check", "schema"]
+)
 def test_every_command_explains_itself(run: Run, command: str) -> None:
     code, out, _ = run(command, "--help")
     assert code == 0
@@ -35,7 +37,7 @@ def test_an_unknown_command_is_bad_input(run: Run) -> None:
 
 def test_the_list_names_every_kind(run: Run) -> None:
     code, out, _ = run("list", "--json")
-    listed = {row["name"]: row for row in json.loads(out)}
+    listed = {row["name"]: row for row in json.loads(out)["packages"]}
     assert code == 0
     for name, kind in KINDS.items():
         assert listed[name]["kind"] == name

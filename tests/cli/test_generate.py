@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import gzip
 import json
+import shutil
+import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,6 +13,8 @@ import pytest
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from kousoku.runtime.toolchain import Toolchain
 
     Run = Callable[..., tuple[int, str, str]]
 
@@ -23,6 +27,7 @@ FILES = {
     "kernels_batch.c",
     "expressions.h",
     "kernels.h",
+    "lanes.h",
     "manifest.json",
 }
 
@@ -41,10 +46,25 @@ def test_kinds_and_scenes_go_into_folders_of_their_names(run: Run, tmp_path: Pat
     assert "unchanged" in run("generate", "n2", "--out", tmp_path)[1]
 
 
+def test_batches_of_a_copied_folder_compile_by_hand(
+    run: Run, tmp_path: Path, compiler: Toolchain
+) -> None:
+    run("generate", "n1", LEVER, "--out", tmp_path / "made")
+    for name in ("n1", "lever_crank"):
+        folder = shutil.copytree(tmp_path / "made" / name, tmp_path / "copied" / name)
+        subprocess.run([*compiler.command, "-c", "kernels_batch.c"], cwd=folder, check=True)
+        assert (folder / "kernels_batch.o").stat().st_size > 0
+
+
+@pytest.mark.parametrize("name", ["n1", "lever_crank"])
+def test_what_kousoku_ships_is_what_it_generates(run: Run, name: str) -> None:
+    assert run("generate", name, "--check")[:2] == (0, "1 packages, 0 files differ\n")
+
+
 @pytest.mark.parametrize("name", ["p2", "p2_y"])
 def test_a_kind_with_choices_of_rows_is_one_package(run: Run, tmp_path: Path, name: str) -> None:
     answer = json.loads(run("generate", name, "--out", tmp_path, "--json")[1])
-    assert [Path(row["folder"]).name for row in answer] == ["p2"]
+    assert [Path(row["folder"]).name for row in answer["packages"]] == ["p2"]
     manifest = json.loads((tmp_path / "p2" / "manifest.json").read_text(encoding="utf-8"))
     names = [kernel["name"] for kernel in manifest["kernels"]]
     assert names[:3] == ["constraint_x", "rates_x", "reaction_x"] and len(names) == 9
@@ -64,7 +84,7 @@ def test_check_names_a_file_that_is_not_its_own(run: Run, tmp_path: Path) -> Non
     code, _, err = run("generate", "n1", "--out", tmp_path, "--check")
     assert (code, err) == (0, f"{mine} is not kousoku's own: it is left alone\n")
     answer = json.loads(run("generate", "n1", "--out", tmp_path, "--check", "--json")[1])
-    assert answer == {"ok": True, "differences": [], "foreign": [str(mine)]}
+    assert answer == {"format": 1, "ok": True, "differences": [], "foreign": [str(mine)]}
 
 
 def test_check_finds_an_edited_and_a_missing_file(run: Run, tmp_path: Path) -> None:

@@ -40,8 +40,9 @@ def test_npz_holds_the_same_numbers_as_csv(run: Run, tmp_path: Path) -> None:
         assert run("solve", PISTON, "--out", tmp_path / f"piston.{suffix}")[0] == 0
     table = np.genfromtxt(tmp_path / "piston.csv", delimiter=",", names=True, deletechars="")
     with np.load(tmp_path / "piston.npz") as columns:
-        assert list(columns) == list(table.dtype.names or ())
-        for name in columns:
+        names = [name for name in columns if not name.startswith("kousoku")]
+        assert names == list(table.dtype.names or ())
+        for name in names:
             np.testing.assert_array_equal(columns[name], table[name])
 
 
@@ -168,10 +169,10 @@ def test_bodies_are_solved_at_the_divisions_of_their_input(
 
 def test_options_of_the_other_scenes_are_refused(run: Run, crank: Path) -> None:
     for scene, option, says in (
-        (crank, ("--turns", 2), "--turns is for linkages in the plane"),
-        (crank, ("--node", "O3"), "--node is for linkages in the plane"),
-        (LEVER, ("--body", "arm"), "--body is for scenes of bodies"),
-        (LEVER, ("--set", "k=3"), "--set is for scenes of bodies"),
+        (crank, ("--turns", 2), "no option 'turns': there are parameters, divisions"),
+        (crank, ("--node", "O3"), "--body O3: the scene has arm"),
+        (LEVER, ("--body", "arm"), "--node arm: the scene has O1, O2, O3, O4"),
+        (LEVER, ("--set", "k=3"), "a linkage has no parameters"),
         (crank, ("--set", "k=3"), "its formulas have none"),
     ):
         code, out, err = run("solve", scene, *option)
@@ -191,7 +192,7 @@ def test_bodies_that_their_input_leaves_free_are_sent_to_simulate(run: Run, tmp_
 def test_a_dead_centre_keeps_the_last_good_position(run: Run, tmp_path: Path) -> None:
     out = tmp_path / "out.csv"
     code, printed, err = run("solve", ROOT / "tests/scenes/second_loop_stops.toml", "--out", out)
-    assert (code, printed) == (2, "")
+    assert (code, printed) == (3, "")
     assert err.count("\n") == 1
     assert ": inputs.alpha: a dead centre" in err
     rows = len(out.read_text(encoding="utf-8").splitlines()) - 1

@@ -8,7 +8,6 @@ import shutil
 import subprocess
 from fractions import Fraction
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +21,7 @@ from kousoku.runtime.importing import import_source
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
+    from pathlib import Path
 
     from numpy.typing import NDArray
 
@@ -30,8 +30,6 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
     Wanted = tuple[int, ...]
 
-#: Where batches find lanes.h.
-RUNTIME = f"-I{Path(__file__).parents[2] / 'runtime'}"
 STRICT = ["-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror"]
 SIZES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 12, 24)
 LANES = (1, 2, 4, 8)
@@ -119,7 +117,7 @@ def build(
 ) -> subprocess.CompletedProcess[str]:
     """Compile the folder with all warnings as errors."""
     sources = [str(folder / "kernels.c"), str(folder / "kernels_batch.c")]
-    command = compiler.compile_command(sources, str(folder / name), [*STRICT, RUNTIME, *extra])
+    command = compiler.compile_command(sources, str(folder / name), [*STRICT, *extra])
     return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
@@ -373,7 +371,7 @@ def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(
         *(f"-DN_OUT={len(kernel.outputs)}", f"-DBATCH={prefix}_batch"),
         f"-DSIZES_IN={','.join(str(q.size) for q in kernel.inputs)}",
         f"-DSIZES_OUT={','.join(str(q.size) for q in kernel.outputs)}",
-        *(RUNTIME, "main.c", "kernels.c", "kernels_batch.c", "-lm", "-o", str(program)),
+        *("main.c", "kernels.c", "kernels_batch.c", "-lm", "-o", str(program)),
     ]
     done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     if "sanitize" in done.stderr:

@@ -150,13 +150,15 @@ def test_digest_covers_what_only_the_solver_knows() -> None:
 
 
 def test_folders_take_the_analysis_along_as_it_is() -> None:
-    folder = Path(linkage_emit.__file__).parents[1] / "runtime" / "kinematics"
+    runtime = Path(linkage_emit.__file__).parents[1] / "runtime"
     made = program("piston_crank")
     files = emit_scene(made.package, made.solver, {})
-    names = {path.name for path in folder.iterdir() if path.suffix in {".h", ".py"}}
-    assert {name for name in files if "/" in name} == {f"kinematics/{name}" for name in names}
+    paths = [path for path in (runtime / "kinematics").iterdir() if path.suffix in {".h", ".py"}]
+    paths += [runtime / "integrate" / name for name in ("__init__.py", "result.py")]
+    names = {path.relative_to(runtime).as_posix() for path in paths}
+    assert {name for name in files if "/" in name} == names
     for name in names:
-        assert files[f"kinematics/{name}"] == (folder / name).read_text(encoding="utf-8")
+        assert files[name] == (runtime / name).read_text(encoding="utf-8")
 
 
 def test_digest_covers_the_analysis(monkeypatch: pytest.MonkeyPatch) -> None:

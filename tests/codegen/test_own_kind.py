@@ -15,7 +15,10 @@ from sympy import Determinant, Symbol, sqrt
 from sympy.matrices.expressions import Identity, Inverse, MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
+from kousoku.checking import verify as verify_any
 from kousoku.codegen.generate import generate, write_tree
+from kousoku.deriving import body, kernels, number
+from kousoku.deriving import derive as derive_own
 from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
 from kousoku.runtime import load, verify
@@ -256,12 +259,48 @@ def test_a_root_that_is_never_real_is_refused() -> None:
         generate(root(-(Symbol("x") ** 2) - Symbol("y") ** 2 - 1))
 
 
+def test_a_constraint_in_vectors_has_verified_kernels(tmp_path: Path) -> None:
+    i, j = body("i"), body("j")
+    d = j.point("t") - i.point()
+    own = derive_own("plane", C=[i.axis("b").dot(d), 2 * d[2] - number("h", "m")])
+    library = kernels(own, tmp_path / "plane", target="numpy")
+    verify(library, target="numpy").check()
+    numbers = {
+        name: np.linspace(0.2, 1.0, q.size).reshape(q.shape) for name, q in own.inputs.items()
+    }
+    given: dict[str, Any] = {q.name: numbers[q.name] for q in own.functions[1].inputs}
+    gamma = library.rates(*given.values(), outputs=["gamma"])[0]
+    assert np.allclose(gamma, own.at(given)["gamma"], rtol=1e-13, atol=0)
+
+
+def test_kernels_without_a_folder_are_kept_by_their_content(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
+    library = kernels(hand_made(X), target="numpy")
+    assert library.kernel(3.0)[0] == 3.0
+    assert library.folder.parents[1] == tmp_path / "kernels"
+    assert kernels(hand_made(X), target="numpy").folder == library.folder
+    assert kernels(library.folder, target="numpy").manifest == library.manifest
+    report = verify_any(hand_made(X), target="numpy")
+    assert report.ok
+    assert report.folder == str(library.folder)
+
+
+def test_kernels_of_a_name_are_those_that_are_committed() -> None:
+    assert kernels("INLINE", target="numpy").manifest.package == "p2"
+
+
 @pytest.mark.usefixtures("compiler")
 def test_the_file_that_the_document_shows_runs_as_it_stands(tmp_path: Path) -> None:
     document = (ROOT / "docs" / "own_kind.md").read_text(encoding="utf-8")
     (program,) = re.findall(r"```python\n(.*?)```", document, re.DOTALL)
     (tmp_path / "slant.py").write_text(program, encoding="utf-8")
-    command = [sys.executable, "slant.py"]
-    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
-    assert run.stdout.startswith("[0.] [[")
+    command = [sys.executable, "-X", "utf8", "slant.py"]
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, encoding="utf-8", check=True)
+    assert "C = a_i^T a_j − cos_θ" in run.stdout
+    assert "\n[0.] [[" in run.stdout
+    assert "kousoku." not in program  # public names only
+    statements = [line for line in program.splitlines() if line.strip()]
+    assert len(statements) <= 11
     assert (tmp_path / "slant" / "kernels.h").exists()

@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ import pytest
 import kousoku.generated
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.generated import lever_crank, piston_crank
+from kousoku.generated import lever_crank
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime import load
 from kousoku.runtime.dynamics import load_dynamics
@@ -33,7 +33,8 @@ REFUSE = """
 import json, sys
 class Refuse:
     def find_spec(self, name, path=None, target=None):
-        if name.split(".")[0] in {"kousoku", "sympy", "mpmath", "jinja2", "msgspec"}:
+        lacking = {"kousoku", "sympy", "mpmath", "jinja2", "msgspec", "pandas", "pyarrow"}
+        if name.split(".")[0] in lacking:
             raise ModuleNotFoundError(name, name=name)
 sys.meta_path.insert(0, Refuse())
 sys.path.insert(0, sys.argv[1])
@@ -103,8 +104,8 @@ def test_copied_folder_says_where_it_stops(
 
 @pytest.mark.usefixtures("compiler")
 def test_generated_solver_imports_by_its_name() -> None:
-    motion = piston_crank.solve()
-    assert motion.name == "piston_crank"
+    motion = lever_crank.solve()
+    assert motion.name == "lever_crank"
     assert motion.positions["O3"].shape == (61, 2)
     with pytest.raises(ValueError, match="read-only"):
         motion.positions["O3"][0, 0] = 1.0
@@ -112,7 +113,7 @@ def test_generated_solver_imports_by_its_name() -> None:
 
 @pytest.mark.usefixtures("compiler")
 def test_generated_solver_leaves_sympy_alone() -> None:
-    code = "import sys\nfrom kousoku.generated import piston_crank\npiston_crank.solve()\n"
+    code = "import sys\nfrom kousoku.generated import lever_crank\nlever_crank.solve()\n"
     code += "print(sorted(m for m in ('sympy', 'mpmath', 'jinja2') if m in sys.modules))"
     got = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert got.stdout.strip() == "[]"
@@ -174,7 +175,7 @@ def test_copied_folder_of_bodies_moves_with_numpy_alone(top: Path) -> None:
         "motion = my_top.simulate(0.01, samples=3, tolerance=1e-10)\n"
         "print(json.dumps([motion.method, motion.time.tolist(), motion.position['top'].tolist(),"
         " motion.angular_velocity['top'].tolist(), motion.acceleration['top'].tolist(),"
-        " motion.orientation['top'].tolist(), motion.parts['energies'].tolist()]))",
+        " motion.orientation['top'].tolist(), motion.energy['kinetic'].tolist()]))",
         top.parent,
     )
     assert got.returncode == 0, got.stderr
@@ -184,14 +185,45 @@ def test_copied_folder_of_bodies_moves_with_numpy_alone(top: Path) -> None:
     names = ("position", "angular_velocity", "acceleration", "orientation")
     for name, table in zip(names, tables, strict=True):
         np.testing.assert_array_equal(table, getattr(wanted, name)["top"])
-    np.testing.assert_array_equal(np.array(energies)[:, 0], wanted.energy["kinetic"])
+    np.testing.assert_array_equal(energies, wanted.energy["kinetic"])
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_starts_where_it_is_told_to(tmp_path: Path) -> None:
+    scene = read_scene(ROOT / "scenes" / "loop_free.toml")
+    write_tree(tmp_path / "my_loop", generate_dynamics(scene, ["coordinates"]))
+    got = run(
+        "import my_loop, numpy as np\n"
+        "initial = {'crank_angle': 0.5, 'crank_angle_dot': 2.0}\n"
+        "first = my_loop.simulate(times=[0.0], initial=initial)\n"
+        "names = list(first.position)\n"
+        "q0 = [x for k in names for x in (*first.position[k][0], *first.orientation[k][0])]\n"
+        "v0 = [x for k in names for x in (*first.velocity[k][0], *first.angular_velocity[k][0])]\n"
+        "second = my_loop.simulate(times=[0.0], q0=q0, v0=v0)\n"
+        "names = ['crank_angle', 'crank_angle_dot', 'rocking', 'rocking_dot']\n"
+        "found = [[one[name][0] for name in names] for one in (first, second)]\n"
+        "print(json.dumps(found))\n"
+        "my_loop.simulate(1.0, initial={'crank': 1.0})",
+        tmp_path,
+    )
+    assert "no coordinate 'crank': there are crank_angle, crank_angle_dot, rocking" in got.stderr
+    first, second = json.loads(got.stdout)
+    solver = load_dynamics(tmp_path / "my_loop", target="numpy")
+    initial = {"crank_angle": 0.5, "crank_angle_dot": 2.0}
+    wanted = solver.simulate(times=[0.0], initial=initial)
+    assert first == [
+        table[name][0]
+        for name in ("crank_angle", "rocking")
+        for table in (wanted.coordinate, wanted.coordinate_rate)
+    ]
+    np.testing.assert_allclose(second, first, rtol=1e-12)
 
 
 def test_copied_folder_of_bodies_says_what_is_not_possible(top: Path) -> None:
     got = run("import my_top\nmy_top.simulate(1.0, most_steps=2)", top.parent)
-    assert "ArithmeticError: most_steps are made, at t = " in got.stderr
+    assert "ArithmeticError: heavy_top: most_steps are made, at t = " in got.stderr
     got = run("import my_top\nmy_top.simulate(1.0, method='euler')", top.parent)
-    assert "ValueError: parameters [], method 'euler'; wanted of [] and ('dopri5'" in got.stderr
+    assert "ValueError: heavy_top: no method 'euler': there are dopri5, dop853" in got.stderr
 
 
 @pytest.mark.usefixtures("compiler")
@@ -200,3 +232,39 @@ def test_folder_of_bodies_imports_by_its_name(top: Path, monkeypatch: pytest.Mon
     motion = importlib.import_module("my_top").simulate(0.01, samples=2)
     assert motion.name == "heavy_top"
     assert motion.ledger.steps > 0
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_is_a_package(tmp_path: Path) -> None:
+    scene = read_scene(ROOT / "scenes" / "loop_free.toml")
+    write_tree(tmp_path / "loop", generate_dynamics(scene, ["reactions", "coordinates"]))
+    how: dict[str, Any] = {"parameters": {"mass": 2.0}}
+    how["initial"] = {"crank_angle": 0.5, "crank_angle_dot": 0.0}
+    got = run(
+        f"import loop\nrun = loop.simulate(0.02, samples=3, **{how!r})\n"
+        f"begun = loop.begin([0, 0.01, 0.02], **{how!r})\n"
+        "begun.advance(1)\nother = begun.finish()\n"
+        "run.save(sys.argv[1] + '/run.csv')\nrun.save(sys.argv[1] + '/run.npz')\n"
+        "print(json.dumps([run['crank_angle'].tolist(), run.joint('a').force.tolist(),"
+        " run.body('coupler').position.tolist(), other['crank_angle'].tolist()]))\n"
+        "t, q, v = run.state(0)\nprint(loop.simulate(1e-9, q0=q, v0=v)['crank_angle'][0])\n"
+        "for ask in (run.plot, run.animate, lambda: run.save('x.parquet'), lambda: run.ledger):\n"
+        "    try: ask()\n"
+        "    except (ModuleNotFoundError, KeyError) as error: print(error)\n",
+        tmp_path,
+    )
+    assert got.returncode == 0, got.stderr
+    numbers, start, *lines = got.stdout.splitlines()
+    wanted = load_dynamics(tmp_path / "loop", target="numpy").simulate(0.02, samples=3, **how)
+    angle, force, place, other = map(np.array, json.loads(numbers))
+    assert angle[0] == pytest.approx(0.5, abs=1e-12) and float(start) == pytest.approx(0.5)
+    np.testing.assert_array_equal(angle, wanted["crank_angle"])
+    np.testing.assert_array_equal(other, angle)
+    np.testing.assert_array_equal(force, wanted.joint("a").force)
+    np.testing.assert_array_equal(place, wanted.body("coupler").position)
+    with np.load(tmp_path / "run.npz") as data:
+        np.testing.assert_array_equal(data["crank_angle"], angle)
+    assert (tmp_path / "run.csv").read_text().startswith("time,crank.x,")
+    install = "pip install 'kousoku["
+    assert [install in line for line in lines] == [True, True, True, False]
+    assert "install kousoku" in lines[-1]

@@ -89,7 +89,7 @@ def test_assembly_finds_the_branch_from_rough_positions(solver: Solver) -> None:
 def test_change_point_stops_with_the_good_positions(solver: Solver) -> None:
     with pytest.raises(MotionError, match="change point") as stop:
         solver(PARALLELOGRAM).solve()
-    kept: Any = stop.value.trajectory
+    kept: Any = stop.value.result
     assert len(kept) == 1 + math.floor((math.pi - 1) / (2 * math.pi / 60))
     assert "O3, held by l2, l3, at alpha = 3.14159" in str(stop.value)
     np.testing.assert_allclose(
@@ -101,7 +101,7 @@ def test_change_point_stops_with_the_good_positions(solver: Solver) -> None:
 def test_change_point_is_not_stepped_over(solver: Solver, divisions: int) -> None:
     with pytest.raises(MotionError) as stop:
         solver(PARALLELOGRAM).solve(divisions=divisions)
-    kept: Any = stop.value.trajectory
+    kept: Any = stop.value.result
     assert kept.alpha[-1] < math.pi <= kept.alpha[-1] + 2 * math.pi / divisions + 1e-12
 
 
@@ -115,7 +115,7 @@ def test_dead_centre_on_the_way_is_where_the_links_are_stretched(solver: Solver)
     """Only the position of the first loop shows where the second one opens."""
     with pytest.raises(MotionError, match="D, held by rod2, rocker") as stop:
         solver(TWO_LOOPS % ("200, 45", 40, 55)).solve()
-    kept: Any = stop.value.trajectory
+    kept: Any = stop.value.result
     assert 1 <= len(kept) < 61
     assert f"after {len(kept)} good positions of 61" in str(stop.value)
     assert kept.residual_max <= 8 * 2**-52 * 100

@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+import sympy
 
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import SceneError
+from kousoku.model.expression import parse_expression
 from kousoku.model.read import read_scene
+from kousoku.model.typed_keys import keys_text
+from kousoku.model.values import value_of
 
 SCENES = Path(__file__).parents[2] / "scenes"
 
@@ -133,3 +139,91 @@ def test_drivers_coordinates_and_parameters_have_a_call() -> None:
     assert (scene.parameters, scene.drivers["motor"].value) == ({"speed": 2}, "speed*t")
     with pytest.raises(SceneError, match=r"parameters\.speed: the name 'speed' is given twice"):
         built.parameter("speed", 3)
+
+
+def test_the_typed_keys_are_those_of_the_records() -> None:
+    committed = SCENES.parent / "model" / "keys.py"
+    assert committed.read_text(encoding="utf-8") == keys_text(), (
+        "python -m kousoku.model.typed_keys > model/keys.py"
+    )
+
+
+@pytest.mark.parametrize("record", ["Body", "Joint", "Coordinate", "Driver", "Force", "Method"])
+def test_a_call_takes_the_typed_keys_of_its_record(record: str) -> None:
+    keys = inspect.signature(getattr(SceneBuilder, record.lower())).parameters["keys"]
+    assert (keys.kind, keys.annotation) == (keys.VAR_KEYWORD, f"Unpack[{record}Keys]")
+
+
+def test_a_key_that_is_not_there_is_refused_at_once() -> None:
+    builder: Any = SceneBuilder("s", unit="m")
+    with pytest.raises(SceneError, match=r"bodies\.b\.positoin: unknown key; did you mean"):
+        builder.body("b", positoin=(0, 0, 0))
+    with pytest.raises(SceneError, match=r"joints\.a\.type: is missing"):
+        builder.joint("a", bodies=("ground", "b"))
+    with pytest.raises(SceneError, match=r"bodies\.b\.rods\[0\]\.mas: unknown key"):
+        builder.body("b", position=(0, 0, 0), rods=[{"mas": 1, "ends": []}])
+    with pytest.raises(SceneError, match=r"coordinates\.c\.hold: the number 1 stands"):
+        builder.coordinate("c", joint="a", hold=1)
+    with pytest.raises(SceneError, match=r"method\.tolerence: unknown key"):
+        builder.method(tolerence=1)
+
+
+def slider(force: Any) -> SceneBuilder:
+    builder = SceneBuilder("s", unit="m").parameter("k", 3)
+    builder.body("b", position=(0, 0, 0), mass=1, point=True)
+    line: dict[str, Any] = {"points": np.zeros((2, 3)), "axes": [[1, 0, 0]] * 2}
+    builder.joint("a", type="point_on_line", bodies=("ground", "b"), **line)
+    builder.coordinate("x_1", body="b", along=(1, 0, 0))
+    return builder.force("f", type="along", coordinate="x_1", force=force)
+
+
+T, K, X, RATE = sympy.symbols("t k x_1 x_1_dot")
+NAMES = ("t", "k", "x_1", "x_1_dot")
+
+
+@pytest.mark.parametrize(
+    ("expression", "text"),
+    [
+        (sympy.sin(T), "sin(t)"),
+        (-K * X**2 / 3, "-k*x_1^2/3"),
+        ((0.1 + 0.2) * X - 1e-20 * T, None),
+        (sympy.Abs(X) * sympy.exp(-T), "exp(-t)*abs(x_1)"),
+        (sympy.Max(X, 0) + sympy.Min(T, K, X), None),
+        (sympy.atan2(X, T) ** 2.5 + sympy.pi * T, None),
+        (-RATE / sympy.sqrt(RATE**2 + sympy.Float("1e-6")), None),
+        (sympy.E**2 * X, "x_1*exp(2)"),
+    ],
+)
+def test_an_expression_of_sympy_is_a_formula(expression: sympy.Expr, text: str | None) -> None:
+    given = slider(expression).build().forces["f"].force
+    assert isinstance(given, str)
+    values = {"t": 0.7, "k": 3.0, "x_1": 0.4, "x_1_dot": -0.2}
+    found = value_of(parse_expression(given, NAMES), values)
+    assert found == pytest.approx(float(expression.subs(values)), rel=1e-15)
+    assert given == (text or given)
+
+
+@pytest.mark.parametrize(
+    ("expression", "says"),
+    [
+        (sympy.Function("theta")(T), "unknown name 'theta'"),
+        (sympy.I * T, "unknown name 'I'"),
+        (sympy.Symbol("__import__('os')") * T, "unknown name"),
+        (sympy.Symbol("1); x") + T, "stands where|belongs to no formula"),
+        (sympy.Eq(T, 1), "Equality of SymPy is no expression"),
+        (sympy.oo, "unknown name 'oo'"),
+    ],
+)
+def test_an_expression_that_is_no_formula_of_a_scene_is_refused(
+    expression: object, says: str
+) -> None:
+    with pytest.raises(SceneError, match=says):
+        slider(expression).build()
+
+
+def test_numbers_and_vectors_of_sympy_are_numbers() -> None:
+    at = sympy.Matrix([sympy.Rational(1, 4), 0, sympy.sqrt(2)])
+    scene = SceneBuilder("s", unit="m").body("b", position=at, point=True, mass=sympy.Integer(2))
+    body = scene.build().bodies["b"]
+    assert body.position == (0.25, 0.0, float(sympy.sqrt(2)))
+    assert body.mass == 2

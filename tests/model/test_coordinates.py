@@ -158,6 +158,8 @@ def test_what_is_only_held_is_gone_when_the_scene_moves() -> None:
         ("parameters", "t", "is the time in formulas"),
         ("coordinates", "t", "is the time in formulas"),
         ("parameters", "pi", "is a number in formulas"),
+        ("parameters", "deg", "is the unit of 1/180 of pi in formulas"),
+        ("coordinates", "deg", "is the unit of 1/180 of pi in formulas"),
         ("coordinates", "min", "is a function in formulas"),
         ("parameters", "sign", "is a function in formulas"),
         ("parameters", "x", "is what the tension of a spring may depend on"),

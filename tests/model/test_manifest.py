@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import pytest
 
-from kousoku.model.manifest import FORMAT, KernelManifest, Manifest
+from kousoku.model.errors import LoadError
+from kousoku.model.manifest import ABI, FORMAT, KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
 
 
@@ -28,8 +29,8 @@ def manifest() -> Manifest:
         title="parallel vectors",
         regenerate="kousoku generate p2",
         version="0.1.0",
-        origin="2" * 64,
         digest="0" * 64,
+        inputs=(("derivation", "2" * 16), ("templates", "3" * 16)),
         files=(("kernels.c", "1" * 64),),
         kernels=(kernel,),
     )
@@ -52,8 +53,19 @@ def test_digest_is_over_all_that_is_said_but_the_files(manifest: Manifest) -> No
     (kernel,) = manifest.kernels
     (jacobian,) = kernel.outputs
     turned = replace(kernel, outputs=(replace(jacobian, meaning="Jacobian, transposed"),))
-    others = [replace(manifest, origin="3" * 64), replace(manifest, kernels=(turned,))]
+    others = [
+        replace(manifest, inputs=(("derivation", "4" * 16),)),
+        replace(manifest, kernels=(turned,)),
+    ]
     assert known not in {other.stated() for other in others}
+
+
+@pytest.mark.parametrize(("there", "shown"), [('"abi": 99, ', "ABI 99"), ("", "ABI 0")])
+def test_another_abi_is_refused_in_one_line(manifest: Manifest, there: str, shown: str) -> None:
+    text = manifest.to_json()
+    assert f'"abi": {ABI}, ' in text
+    with pytest.raises(LoadError, match=f"p2_z was generated .*{shown}.*: kousoku generate p2$"):
+        Manifest.from_json(text.replace(f'"abi": {ABI}, ', there))
 
 
 def test_sizes_are_products_of_shapes(manifest: Manifest) -> None:

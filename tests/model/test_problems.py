@@ -139,7 +139,9 @@ def test_the_message_has_a_line_for_each_problem_in_the_order_of_the_file() -> N
 def test_without_a_file_lines_are_named_and_without_a_text_there_are_none() -> None:
     with pytest.raises(SceneError, match=r"\nline 2: unit: the text 'x' stands"):
         scene_from_toml('name = "a"\nunit = "x"')
-    with pytest.raises(SceneError, match=r"^name: is missing.*\nunit: is missing.*\nnodes: "):
+    with pytest.raises(
+        SceneError, match=r"^name: is missing.*\nunit: is missing.*\nhas no mechanism: "
+    ):
         scene_from_dict({})
 
 

@@ -21,7 +21,7 @@ SHIPPED_SUFFIXES = {
     "model": (".py", ".json"),
     "runtime": (".py", ".c", ".h"),
     "symbolic": (".py",),
-    "kousoku": (".py", ".typed"),
+    "kousoku": (".py", ".typed", ".css", ".html", ".js"),
 }
 
 

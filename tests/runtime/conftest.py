@@ -38,7 +38,7 @@ SPHERE = KernelManifest(
 )
 
 
-SAID = Manifest("tiny", "Tiny", "kousoku generate tiny", "0", "", "", (), (SPHERE,))
+SAID = Manifest("tiny", "Tiny", "kousoku generate tiny", "0", "", (), (), (SPHERE,))
 DIGEST = SAID.stated()
 POINTS: dict[str, list[float]] = {
     "ordinary": [0.1, -1.7, 0.3, 2.3],

@@ -20,7 +20,7 @@ from kousoku.runtime.run_ledger import LEVELS
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from kousoku.model.scene import Scene
+    from kousoku.model.scene import Scene, Unit
     from kousoku.runtime.toolchain import Toolchain
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -34,7 +34,7 @@ def load(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Load:
     return lambda scene, outputs=ALL: load_dynamics(bodies_folder(scene, outputs), target="c")
 
 
-def tilted_pendulum(unit: str = "m") -> Scene:
+def tilted_pendulum(unit: Unit = "m") -> Scene:
     """Return a rod of 2 kg and 1 m on a hinge at one end, in no coordinate plane, swinging."""
     size = {"m": 1, "mm": 1000}[unit]
     builder = SceneBuilder("tilted", unit=unit).gravity(0, 0, -9.81 * size)

@@ -28,8 +28,10 @@ from kousoku.codegen.generate import write_tree
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
 from kousoku.runtime.integrate.scene import Work, state_of
+from kousoku.runtime.integrate.settings import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -185,6 +187,26 @@ def test_run_that_begins_where_rows_fail_takes_all_from_the_start(
         np.testing.assert_allclose(row[first : first + len(v_dot)], v_dot, rtol=0, atol=1e-10)
     other.finish()
     np.testing.assert_array_equal(one.state, other.state)
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver")
+def test_what_is_usual_is_said_by_all_rows_where_those_kept_fail_at_the_start(
+    folders: dict[str, Path],
+) -> None:
+    targets: tuple[Any, Any] = ("c", "numpy")
+    solvers = [load_dynamics(folders["bad"], target=target) for target in targets]
+    run = solvers[0].begin([0.0], parameters={"phase": FAILS})
+    run.finish()
+    _, q, v = np.split(run.save().rows[0], np.cumsum([1, len(solvers[0].q)]))
+    v, found = v[: len(solvers[0].v)], []
+    for solver in solvers:
+        target: Any = solver.target
+        memory = Memory(np.zeros(target.state_size), np.zeros(target.work_size))
+        parameters = np.array([RATE, 0.0])
+        assert target.starter(FAILS / RATE, q, v, parameters, memory)() == Status.GOOD
+        assert solver.state["fallbacks"].view(memory.state) > 0
+        found.append(memory.state)
+    np.testing.assert_array_equal(found[0], found[1])
 
 
 def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Path]) -> None:

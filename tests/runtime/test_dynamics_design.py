@@ -21,7 +21,7 @@ from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.integrate.settings import BAD_ARGUMENT
+from kousoku.runtime.integrate.settings import Status
 from tests.runtime.test_dynamics_fallback import BAD, END, write_without
 from tests.runtime.test_dynamics_fallback import SCENE as BRICARD
 
@@ -219,8 +219,10 @@ def test_impossible_numbers_are_refused_by_name(
         solver.evaluate(0.0, parameters=given)
     values = np.array([*({"m": 2.0, "L": 150.0} | given).values()])
     memory = Memory(np.zeros(solver.target.state_size), np.zeros(solver.target.work_size))
-    assert solver.target.start(0.0, solver.q, solver.v, values, memory) == BAD_ARGUMENT
-    assert solver.target.evaluate(0.0, solver.q, solver.v, values, memory.work) == BAD_ARGUMENT
+    start = solver.target.starter(0.0, solver.q, solver.v, values, memory)
+    assert start() == Status.BAD_ARGUMENT
+    evaluated = solver.target.evaluate(0.0, solver.q, solver.v, values, memory.work)
+    assert evaluated == Status.BAD_ARGUMENT
 
 
 @pytest.mark.usefixtures("compiler")

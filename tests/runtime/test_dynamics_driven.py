@@ -14,7 +14,7 @@ from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.integrate.settings import BUFFER_FULL, PAUSED
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.motion import Motion
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def test_runge_kutta_gives_the_same_motion(load: Load) -> None:
 def test_a_dead_centre_stops_the_motion_and_keeps_what_was_before(load: Load) -> None:
     with pytest.raises(MotionError, match=r"no step can .* dead centre.*drivers\.motor") as stop:
         load(four_bar(joint="d", law="t")).simulate(3.0, samples=301)
-    motion = stop.value.trajectory
+    motion = stop.value.result
     assert isinstance(motion, Motion)
     pin = end_of(motion, "coupler", COUPLER)[-1]  # the crank points the other way
     assert np.hypot(*pin) == pytest.approx(COUPLER - CRANK, abs=0.02)
@@ -213,7 +213,7 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(load: Load) -> None:
     wanted = whole.finish().columns()
     run = solver.begin(times)
     calls = [run.advance(1, 1)]
-    while calls[-1] in (BUFFER_FULL, PAUSED):
+    while calls[-1] in (Status.BUFFER_FULL, Status.PAUSED):
         run = solver.resume(run.save())
         run._memory.work[:] = np.nan
         calls.append(run.advance(1, 1))

@@ -18,8 +18,8 @@ from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import read_scene
 from kousoku.runtime import notice
 from kousoku.runtime.dynamics import load_dynamics
-from kousoku.runtime.dynamics_targets import open_solver
-from kousoku.runtime.integrate.settings import BUFFER_FULL, GOOD, PAUSED
+from kousoku.runtime.dynamics_targets import Memory, open_solver
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.library import read_files, read_manifest
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 SCENES = Path(__file__).parents[2] / "scenes"
 ALL = ("accelerations", "reactions", "energies")
+TARGETS: tuple[Any, Any] = ("c", "numpy")
 
 
 def bob() -> Scene:
@@ -105,6 +106,28 @@ def test_rows_are_those_of_c(
     assert ledgers[1].worst("acceleration")[0] > 0.0 or not ledgers[0].violations
 
 
+@pytest.mark.usefixtures("compiler", "numpy_solver", "shipped_flags")
+def test_pivots_are_those_of_the_state_whatever_the_workspace_holds(
+    bodies_folder: Callable[..., Path],
+) -> None:
+    scene, found = read_scene(SCENES / "piston_crank_bodies.toml"), []
+    for target in TARGETS:
+        solver = load_dynamics(bodies_folder(scene, ALL), target=target)
+        run = solver.begin([0.0, 0.3], tolerance=1e-6)
+        first = solver.state["least_pivot_ratio"].view(run.state).item()
+        pivots = np.zeros(len(solver.rows))
+        assert solver.target.pivots(run._memory, pivots) == Status.GOOD
+        assert pivots.min() > 1.0
+        assert first == pytest.approx(pivots.min() / pivots.max(), rel=1e-12)
+        run.finish()
+        for work in (run._memory.work, np.zeros_like(run._memory.work)):
+            pivots = np.zeros(len(solver.rows))
+            assert solver.target.pivots(Memory(run.state, work), pivots) == Status.GOOD
+            found.append(pivots)
+    for pivots in found[1:]:
+        np.testing.assert_array_equal(pivots, found[0])
+
+
 @pytest.mark.usefixtures("numpy_solver")
 def test_run_in_small_calls_gives_the_same_bits(
     in_numpy: Callable[[str], DynamicsSolver],
@@ -114,10 +137,10 @@ def test_run_in_small_calls_gives_the_same_bits(
     whole = solver.begin(times).finish()
     parts = solver.begin(times)
     reasons = {parts.advance(2, 2)}
-    while reasons & {BUFFER_FULL, PAUSED} and parts.written < len(times):
+    while reasons & {Status.BUFFER_FULL, Status.PAUSED} and parts.written < len(times):
         parts = solver.resume(parts.save())
         reasons.add(parts.advance(2, 2))
-    assert reasons >= {BUFFER_FULL, PAUSED}
+    assert reasons >= {Status.BUFFER_FULL, Status.PAUSED}
     for key, values in whole.columns().items():
         np.testing.assert_array_equal(parts.motion().columns()[key], values, err_msg=key)
 
@@ -276,15 +299,15 @@ def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
     code = (
         "import sys, json, numpy as np\n"
         "from pendulum.solver import SOLVER, SCENE\n"
-        "from pendulum.integrate.settings import GOOD, Settings\n"
+        "from pendulum.integrate.settings import Settings, Status\n"
         "data = json.load(open('pendulum/motion.json'))\n"
         "state, work = np.zeros(SCENE.state_size), np.zeros(SCENE.work_size)\n"
         "q, v = np.array(data['q']), np.array(data['v'])\n"
-        "assert SOLVER.start(0.0, q, v, None, state, work) == GOOD\n"
+        "assert SOLVER.start(0.0, q, v, None, state, work) == Status.GOOD\n"
         "rows = np.zeros((3, SCENE.row_size))\n"
         "settings = Settings(1e-9, 1e300, 0.0, True, 1)\n"
         "times = np.array([0.0, 0.5, 1.0])\n"
-        "assert SOLVER.run(settings, times, 10**6, state, work, rows) == (GOOD, 3)\n"
+        "assert SOLVER.run(settings, times, 10**6, state, work, rows) == (Status.GOOD, 3)\n"
         "assert not {'kousoku', 'sympy', 'jinja2'} & set(sys.modules)\n"
         "print(json.dumps(rows[-1, 1:1 + SCENE.nq].tolist()))"
     )
@@ -293,6 +316,6 @@ def test_solver_in_python_runs_alone_with_numpy(folder: Folder) -> None:
         [sys.executable, "-c", code], cwd=where.parent, capture_output=True, text=True, check=True
     )
     run = load_dynamics(where, target="numpy").begin([0.0, 0.5, 1.0], method="dop853")
-    assert run.advance(10**6) == GOOD
+    assert run.advance(10**6) == Status.GOOD
     wanted = run.save().rows[-1, 1 : 1 + len(run.solver.q)].tolist()
     assert done.stdout.strip() == str(wanted)

@@ -16,7 +16,7 @@ from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.integrate.settings import BUFFER_FULL, GOOD, PAUSED, WRONG_STATE
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
@@ -84,10 +84,10 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(
     wanted, end = whole(solver, method=method, tolerance=1e-8)
     run = solver.begin(TIMES, method=method, tolerance=1e-8)
     calls: list[int] = []
-    while not calls or calls[-1] in (BUFFER_FULL, PAUSED):
+    while not calls or calls[-1] in (Status.BUFFER_FULL, Status.PAUSED):
         poison(run)
         calls.append(run.advance(steps, rows))
-    assert calls[-1] == GOOD
+    assert calls[-1] == Status.GOOD
     assert len(calls) > 2
     got, state = table(run)
     np.testing.assert_array_equal(got, wanted)
@@ -153,6 +153,7 @@ def changed(solver: DynamicsSolver, saved: SavedRun, name: str, value: float) ->
         (lambda s: replace(s, options=None), "options None; wanted those of a saved run"),
         (lambda s: replace(s, options=replace(s.options, tolerance=np.nan)), "tolerance nan"),
         (lambda s: replace(s, options=replace(s.options, parameters=3)), "parameters 3"),
+        (lambda s: replace(s, options=replace(s.options, initial=3)), "initial 3"),
         (lambda s: replace(s, options=replace(s.options, method="dopri5")), "method 'dopri5'"),
     ],
 )
@@ -212,8 +213,8 @@ def test_state_that_was_damaged_is_not_run(bodies_folder: Callable[..., Path], t
         memory = Memory(run.state.copy(), run._memory.work)
         solver.state[name].view(memory.state).flat[-1] = value
         before = memory.state.copy()
-        status = solver.target.run(run.options.settings(), TIMES, 9, memory, rows)
-        assert status == WRONG_STATE, name
+        go = solver.target.runner(run.options.settings(), TIMES, memory)
+        assert go(9, rows) == Status.WRONG_STATE, name
         np.testing.assert_array_equal(memory.state, before)
     assert (rows == 7.0).all()
 
@@ -231,10 +232,10 @@ def test_interrupt_keeps_what_was_computed_and_the_run_can_go_on(load: Load) -> 
         solver.simulate(times=TIMES, tolerance=1e-12, progress=press)
     stop = caught.value
     assert isinstance(stop, Interrupted)
-    assert not stop.motion.is_complete
-    assert 0 < len(stop.motion) < len(TIMES)
-    rows = np.stack(list(stop.motion.columns().values()))
-    np.testing.assert_array_equal(rows, wanted[:, : len(stop.motion)])
+    assert not stop.result.is_complete
+    assert 0 < len(stop.result) < len(TIMES)
+    rows = np.stack(list(stop.result.columns().values()))
+    np.testing.assert_array_equal(rows, wanted[:, : len(stop.result)])
     assert stop.run.finish().is_complete
     np.testing.assert_array_equal(table(stop.run)[0], wanted)
 

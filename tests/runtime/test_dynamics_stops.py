@@ -11,6 +11,7 @@ import pytest
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.families import chain, n_four_bar
+from kousoku.model.read import scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import Motion
 from kousoku.runtime.run_stop import joints_at_stop
@@ -95,11 +96,26 @@ def test_tolerances_near_rounding_do_not_stagnate(load: Load, tolerance: float) 
 def test_run_that_needs_too_many_steps_is_stopped_and_keeps_its_rows(load: Load) -> None:
     with pytest.raises(MotionError, match=r"at t = \S+ s: 20 steps are made .* larger tol") as stop:
         load(chain(3)).simulate(10.0, samples=1001, most_steps=20)
-    motion = stop.value.trajectory
+    motion = stop.value.result
     assert isinstance(motion, Motion)
     assert 10 < len(motion) < 1001
     assert not motion.is_complete
     assert motion.ledger.steps == 20
+
+
+def test_run_that_chatters_at_a_sign_says_which_force_to_smooth(load: Load) -> None:
+    block = {"position": [0, 0, 0], "velocity": [1, 0, 0], "point": True, "mass": 1}
+    line = {"type": "point_on_line", "bodies": ["ground", "block"]}
+    tree = {
+        "name": "rub",
+        "unit": "m",
+        "bodies": {"block": block},
+        "joints": {"a": line | {"points": [[0] * 3] * 2, "axes": [[1, 0, 0]] * 2}},
+        "coordinates": {"s": {"body": "block", "along": [1, 0, 0]}},
+        "forces": {"rub": {"type": "along", "coordinate": "s", "force": "-3*sign(s_dot)"}},
+    }
+    with pytest.raises(MotionError, match=r"the sign in forces\.rub jumps, .* x/sqrt\(x\^2"):
+        load(scene_from_dict(tree)).simulate(2.0, samples=3, most_steps=2000)
 
 
 def test_start_without_a_determined_motion_names_the_joint_that_depends(load: Load) -> None:
@@ -118,7 +134,7 @@ def test_motion_that_is_too_fast_for_any_step_stops_at_its_last_good_state(load:
     builder.joint("hinge", type="revolute", bodies=("ground", "rod"), at=(0, 0, 0), axis=(0, 0, 1))
     with pytest.raises(MotionError, match=r"at t = .* no step can be taken.*joints\.hinge") as stop:
         load(builder.build()).simulate(1.0)
-    motion = stop.value.trajectory
+    motion = stop.value.result
     assert isinstance(motion, Motion)
     assert len(motion) == 1
     assert np.isfinite(motion.position["rod"]).all()

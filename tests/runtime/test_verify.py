@@ -177,7 +177,7 @@ def test_a_truncated_library_is_named_once_and_built_again(tiny: Path) -> None:
 @pytest.mark.usefixtures("compiler", "cache")
 def test_a_foreign_library_is_named(tiny: Path, tmp_path: Path) -> None:
     place = load(tiny).path
-    other = replace(SAID, origin="0" * 64)
+    other = replace(SAID, inputs=(("derivation", "0" * 16),))
     foreign = load(write_tiny(tmp_path / "b", said=other)).path
     assert place is not None
     assert foreign is not None

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
 from kousoku.codegen.dynamics.assembly.least import Metric, Solver
 from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
@@ -164,7 +165,7 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
     v = [x + y for x, y in zip(given, change, strict=True)]
     torn = [x - y for x, y in zip(jacobian.times(change), wanted, strict=True)]
     prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)
-    _check_velocities(system, rows, torn, max(metric.norm(given), prescribed))
+    _check_velocities(system, rows, torn, max(metric.norm(given), prescribed), pose)
     return v
 
 
@@ -185,7 +186,11 @@ def _given_velocities(body: MovingBody, p: Quadruple) -> tuple[Triple, Triple]:
 
 
 def _check_velocities(
-    system: System, rows: Residuals, missing: Sequence[High], speed: High
+    system: System,
+    rows: Residuals,
+    missing: Sequence[High],
+    speed: High,
+    pose: Pose,
 ) -> None:
     """Refuse velocities that tear joints, or that bodies hold against each other."""
     torn: dict[str, list[float]] = {}
@@ -202,8 +207,9 @@ def _check_velocities(
             if is_driven
             else "hold less, or give velocities that fit"
         )
+        excess = excess_of_drivers(system, pose) if is_driven else ""
         raise AssemblyError(
-            f"{system.name}: no velocities near those of the scene keep its joints closed; as near "
-            f"as they come, these are torn: {listed(named, ('m/s', 'rad/s'))}; {advice}",
+            f"{system.name}: {excess}no velocities near those of the scene keep its joints closed;"
+            f" as near as they come, these are torn: {listed(named, ('m/s', 'rad/s'))}; {advice}",
             [*named],
         )

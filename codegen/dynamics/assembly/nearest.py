@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
 from kousoku.codegen.dynamics.assembly.least import Solver
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
@@ -77,9 +78,11 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
         pose = search.restored(driven.pose())
         open_joints = violations(rows, pose, CLOSED * metric.size)
     if open_joints:
+        excess = excess_of_drivers(system, start)
         raise AssemblyError(
-            f"{system.name}: does not fit together near these positions; as near as it comes, "
-            f"these stay open: {listed(open_joints, ('m', 'rad'))}; {_advice(system, open_joints)}",
+            f"{system.name}: {excess}does not fit together near these positions; as near as it "
+            f"comes, these stay open: {listed(open_joints, ('m', 'rad'))};"
+            f" {_advice(system, open_joints)}",
             [*open_joints],
         )
     return _polished(start, pose, search)

@@ -87,7 +87,7 @@ class Residuals:
         self.first = [0, *accumulate(sizes)]
         self.rows = self.first[-1]
         #: Which rows are lengths; the others are angles, or sines of them.
-        self.in_metres = np.repeat([_unit(instance) == "m" for instance in constraints], sizes)
+        self.in_metres = np.repeat([unit_of(instance) == "m" for instance in constraints], sizes)
         #: Where the angles count from: values within half a turn of those at the start.
         self.near = np.array([coordinate.near for coordinate in coordinates])
         self._pieces = list(self._listed())
@@ -302,7 +302,8 @@ def _size(instance: Instance) -> int:
     return frozen(instance.kind, "constraint").outputs[0].size
 
 
-def _unit(instance: Instance) -> str:
+def unit_of(instance: Instance) -> str:
+    """Return the unit of the rows of a constraint: ``m``, or what is no length."""
     return instance.unit or frozen(instance.kind, "constraint").outputs[0].unit
 
 

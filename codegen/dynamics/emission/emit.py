@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import astuple
 from typing import TYPE_CHECKING
 
@@ -11,25 +10,20 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
-from kousoku.codegen.emit import along, environment, promise, template, with_manifest
+from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
 from kousoku.runtime.integrate.methods import METHODS
+from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
 
     from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.model.about import About
     from kousoku.model.mechanism import System
 
 MOTION_FILE = "motion.json"
-#: What a row has for each output beyond positions and velocities.
-PARTS_OF_ROWS = {
-    "accelerations": "v_dot",
-    "coordinates": "coordinates",
-    "reactions": "reactions",
-    "energies": "energies",
-}
 TEMPLATES = {
     "solver.c": "dynamics/solver.c.jinja",
     "solver.h": "dynamics/solver.h.jinja",
@@ -46,6 +40,7 @@ def emit_dynamics(
     system: System,
     outputs: Collection[str] = (),
     more: Mapping[str, str] | None = None,
+    about: About | None = None,
 ) -> dict[str, str]:
     """Return the folder of a scene's solver.
 
@@ -59,6 +54,8 @@ def emit_dynamics(
         What is wanted beside positions and velocities, of :data:`PARTS_OF_ROWS`.
     more : mapping of str to str, optional
         Further files, such as reference values.
+    about : About, optional
+        What the scene has beside numbers.
 
     Returns
     -------
@@ -69,13 +66,16 @@ def emit_dynamics(
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     view = dynamics_view(program, system, length, parts)
     integrator = along("integrate")
-    total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
-    for text in (*integrator.values(), *map(template, PARTS)):
-        total.update(text.encode())
+    inputs = hashed(
+        scene=repr(astuple(system)),
+        composition=repr(view),
+        templates="".join(map(template, PARTS)),
+        runtime=repr(integrator),
+    )
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()
     )
-    promised = promise(package, total.hexdigest())
+    promised = promise(package, inputs)
     given = {
         "view": view,
         "python": numpy_view(program, system, length, parts),
@@ -87,7 +87,7 @@ def emit_dynamics(
     templates = environment()
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
     files |= integrator
-    files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state))
+    files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state, about))
     files |= more or {}
     return with_manifest(files, promised)
 

@@ -12,6 +12,8 @@ from kousoku.codegen.dynamics.emission.view_numbers import is_driven, start_plac
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
+from kousoku.model.about import About
+from kousoku.model.system import METRES
 from kousoku.model.varying import fixed_system, is_varying
 from kousoku.runtime.integrate.state import fields_as_data
 
@@ -26,13 +28,19 @@ if TYPE_CHECKING:
 LENGTHS = ("point", "distance", "length", "n2", "p2")
 #: Regions that hold what is given, or what no evaluation finds.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
+#: Names of units by their lengths in metres.
+UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.items()}
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
 
 
 def motion_data(
-    program: Program, system: System, parts: Sequence[str] = (), state: Sequence[Field] = ()
+    program: Program,
+    system: System,
+    parts: Sequence[str] = (),
+    state: Sequence[Field] = (),
+    about: About | None = None,
 ) -> dict[str, object]:
     """Return what ``motion.json`` holds.
 
@@ -46,13 +54,17 @@ def motion_data(
         Regions that a row has beyond time, q and v.
     state : sequence of Field
         The layout of the state.
+    about : About, optional
+        What the scene has beside numbers.
     """
+    about = about or About()
     q, v = program.region("q").base, program.region("v").base
     varying = {"design": _design(program)} if program.design else {}
     return {
         "format": 1,
         "name": system.name,
         "unit": system.unit,
+        "unit_name": UNIT_NAMES[system.unit],
         **_start(program),
         "bodies": _bodies(program, system, q, v),
         "parameters": [[name, value] for name, value in system.parameters],
@@ -84,6 +96,9 @@ def motion_data(
             for one in program.kept
         ],
         **varying,
+        "notes": list(about.notes),
+        "duration": about.duration,
+        "jumps": list(about.jumps),
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
 

@@ -24,7 +24,7 @@ from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
-from kousoku.runtime.integrate.settings import Settings
+from kousoku.runtime.integrate.settings import Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
 
 if TYPE_CHECKING:
@@ -188,6 +188,11 @@ class DynamicsView:
         """Type and name of each field of what a run is told."""
         types = {float: "double", int: "int"}
         return tuple((types[kind], name) for name, kind in get_type_hints(Settings).items())
+
+    @property
+    def statuses(self) -> tuple[Status, ...]:
+        """What a call returns."""
+        return tuple(Status)
 
     @property
     def methods(self) -> tuple[str, ...]:

@@ -5,9 +5,9 @@ A step compares two programs of the same scene: one that does without, and one t
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import count
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
@@ -15,6 +15,7 @@ from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios, thick
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import counts, operations
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
+from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
@@ -26,6 +27,7 @@ from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import system_of
+from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
@@ -69,7 +71,7 @@ class Step:
     bytes: int = 0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Explanation:
     """What is solved for a scene, and what is not.
 
@@ -101,6 +103,30 @@ class Explanation:
     removed: tuple[str, ...]
     drivers: tuple[str, ...]
     is_planar: bool
+
+    def __str__(self) -> str:
+        return text_of(self)
+
+    def __repr__(self) -> str:
+        return (
+            f"<Explanation of {self.name}: {counted(self.freedom.degrees, 'degree')} of freedom,"
+            f" {counted(self.structure.rows, 'row')}; print() shows what each step saves>"
+        )
+
+    def as_data(self) -> dict[str, Any]:
+        """Return it as data, ready for JSON."""
+        freedom = self.freedom
+        return {
+            "name": self.name,
+            "is_planar": self.is_planar,
+            "steps": [asdict(step) for step in self.steps],
+            "segments": dict(self.segments),
+            "structure": asdict(self.structure),
+            "freedom": asdict(freedom)
+            | {"degrees": freedom.degrees, "not_unique": list(freedom.not_unique)},
+            "removed": list(self.removed),
+            "drivers": list(self.drivers),
+        }
 
 
 def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
@@ -258,11 +284,6 @@ def _without_zeros(constants: Constants) -> Constants:
         (name, tuple(next(numbers) if x in {-1.0, 0.0, 1.0} else x for x in values))
         for name, values in constants
     )
-
-
-def _freedom(system: System, wanted: Sequence[str]) -> Freedom:
-    """Return the freedom of a system before its bodies are joined."""
-    return freedom_of(fixed_system(system), compose(system, wanted))
 
 
 def _of_design(system: System, program: Program) -> list[Step]:

@@ -211,6 +211,8 @@ class Program:
         Bodies whose centre of mass follows from all else where they are put onto a joint.
     not_unique : tuple of str
         Joints whose reactions are not unique.
+    unique_in_plane : tuple of str
+        Joints of whose reactions only what leads out of the plane of the motion is not unique.
     is_weighed : bool
         Whether masses are those of the scene; else its energies and works mean nothing.
     parameters : tuple of float
@@ -242,6 +244,7 @@ class Program:
     reduced: tuple[Row, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
+    unique_in_plane: tuple[str, ...] = ()
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()
     on_demand: tuple[Segment, ...] = ()

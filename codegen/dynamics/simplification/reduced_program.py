@@ -51,7 +51,12 @@ def reduced(
     found = compose(heavy, wanted, may_be_planar=program.is_planar, most_free=most_free)
     if not found.reduced or _cost(found) >= _cost(program):
         return program
-    return replace(found, not_unique=program.not_unique, is_weighed=program.is_weighed)
+    return replace(
+        found,
+        not_unique=program.not_unique,
+        unique_in_plane=program.unique_in_plane,
+        is_weighed=program.is_weighed,
+    )
 
 
 def _is_worth(system: System, program: Program) -> bool:

@@ -13,5 +13,5 @@ Python NumPy, and imports nothing of kousoku but itself.
 ``assembly``      the first position
 ``continuation``  predictor and corrector along the inputs
 ``solve``         the whole analysis
-``alone``         results by name, where kousoku is not installed
+``trajectory``    results by name
 """

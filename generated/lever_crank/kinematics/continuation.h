@@ -22,6 +22,25 @@ static void inputs_of(const Run *run, long long division, double *alpha, double 
     }
 }
 
+/* the inputs by their laws in time, and their rates */
+static void laws_at(const Run *run, double time, double *alpha, double *rate)
+{
+    for (size_t i = 0; i < INPUTS; ++i) {
+        alpha[i] = run->origin[i] + (run->rate[i] + 0.5 * run->rate_dot[i] * time) * time;
+        rate[i] = run->rate[i] + run->rate_dot[i] * time;
+    }
+}
+
+/* where a step in time ends at the latest: at a time, or before it where an input turns back */
+static double end_of(const Run *run, double now, double time)
+{
+    for (size_t i = 0; i < INPUTS; ++i) {
+        const double turn = -run->rate[i] / run->rate_dot[i]; /* not finite: never */
+        time = now < turn && turn < time ? turn : time;
+    }
+    return time;
+}
+
 /* whether the corrections stayed small beside the motion: else another branch may be near */
 static int is_near(const Workspace *w, const double *predicted, double moved)
 {
@@ -45,41 +64,62 @@ static void accept_step(Workspace *w, const double *alpha)
     }
 }
 
-/* one step of the inputs: predict by (26), correct, and halve the step where that fails;
- * `delta` is the whole step, which ends at `target` */
-static int advance(
-    Run *run, Workspace *w, const double *target, const double *delta, Convergence *convergence)
+/* to a division, or to the time of a row, in steps of at most a division: predict by (26),
+ * correct, and halve the step where that fails */
+static int advance(Run *run, Workspace *w, long long row, Convergence *convergence)
 {
     const double none[INPUTS] = { 0.0 };
-    double left = 1.0, step = 1.0;
+    double target[INPUTS], delta[INPUTS], left = run->times ? run->times[row] - w->time : 1.0;
+    const double *pace = run->times ? w->rate : delta;
+    const double *pace_dot = run->times ? run->rate_dot : none;
+    double step = left;
     int iterations = 0;
+    inputs_of(run, row, target, delta);
     for (int tries = 0; left > 0.0; ++tries) {
-        double alpha[INPUTS], predicted[UNKNOWNS], moved = 0.0;
-        step = step < left ? step : left;
+        double alpha[INPUTS], rate[INPUTS], predicted[UNKNOWNS], moved = 0.0, part = 0.0;
+        const double end = run->times ? end_of(run, w->time, run->times[row]) : left;
+        const double rest = end - w->time, time = step < rest ? w->time + step : end;
+        step = step < rest ? step : rest;
+        laws_at(run, time, alpha, rate);
         for (size_t i = 0; i < INPUTS; ++i) {
-            alpha[i] = target[i] - (left - step) * delta[i];
-            moved = fmax(moved, fabs(step * delta[i]) * input_scales[i]);
+            double change = alpha[i] - w->alpha[i];
+            if (!run->times) {
+                alpha[i] = target[i] - (left - step) * delta[i];
+                change = step * delta[i];
+            }
+            const double whole = delta[i] != 0.0 ? delta[i] : LENGTH / input_scales[i];
+            part = fmax(part, run->times ? fabs(change / whole) : step);
+            moved = fmax(moved, fabs(change) * input_scales[i]);
         }
         for (size_t i = 0; i < UNKNOWNS; ++i) {
             predicted[i] = w->x[i] + step * (w->x1[i] + 0.5 * step * w->x2[i]);
             w->trial[i] = predicted[i];
         }
         *convergence = (Convergence){ 0, 0.0 };
-        const int status = run->method ? modified_newton(run, w, alpha, convergence)
-                                       : full_newton(run, w, alpha, convergence);
-        iterations += convergence->iterations;
-        if (status != GOOD || !is_near(w, predicted, moved)) {
+        int status = TOO_FAR;
+        if (part <= 1.0) {
+            status = run->method ? modified_newton(run, w, alpha, convergence)
+                                 : full_newton(run, w, alpha, convergence);
+            iterations += convergence->iterations;
+            status = status == GOOD && !is_near(w, predicted, moved) ? DEAD_CENTRE : status;
+        }
+        if (status != GOOD) {
             step *= 0.5;
-            if (step < SMALLEST_STEP || tries > 1000) {
-                return status == GOOD ? DEAD_CENTRE : status;
+            if (0.5 * part < SMALLEST_STEP || tries > MOST_TRIES) {
+                return tries > MOST_TRIES ? TOO_FAR : status;
             }
             continue;
         }
         accept_step(w, alpha);
         left -= step;
         step *= 2.0;
+        if (run->times) {
+            laws_at(run, time, w->alpha, w->rate);
+            w->time = time;
+            left = run->times[row] - time;
+        }
         if (left > 0.0) {
-            differentiate(w, delta, none, w->x1, w->x2);
+            differentiate(w, pace, pace_dot, w->x1, w->x2);
         }
     }
     convergence->iterations = iterations;

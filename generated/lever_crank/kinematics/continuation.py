@@ -9,7 +9,7 @@ import numpy as np
 
 from .equations import Coordinates, differentiate
 from .newton import Convergence, Newton, largest
-from .status import SETTLED, SMALLEST_STEP, Status, StopError
+from .status import MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopError
 
 if TYPE_CHECKING:
     from .equations import Kernels
@@ -33,82 +33,101 @@ class Continuation:
     ----------
     position : Coordinates
         Where it is.
+    time, rate : float, (inputs,) array
+        When, where the inputs follow their laws in time, and their rates.
     x1, x2 : (unknowns,) array
-        First and second derivatives of the unknowns along one division.
+        First and second derivatives of the unknowns along one division, or in time.
     """
 
     def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run) -> None:
         self.run = run
         self.newton = Newton(mechanism, kernels, run)
-        alpha, _ = run.inputs_of(0)
+        self.time = 0.0
+        alpha, self.rate = run.laws_at(0.0)
         x = np.array([unknown.start for unknown in mechanism.unknowns])
         self.position = Coordinates(alpha, x)
         self.x1, self.x2 = np.zeros_like(x), np.zeros_like(x)
         self._is_angle = np.array([unknown.is_angle for unknown in mechanism.unknowns])
         self._input_scale = np.array([given.scale for given in mechanism.inputs])
 
-    def motion_at(self, delta: Array) -> tuple[Array, Array]:
-        """Differentiate along a division, for the next prediction, and in time.
-
-        Parameters
-        ----------
-        delta : (inputs,) array
-            How far one division goes.
+    def motion_at(self, division: int) -> tuple[Array, Array]:
+        """Differentiate in time, and along the way for the next prediction.
 
         Returns
         -------
         x_dot, x_ddot : (unknowns,) array
             Time derivatives of the unknowns.
         """
-        rate, rate_dot = np.asarray(self.run.rate), np.asarray(self.run.rate_dot)
-        none = np.zeros_like(delta)
-        if len(delta) > 1:
-            self.x1, self.x2 = self._derivatives(delta, none)
-            return self._derivatives(rate, rate_dot)
+        _, delta = self.run.inputs_of(division)
+        rate, rate_dot, none = self.rate, np.asarray(self.run.rate_dot), np.zeros_like(delta)
+        if len(delta) > 1 or self.run.times is not None:
+            self.x1, self.x2 = x_dot, x_ddot = self._derivatives(rate, rate_dot)
+            if self.run.times is None:
+                self.x1, self.x2 = self._derivatives(delta, none)
+            return x_dot, x_ddot
         # One input: both follow from the derivatives by it.
         first, second = self._derivatives(np.ones(1), none)
         self.x1, self.x2 = first * delta, second * (delta * delta)
         return first * rate, second * rate * rate + first * rate_dot
 
-    def advance(self, target: Array, delta: Array) -> Convergence:
-        """Step the inputs: predict by (26), correct, and halve the step where that fails.
+    def advance(self, row: int, residual: float) -> Convergence:
+        """Go to a division, or to the time of a row in steps of at most a division.
+
+        Predict by (26), correct, and halve the step where that fails.
 
         Parameters
         ----------
-        target : (inputs,) array
-            Where the step ends.
-        delta : (inputs,) array
-            The whole step.
+        row : int
+            The division, or the row.
+        residual : float
+            What is left where it is.
 
         Raises
         ------
         StopError
             A position on the way is not found.
         """
-        left, step, iterations, residual = 1.0, 1.0, 0, 0.0
-        tries = 0
+        run, iterations, tries = self.run, 0, -1
+        target, delta = run.inputs_of(row)
+        whole = np.where(delta, delta, self.newton.length / self._input_scale)
+        left = 1.0 if run.times is None else float(run.times[row]) - self.time
+        step, time = left, 0.0
         while left > 0:
-            step, tries = min(step, left), tries + 1
-            alpha = target - (left - step) * delta
+            tries += 1
+            if run.times is None:
+                part = step = min(step, left)
+                alpha, change = target - (left - step) * delta, step * delta
+            else:
+                end = run.end_of(self.time, float(run.times[row]))
+                rest = end - self.time
+                step, time = (step, self.time + step) if step < rest else (rest, end)
+                alpha, _ = run.laws_at(time)
+                change = alpha - self.position.alpha
+                part = largest(change / whole)
             predicted = self.position.x + step * (self.x1 + 0.5 * step * self.x2)
             trial = predicted.copy()
-            status = Status.DEAD_CENTRE
             try:
+                if not part <= 1.0:
+                    raise StopError(Status.TOO_FAR)
                 count, residual = self._correct(alpha, trial)
                 iterations += count
-                is_good = self._is_near(predicted, trial, step * delta)
+                if not self._is_near(predicted, trial, change):
+                    raise StopError(Status.DEAD_CENTRE)
             except StopError as stop:
-                status, is_good = stop.status, False
-            if not is_good:
                 step *= 0.5
-                if step < SMALLEST_STEP or tries > 1000:
-                    raise StopError(status)
+                if 0.5 * part < SMALLEST_STEP or tries > MOST_TRIES:
+                    raise StopError(Status.TOO_FAR if tries > MOST_TRIES else stop.status) from None
                 continue
             left -= step
             step *= 2
             self._accept(alpha, trial)
+            pace, pace_dot = delta, np.zeros_like(delta)
+            if run.times is not None:
+                _, self.rate = run.laws_at(time)
+                self.time, left = time, float(run.times[row]) - time
+                pace, pace_dot = self.rate, np.asarray(run.rate_dot)
             if left > 0:
-                self.x1, self.x2 = self._derivatives(delta, np.zeros_like(delta))
+                self.x1, self.x2 = self._derivatives(pace, pace_dot)
         return Convergence(iterations, residual)
 
     def _correct(self, alpha: Array, trial: Array) -> Convergence:

@@ -75,10 +75,9 @@ class _Analysis:
         begin = run.start - run.start % run.divisions if run.is_periodic else 0
         iterations = 0
         for division in range(begin, run.first + run.rows):
-            target, delta = run.inputs_of(division)
-            if division > begin:
-                iterations, residual = self.way.advance(target, delta)
-            x_dot, x_ddot = self.way.motion_at(delta)
+            if division > begin or run.times is not None:
+                iterations, residual = self.way.advance(division, residual)
+            x_dot, x_ddot = self.way.motion_at(division)
             if division >= run.first:
                 self._write(division, x_dot, x_ddot)
                 rows.iterations[rows.done] = iterations
@@ -87,11 +86,11 @@ class _Analysis:
 
     def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
         """Write what is wanted of the position into the next row."""
-        run, rows, row = self.run, self.rows, self.rows.done
-        rate, rate_dot = np.asarray(run.rate), np.asarray(run.rate_dot)
-        motion = (*self.way.position, rate, x_dot, rate_dot, x_ddot)
+        run, rows, row, way = self.run, self.rows, self.rows.done, self.way
+        motion = (*way.position, way.rate, x_dot, np.asarray(run.rate_dot), x_ddot)
         rows.position[row], rows.velocity[row], rows.acceleration[row] = self.kernels.nodes(*motion)
         if self.wants_angles:
             angles = self.kernels.angles(*motion)
             rows.angle[row], rows.angle_dot[row], rows.angle_ddot[row] = angles
-        rows.alpha[row] = run.counted_inputs(division)
+        is_timed = run.times is not None
+        rows.alpha[row] = way.position.alpha if is_timed else run.counted_inputs(division)

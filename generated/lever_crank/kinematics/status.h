@@ -10,7 +10,8 @@ enum {
     DEAD_CENTRE,
     LIMIT_TOO_SMALL,
     NOT_FINITE,
-    BAD_ARGUMENT
+    BAD_ARGUMENT,
+    TOO_FAR
 };
 
 /* a correction this small, relative to LENGTH, leaves nothing to correct: Newton squares it */
@@ -21,6 +22,8 @@ enum {
 #define SINGULAR 1e-7
 /* smallest part of a division that is stepped before the continuation gives up */
 #define SMALLEST_STEP 0x1p-24
+/* steps, good or not, from one row to the next before it gives up */
+#define MOST_TRIES 1000000
 
 static const char *message_of(int status)
 {
@@ -32,9 +35,10 @@ static const char *message_of(int status)
         "a dead centre, or a change point, on the way",
         "the residual limit is smaller than rounding allows",
         "a number is not finite",
-        "an option is not finite, not positive, or start is beyond first",
+        "an option is not finite, not positive, or start is beyond first; or times do not ascend",
+        "the inputs go too far from one row to the next: more than 1,000,000 steps",
     };
-    return status >= GOOD && status <= BAD_ARGUMENT ? messages[status] : "unknown status";
+    return status >= GOOD && status <= TOO_FAR ? messages[status] : "unknown status";
 }
 
 #endif

@@ -17,6 +17,8 @@ ROUNDING = 2.0**-48
 SINGULAR = 1e-7
 #: Smallest part of a division that is stepped before the continuation gives up.
 SMALLEST_STEP = 2.0**-24
+#: Steps, good or not, from one row to the next before it gives up.
+MOST_TRIES = 1_000_000
 
 
 class Status(IntEnum):
@@ -30,6 +32,7 @@ class Status(IntEnum):
     LIMIT_TOO_SMALL = 5
     NOT_FINITE = 6
     BAD_ARGUMENT = 7
+    TOO_FAR = 8
 
     @property
     def message(self) -> str:
@@ -45,7 +48,8 @@ MESSAGES = (
     "a dead centre, or a change point, on the way",
     "the residual limit is smaller than rounding allows",
     "a number is not finite",
-    "an option is not finite, not positive, or start is beyond first",
+    "an option is not finite, not positive, or start is beyond first; or times do not ascend",
+    "the inputs go too far from one row to the next: more than 1,000,000 steps",
 )
 
 

@@ -102,6 +102,104 @@ def body_tables(
     return found
 
 
+def written_state(
+    bodies: Sequence[BodyPlaces], q: Array, v: Array, unit: float
+) -> tuple[Array, Array]:
+    """Return a state as the scene is written, from coordinates and velocities of its solver.
+
+    Parameters
+    ----------
+    bodies : sequence of BodyPlaces
+        Where they stand in q and v, in the order of the scene.
+    q, v : array
+        Coordinates and velocities of the solver, in SI units.
+    unit : float [m]
+        The unit of the scene.
+
+    Returns
+    -------
+    q : array
+        For each body r (3) of the origin of its frame, in frame O and the unit of the scene, then
+        its Euler parameters p (4), scalar first, unless it is a point.
+    v : array
+        For each body ṙ (3) in frame O, then ω′ (3) [rad/s] in its own frame, unless it is a point.
+    """
+    found = body_tables(bodies, q[np.newaxis], v[np.newaxis], None, unit)
+    places, rates = (
+        [found[name][body.name][0] for body in bodies for name in names if body.name in found[name]]
+        for names in (
+            [name for name in ("position", "orientation") if name in found],
+            [name for name in ("velocity", "angular_velocity") if name in found],
+        )
+    )
+    empty = np.zeros(0)
+    return np.concatenate([empty, *places]), np.concatenate([empty, *rates])
+
+
+def written_sizes(bodies: Sequence[BodyPlaces]) -> tuple[int, int]:
+    """Return how many numbers q and v of a state as the scene is written have."""
+    rigid = sum(bool(body.p) for body in bodies)
+    return 3 * len(bodies) + 4 * rigid, 3 * len(bodies) + 3 * rigid
+
+
+def solver_state(
+    bodies: Sequence[BodyPlaces],
+    q_written: Array,
+    v_written: Array,
+    unit: float,
+    start: tuple[Array, Array],
+) -> tuple[Array, Array]:
+    """Return coordinates and velocities of a solver from a state as the scene is written.
+
+    What the solver does not have, such as a displacement out of the plane that it moves in, or
+    the place of a body beside that of another one that carries it, is not looked at:
+    :func:`written_state` of what is returned tells whether it was as the solver has it.
+
+    Parameters
+    ----------
+    bodies : sequence of BodyPlaces
+        Where they stand in q and v, in the order of the scene.
+    q_written, v_written : array
+        The state, as :func:`written_state` returns it; Euler parameters of any norm but 0.
+    unit : float [m]
+        The unit of the scene.
+    start : (array, array)
+        q and v of the solver at some state: entries that belong to no body, as angles that count
+        turns, are taken from there, and so is the sign of Euler parameters.
+
+    Returns
+    -------
+    q, v : array
+        Copies of those of ``start`` with what bodies have, in SI units.
+    """
+    q, v = (array.copy() for array in start)
+    at_q = at_v = 0
+    for body in bodies:
+        r, rate = (x[k : k + 3] * unit for x, k in ((q_written, at_q), (v_written, at_v)))
+        at_q, at_v = at_q + 3, at_v + 3
+        if body.p:
+            p, omega = q_written[at_q : at_q + 4], v_written[at_v : at_v + 3]
+            at_q, at_v = at_q + 4, at_v + 3
+            axes, arm = np.array(body.axes_b), np.array(body.origin_b)
+            back = axes * np.array([1.0, -1.0, -1.0, -1.0])
+            p, omega = composed(p / np.sqrt(p @ p), back), rotated(axes, omega)
+            known = np.array([start[0][k] if isinstance(k, int) else k for k in body.p])
+            p = -p if known @ p < 0 else p
+            _put(q, body.p, p)
+            _put(v, body.omega_b, omega)
+            r, rate = r - rotated(p, arm), rate - rotated(p, crossed(omega, arm))
+        _put(q, body.r, r)
+        _put(v, body.v, rate)
+    return q, v
+
+
+def _put(target: Array, places: Sequence[int | float], values: Array) -> None:
+    """Write components where they have an index."""
+    for place, value in zip(places, values, strict=True):
+        if isinstance(place, int):
+            target[place] = value
+
+
 def _of_points(
     bodies: Sequence[BodyPlaces], q: Array, v: Array, v_dot: Array | None
 ) -> dict[str, Array]:

@@ -4,17 +4,6 @@ typedef PUBLIC(settings) Settings;
 typedef PUBLIC(state) State;
 
 enum {
-    GOOD = PUBLIC(GOOD),
-    BUFFER_FULL = PUBLIC(BUFFER_FULL),
-    PAUSED = PUBLIC(PAUSED),
-    STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL),
-    NOT_PROJECTED = PUBLIC(NOT_PROJECTED),
-    NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED),
-    BAD_ARGUMENT = PUBLIC(BAD_ARGUMENT),
-    WRONG_STATE = PUBLIC(WRONG_STATE)
-};
-
-enum {
     NY = NQ + NV, /* count of numbers in y */
     ALL_ROWS = HAS_ROW_SWITCH * NCHECK,
     FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */

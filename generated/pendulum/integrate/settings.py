@@ -1,7 +1,11 @@
-"""What a run is told: the struct ``settings`` of a solver's header, field by field."""
+"""What a run is told, the struct ``settings`` of a solver's header, and what a call returns.
+
+The header is written from here, field by field and code by code.
+"""
 
 from __future__ import annotations
 
+from enum import IntEnum
 from typing import NamedTuple
 
 
@@ -30,6 +34,14 @@ class Settings(NamedTuple):
     method: int
 
 
-#: What a call returns; a run that was stopped goes on from where it is, with the same bits.
-GOOD, BUFFER_FULL, PAUSED = 0, 1, 2
-STEP_TOO_SMALL, NOT_PROJECTED, NOT_ASSEMBLED, BAD_ARGUMENT, WRONG_STATE = -1, -2, -3, -4, -5
+class Status(IntEnum):
+    """What a call returns; a run that was stopped goes on from where it is, with the same bits."""
+
+    GOOD = 0
+    BUFFER_FULL = 1
+    PAUSED = 2
+    STEP_TOO_SMALL = -1
+    NOT_PROJECTED = -2
+    NOT_ASSEMBLED = -3
+    BAD_ARGUMENT = -4
+    WRONG_STATE = -5

@@ -13,7 +13,7 @@ from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
 from .projection import displacement_of, last_ratio, project, project_onto_tangent, ratio_at
 from .row_switch import forget_trials
 from .scene import larger, mean_square, rounding_of_sum, smaller
-from .settings import GOOD, NOT_PROJECTED, STEP_TOO_SMALL
+from .settings import Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -177,8 +177,8 @@ def accept(
     state.f[:] = work.k[m.stages]
 
 
-def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> int:
-    """Make one step; return GOOD, or why there is none.
+def step(m: Method, s: Settings, asked: float, end: float, state: State, work: Work) -> Status:
+    """Make one step; return Status.GOOD, or why there is none.
 
     It goes to the end at most, unless rows are nearly dependent there. The error decides how long
     it is, unless a length is asked for. If the next time to be written lies inside of it, it has
@@ -196,7 +196,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         is_last = not is_beyond and state.time + 1.0000001 * h >= end
         trial = Trial(end - state.time if is_last else h, is_last)
         if not trial.h > SMALLEST * larger(abs(state.time), abs(end)):
-            return STEP_TOO_SMALL
+            return Status.STEP_TOO_SMALL
         forget_trials(work)
         make_stages(m, s.tolerance, trial, work, state)
         is_good = trial.drift >= 0.0
@@ -206,7 +206,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             # Newton may have gone far away from where it began
             there = smaller(trial.least_ratio, ratio_at(work.y[: work.scene.nq], work, state))
             if not there < weak * state.largest_pivot_ratio:
-                return NOT_PROJECTED  # the step is too long
+                return Status.NOT_PROJECTED  # the step is too long
             trial.least_ratio = 0.0
         if is_last and trial.least_ratio < weak * state.largest_pivot_ratio:
             # the end may be no place to stop at: let it lie inside of a longer step
@@ -233,19 +233,19 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                 continue
             is_whole = trial.least_ratio > 0.0
         if is_fixed and not is_whole:
-            return NOT_PROJECTED
+            return Status.NOT_PROJECTED
         if not is_whole:
             trial.error = 1e3
         if trial.error <= 1.0:
             accept(m, trial, end, work, state, was_rejected=was_rejected)
-            return GOOD
+            return Status.GOOD
         was_rejected = True
         state.rejected += 1
         factor = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order))
         state.step_size = trial.h * (factor if math.isfinite(trial.error) else 0.2)
 
 
-def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> int:
+def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
     """Choose a first step for which an Euler step changes the derivative little."""
     f, y = work.k[0], work.k[1]
     forget_trials(work)
@@ -255,8 +255,8 @@ def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> 
     h = smaller(1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1, span)
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
-        return STEP_TOO_SMALL
+        return Status.STEP_TOO_SMALL
     d2 = larger(d1, norm((f - state.f) / h, scale))
     by_order = (0.01 * s.tolerance / larger(d2, 1e-15)) ** (1.0 / m.order)
     state.step_size = smaller(smaller(100.0 * h, by_order), span)
-    return GOOD
+    return Status.GOOD

@@ -9,7 +9,12 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import body_tables as module
-from kousoku.runtime.integrate.body_tables import body_tables
+from kousoku.runtime.integrate.body_tables import (
+    body_tables,
+    solver_state,
+    written_sizes,
+    written_state,
+)
 
 TURNED = (0.5, 0.5, 0.5, 0.5)  # x to y, y to z, z to x
 STILL = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0))
@@ -81,3 +86,24 @@ def test_bodies_that_are_taken_together_do_not_change_each_other(
     for one, table in zip(bodies, alone, strict=True):
         for name, values in table.items():
             np.testing.assert_array_equal(found[name][one.name], values[one.name])
+
+
+def test_a_state_as_written_leads_back_to_that_of_the_solver() -> None:
+    """Bodies with an origin and axes of their own, a point, one that stands still in a plane."""
+    rng = np.random.default_rng(7)
+    q, v = rng.normal(size=(18, 1))[:, 0], rng.normal(size=15)
+    for first in (0, 7):
+        q[first + 3 : first + 7] /= np.linalg.norm(q[first + 3 : first + 7])
+    second = {"r": (7, 8, 9), "p": (10, 11, 12, 13), "v": (6, 7, 8), "omega_b": (9, 10, 11)}
+    bodies = [
+        body("a", origin_b=(1.0, 2.0, 3.0), axes_b=TURNED),
+        body("point", r=(14, 15, 0.5), v=(12, 13, 0.0), p=(), omega_b=()),
+        body("b", **second, origin_b=(-1.0, 0.0, 0.25)),
+    ]
+    written = written_state(bodies, q, v, 0.01)
+    there = solver_state(bodies, *written, 0.01, (np.where(np.arange(18) < 14, q + 0.1, q), v))
+
+    assert [len(x) for x in written] == [17, 15] == list(written_sizes(bodies))
+    assert written[0][7:10].tolist() == [q[14] / 0.01, q[15] / 0.01, 50.0]
+    assert there[0] == pytest.approx(q, abs=1e-14)
+    assert there[1] == pytest.approx(v, abs=1e-14)

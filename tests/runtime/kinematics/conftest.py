@@ -19,7 +19,7 @@ import pytest
 from kousoku.runtime.kinematics.mechanism import Block, Input, Link, Mechanism, Unknown
 from kousoku.runtime.kinematics.rows import Run, empty_rows
 from kousoku.runtime.kinematics.solve import solve
-from kousoku.runtime.linkage import ANGLES, RESULTS, _run_type
+from kousoku.runtime.linkage import record_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -162,14 +162,9 @@ def analysed(request: pytest.FixtureRequest, backend: str) -> Callable[..., Rows
 
     def in_c(bar: FourBar, run: Run) -> Rows:
         library = request.getfixturevalue("compiled")(bar)
-        rows, record = empty_rows(bar.mechanism, run.rows), _run_type(1)()
+        rows = empty_rows(bar.mechanism, run.rows)
+        record = record_of(run, rows)
         assert library.test_run_size() == ctypes.sizeof(record)
-        for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
-            setattr(record, name, getattr(run, name))
-        for name in ("origin", "span", "turns", "rate", "rate_dot"):
-            getattr(record, name)[:] = getattr(run, name)
-        for name in (*RESULTS, *ANGLES, "iterations", "residual"):
-            setattr(record, name, getattr(rows, name).ctypes.data)
         memory = ctypes.create_string_buffer(library.test_workspace_size())
         rows.status = library.test_solve(ctypes.byref(record), memory)
         rows.done, rows.block = record.done, record.block

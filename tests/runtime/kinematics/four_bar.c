@@ -26,6 +26,7 @@ typedef struct Run {
     double origin[1], span[1];
     long long turns[1];
     double rate[1], rate_dot[1];
+    const double *times;
     double *alpha, *position, *velocity, *acceleration, *angle, *angle_dot, *angle_ddot;
     int *iterations;
     double *residual;
@@ -34,7 +35,7 @@ typedef struct Run {
 } Run;
 
 typedef struct Workspace {
-    double alpha[1], matrix[8], orientation[2];
+    double time, alpha[1], rate[1], matrix[8], orientation[2];
     double x[4], x1[4], x2[4], trial[4];
     size_t pivot[4];
 } Workspace;

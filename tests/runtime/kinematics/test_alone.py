@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.alone import solve_alone
 from kousoku.runtime.kinematics.rows import Run
 from kousoku.runtime.kinematics.solve import solve
+from kousoku.runtime.kinematics.trajectory import solve_alone
 
 RUN = Run(
     method=1,
@@ -27,7 +27,7 @@ RUN = Run(
 
 
 def test_results_are_by_node_and_by_link(four_bar: Any) -> None:
-    motion = solve_alone(four_bar.mechanism, four_bar, RUN)
+    motion = solve_alone(four_bar.mechanism, four_bar, RUN, "bar")
     rows = solve(four_bar.mechanism, four_bar, RUN)
     assert (motion.unit, motion.method, motion.alpha.shape) == ("cm", "paper", (9,))
     assert list(motion.positions) == list(motion.velocities) == ["A", "B"]
@@ -40,7 +40,7 @@ def test_results_are_by_node_and_by_link(four_bar: Any) -> None:
 
 def test_what_is_not_wanted_is_left_out(four_bar: Any) -> None:
     bare = replace(four_bar.mechanism, outputs=())
-    motion = solve_alone(bare, four_bar, RUN)
+    motion = solve_alone(bare, four_bar, RUN, "bar")
     assert list(motion.positions) == ["A", "B"]
     assert motion.velocities == motion.accelerations == motion.angles == {}
 
@@ -48,4 +48,4 @@ def test_what_is_not_wanted_is_left_out(four_bar: Any) -> None:
 def test_where_it_stops_is_said(four_bar: Any) -> None:
     message = "smaller than rounding allows: phi, psi held by l2, l3, at alpha ="
     with pytest.raises(ArithmeticError, match=message):
-        solve_alone(four_bar.mechanism, four_bar, replace(RUN, method=0, limit=1e-18))
+        solve_alone(four_bar.mechanism, four_bar, replace(RUN, method=0, limit=1e-18), "bar")

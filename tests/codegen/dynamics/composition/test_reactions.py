@@ -276,11 +276,11 @@ def test_scene_in_a_plane_keeps_to_it_where_too_many_rows_hold_it_there(
 
     in_space = with_reactions(system, OUTPUTS, program, freedom)
     assert not in_space.is_planar
-    assert in_space.not_unique == joints
+    assert (in_space.not_unique, in_space.unique_in_plane) == ((), joints)
     monkeypatch.setattr(least_norm, "MOST_ROWS", 2)
     in_plane = with_reactions(system, OUTPUTS, program, freedom)
     assert in_plane.is_planar
-    assert in_plane.not_unique == joints
+    assert (in_plane.not_unique, in_plane.unique_in_plane) == ((), joints)
 
 
 def test_merged_sets_have_no_joint_in_common() -> None:

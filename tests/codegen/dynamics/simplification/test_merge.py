@@ -47,7 +47,7 @@ def random_tree(seed: int, count: int = 6) -> Scene:
         )
         kind = {0: "revolute", 1: "fixed", 2: "fixed", 3: "revolute", 4: "fixed"}.get(k, "")
         kind = kind or MOVABLE[int(rng.integers(len(MOVABLE)))]
-        axes = {} if kind in {"fixed", "spherical"} else {"axis": (0, 0, 1)}
+        axes: dict[str, Any] = {} if kind in {"fixed", "spherical"} else {"axis": (0, 0, 1)}
         if kind == "universal":
             axes["second_axis"] = (1, 0, 0)
         builder.joint(f"j{k}", type=kind, bodies=(before, name), at=at, **axes)

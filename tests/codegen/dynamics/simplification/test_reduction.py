@@ -63,7 +63,7 @@ def hung(
             boxes=[{"mass": 1.5, "size": [0.3, 0.4, 0.6], "at": numbers(rng)}],
         )
     ends = ("arm", "ground") if is_swapped else ("ground", "arm")
-    axis = {} if kind == "spherical" else {"axis": numbers(rng)}
+    axis: dict[str, Any] = {} if kind == "spherical" else {"axis": numbers(rng)}
     builder.joint("hold", type=kind, bodies=ends, at=numbers(rng), **axis)
     builder.joint("ball", type="spherical", bodies=("arm", "tip"), at=numbers(rng))
     points = [numbers(rng), numbers(rng)]
@@ -71,7 +71,7 @@ def hung(
     builder.force("push", type="force", body="arm", point=numbers(rng), force=numbers(rng))
     builder.force("twist", type="torque", body="tip", torque_b=numbers(rng))
     for of in driven:
-        of_joint = {"of": of} if kind == "cylindrical" else {}
+        of_joint: dict[str, Any] = {"of": of} if kind == "cylindrical" else {}
         builder.driver(f"motor_{of}", joint="hold", value=LAWS[of], **of_joint)
     return builder.build()
 

@@ -1,0 +1,170 @@
+"""The program of all equations of a system as it stands: no row left out, nothing solved.
+
+It is made of the same tasks as a solver: C, C_q, ν and γ of every row, and what acts on the bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries, Copy, entries_of
+from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, coordinates, sizes
+from kousoku.codegen.dynamics.composition.combinations import Combinations
+from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
+from kousoku.codegen.dynamics.composition.joints import joints_of
+from kousoku.codegen.dynamics.composition.setup import record_setup
+from kousoku.codegen.dynamics.operations.formulas import Names
+from kousoku.codegen.dynamics.operations.mechanics import Orientation
+from kousoku.codegen.dynamics.recording.design import number
+from kousoku.codegen.dynamics.recording.program import Program
+from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
+from kousoku.codegen.dynamics.redundancy.left_out import rows_of
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.model.mechanism import System
+
+#: Numbers of a body in the region ``masses``: mass, moments, origin and axes of the user's frame.
+NUMBERS = 11
+
+
+@dataclass(frozen=True, slots=True)
+class SystemEquations:
+    """The equations of a system as a program.
+
+    Parameters
+    ----------
+    program : Program
+        The segment ``masses`` fills the region of that name, :data:`NUMBERS` for each body;
+        ``geometry`` all others: ``C``; ``slopes``, what C_q has body by body; ``minus_nu`` and
+        ``minus_gamma``; ``forces``, what acts on each body at its centre of mass, in the order of
+        v, weight too.
+    places : tuple of (int, int)
+        Row and column in C_q of each number of ``slopes``; columns in the order of v.
+    """
+
+    program: Program
+    places: tuple[tuple[int, int], ...]
+
+
+def system_equations(system: System) -> SystemEquations:
+    """Return the program of all equations of a system in space.
+
+    Parameters
+    ----------
+    system : System
+        A scene, assembled or as it is written.
+    """
+    return _Equations(system).recorded()
+
+
+class _Equations:
+    """The program while it is recorded; blocks are those of a solver, but for masses of one.
+
+    What forces give to accelerations is then what they are.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.system = system
+        self.recorder = Recorder()
+        region = self.recorder.region
+        fixed = region("t", 1), region("parameters", len(system.parameters))
+        own, self.columns = sizes(system, is_planar=False)
+        self.auxiliary = Auxiliaries(entries_of(system), own)
+        self.q = region("q", own + len(self.auxiliary.entries))
+        self.v = region("v", self.columns)
+        found = body_blocks(system, self.recorder, self.q, self.v, is_planar=False)
+        self.bodies = [
+            replace(blocks, inverse_mass=column((1,) * len(blocks.columns)).T) for blocks in found
+        ]
+        self.parameters = fixed[1]
+        tasks = CoordinateTasks(system, self.recorder, self.body, self.auxiliary, self.q)
+        by_body = [self.v.part(one.v, len(one.columns)) for one in self.bodies]
+        names = Names(system, self.recorder, tasks, fixed, by_body)
+        self.forces = ForceTasks(self.recorder, self.body, tasks, names, by_body)
+        given = tuple(name for name, _ in system.parameters)
+        combinations = Combinations(self.recorder, tasks, *fixed, given)
+        self.tasks = JointTasks(system, self.recorder, self.body, combinations)
+
+    def body(self, index: int) -> BodyBlocks:
+        """Return the blocks of a body, or of the ground."""
+        return GROUND if index == GROUND_INDEX else self.bodies[index]
+
+    def recorded(self) -> SystemEquations:
+        """Record all tasks."""
+        joints = joints_of(self.system, self.recorder, {}, self.body)
+        count = sum(joint.count for joint in joints)
+        names = ("C", "minus_nu", "minus_gamma")
+        residuals, *rates = (self.recorder.region(name, count) for name in names)
+        self.recorder.begin("masses")
+        self._keep("masses", [self._numbers(k) for k in range(len(self.bodies))])
+        self.recorder.begin("geometry")
+        for k, blocks in enumerate(self.bodies):
+            (orientation,) = self.recorder.call(Orientation(), blocks.p)
+            self.bodies[k] = replace(blocks, orientation=orientation)
+        still = [zeros(len(blocks.columns), 1) for blocks in self.bodies]
+        slopes: list[Block] = []
+        places: list[tuple[int, int]] = []
+        for joint in joints:
+            self.tasks.watch(joint, residuals.part(joint.first, joint.count))
+            for name, target in zip(("nu", "gamma"), rates, strict=True):
+                self.tasks.rates(joint, name, still, target.part(joint.first, joint.count))
+            for index, block in joint.whole.items():
+                if index != GROUND_INDEX:
+                    slopes.append(block)
+                    rows = range(joint.first, joint.first + joint.count)
+                    columns = range(self.body(index).v, self.body(index).v + block.width)
+                    places += ((row, place) for row in rows for place in columns)
+        self._keep("slopes", slopes)
+        self._keep("forces", self._loads())
+        pairs = zip(self.system.bodies, self.bodies, strict=True)
+        at = tuple(coordinates(body, blocks) for body, blocks in pairs)
+        design = record_setup(self.recorder, self.system, self.parameters, at)
+        segments, regions, size = self.recorder.finish()
+        program = Program(
+            name=self.system.name,
+            kernels=tuple(self.recorder.kernels),
+            segments=tuple(segments),
+            regions=tuple(regions),
+            constants=tuple(self.recorder.constants),
+            size=size,
+            bodies=at,
+            rows=rows_of(joints),
+            is_planar=False,
+            auxiliary=self.auxiliary.placed(self.q),
+            parameters=tuple(value for _, value in self.system.parameters),
+            design=design,
+        )
+        return SystemEquations(program, tuple(places))
+
+    def _loads(self) -> list[Block]:
+        """Record what acts on each body: weight, and all forces."""
+        gravity = self.forces.gravity(self.system)
+        found = []
+        for body, blocks in zip(self.system.bodies, self.bodies, strict=True):
+            minus = self.forces.weight(self.system, gravity, number(body.mass))
+            rest = (0,) * (len(blocks.columns) - minus.height)
+            found.append(column((*(-minus).entries, *rest)))
+        self.forces.act(self.system.forces, found)
+        return found
+
+    def _numbers(self, index: int) -> Block:
+        body = self.system.bodies[index]
+        return self.recorder.constant((body.mass, *body.inertia, *body.origin_b, *body.axes_b))
+
+    def _keep(self, name: str, blocks: Sequence[Block]) -> None:
+        """Write blocks one after the other into a region."""
+        target = self.recorder.region(name, sum(len(block.entries) for block in blocks))
+        first = 0
+        for block in blocks:
+            size = len(block.entries)
+            if size:
+                flat = column(block.entries)
+                self.recorder.call(Copy(), flat, into=(target.part(first, size),))
+            first += size

@@ -1,0 +1,11 @@
+"""The integrator of scenes of bodies: explicit Runge-Kutta on the manifold of the constraints.
+
+The vector field is f(project(y)): equal to f on the manifold, so that the method keeps its order,
+and every stage is evaluated where the constraints hold. y is q and v: r and p of all bodies, turns
+and works, then v and omega of all bodies.
+
+The same in C, ``*.h``, and in NumPy, ``*.py``, file by file with the same functions and the same
+bits: ``pivot_monitor``, ``row_switch``, ``projection``, ``dense_output``, ``stepper``,
+``kinematics``, ``rows``, ``continuation``. It goes along with each generated solver, and needs
+NumPy only.
+"""

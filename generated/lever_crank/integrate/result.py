@@ -1,0 +1,449 @@
+"""Result of a run: columns by name with their units, parts of the scene, files."""
+
+from __future__ import annotations
+
+import io
+import os
+import zipfile
+from collections.abc import Mapping
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+    from typing import TypeAlias
+
+    import numpy.typing as npt
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+Value = TypeVar("Value")
+#: Characters of a value, and names, that a message shows.
+LONGEST, SHOWN = 60, 6
+#: What changes less, as a part of what it is compared with, does so by rounding.
+NOISE = 1e-9
+#: Files that results go to; the last one needs pandas and pyarrow.
+SUFFIXES = (".csv", ".npz", ".parquet")
+
+
+class NotInResultError(KeyError):
+    """A result has no such name; the message says which there are, or how to get it."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class Named(Mapping[str, Value]):
+    """Values by name, which nobody can replace; it pickles.
+
+    Parameters
+    ----------
+    values : mapping
+        The values.
+    missing : str
+        Begins the message on a name that it lacks: what has none.
+    advice : str
+        Instead, where there are no values at all: why.
+    """
+
+    def __init__(self, values: Mapping[str, Value], missing: str = "", advice: str = "") -> None:
+        self._values, self._missing, self._advice = dict(values), missing, advice
+
+    def __getitem__(self, name: str) -> Value:
+        if name in self._values:
+            return self._values[name]
+        what = f"{self._missing}, none of {shown(name)}: there are {_listed([*self])}"
+        raise NotInResultError(self._advice or what)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._values)
+
+    def __len__(self) -> int:
+        return len(self._values)
+
+    def __repr__(self) -> str:
+        return f"{{{', '.join(self._values)}}}"
+
+
+class Column(NamedTuple):
+    """Where a column stands: table, owner in it, component, and its unit."""
+
+    table: str
+    owner: str
+    component: int | None
+    unit: str
+
+
+class Coordinates(np.ndarray):
+    """Coordinates q of a row, which know of their run what the numbers do not tell.
+
+    Parameters
+    ----------
+    values : array
+        The numbers.
+    parameters : mapping of str to float
+        Those of the run.
+    counted : array
+        q as the solver has it: its angles count turns.
+    """
+
+    parameters: Mapping[str, float] | None
+    counted: Array | None
+
+    def __new__(cls, values: Array, parameters: Mapping[str, float], counted: Array) -> Coordinates:
+        """Return the numbers with what belongs to them."""
+        found = np.asarray(values).view(cls)
+        found.parameters, found.counted = parameters, counted
+        return found
+
+    def __array_finalize__(self, other: Any) -> None:
+        """Hand on what belongs to them to what is computed from them."""
+        self.parameters = getattr(other, "parameters", None)
+        self.counted = getattr(other, "counted", None)
+
+
+class Part:
+    """A body, joint, driver, node or link in a result: its tables are attributes."""
+
+    def __init__(self, result: Result, name: str, tables: Mapping[str, str]) -> None:
+        self._result, self._tables, self.name = result, tables, name
+
+    def __getattr__(self, table: str) -> Array:
+        if table.startswith("_"):
+            raise AttributeError(table)
+        if table not in self._tables:
+            raise AttributeError(f"{self.name}: {unknown('table', table, [*self._tables])}")
+        try:
+            found: Array = getattr(self._result, self._tables[table])[self.name]
+        except NotInResultError as error:
+            raise AttributeError(str(error)) from None
+        return found
+
+    def __dir__(self) -> list[str]:
+        return ["name", *self._tables]
+
+    def __repr__(self) -> str:
+        return f"<{self.name} in the result of {self._result.name}: {', '.join(self._tables)}>"
+
+
+class Result:
+    """Rows of a run by name; tables are made when they are read.
+
+    ``run["crank.x"]`` is a column, ``run.columns()`` all of them, ``run.units`` their units;
+    ``run.body("crank").position`` and the like are tables. Lengths are in the unit of the scene,
+    angles in radians, times in seconds, vectors in frame O where nothing else is said.
+    """
+
+    #: For each sort of parts the tables that they have, by attribute.
+    PARTS: ClassVar[Mapping[str, Mapping[str, str]]] = {}
+    name: str
+    unit: str
+    target: str
+    #: What moved, where kousoku loaded it; plots and animations are drawn from its scene.
+    mechanism: Any = None
+
+    def __len__(self) -> int:
+        raise NotImplementedError
+
+    @property
+    def time(self) -> Array:
+        """The times [s]."""
+        raise NotImplementedError
+
+    def state(self, k: int) -> tuple[float, Array, Array]:
+        """Return time, q and v of a row, as the scene is written.
+
+        Returns
+        -------
+        t : float [s]
+            The time.
+        q : array
+            For each body of the scene r of the origin of its frame in frame O [unit], then its
+            Euler parameters, scalar first, unless it is a point; of a linkage x and y of each node.
+            Of bodies it also knows the parameters of the run and the turns of its angles.
+        v : array
+            For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point; of a
+            linkage the rates of x and y.
+
+        Raises
+        ------
+        IndexError
+            There is no such row.
+        TypeError
+            A row is no whole number.
+        """
+        if not hasattr(k, "__index__"):
+            raise TypeError(f"{self.name}: row {shown(k)}; wanted a whole number")
+        if not -len(self) <= k < len(self):
+            raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
+        q, v = self._state(k)
+        return float(self.time[k]), q, v
+
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return q and v of a row that there is, as the scene is written."""
+        raise NotImplementedError
+
+    @property
+    def ledger(self) -> Any:
+        """What the run cost, and how far it can be trusted."""
+        raise NotImplementedError
+
+    @property
+    def parameters(self) -> Mapping[str, float]:
+        """The parameters of the run."""
+        return Named({})
+
+    def summary(self) -> dict[str, Any]:
+        """Return what a program may want to know, ready for JSON."""
+        raise NotImplementedError
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns that are shown where none are named: of a body or node, or all."""
+        raise NotImplementedError
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know before he trusts the numbers, a line each."""
+        return ()
+
+    @cached_property
+    def places(self) -> dict[str, Column]:
+        """Where each column stands, in order."""
+        raise NotImplementedError
+
+    def _names(self, sort: str) -> Sequence[str]:
+        """Return the names of all parts of a sort."""
+        raise NotImplementedError
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each column; ``-`` where it has none."""
+        return {name: place.unit for name, place in self.places.items()}
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a column."""
+        if name not in self.places:
+            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+        table, owner, component, _ = self.places[name]
+        values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
+        return values if component is None else values[:, component]
+
+    def _no_column(self, name: object) -> str:
+        columns = [*self.places]
+        return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.places
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.places)
+
+    def columns(self) -> dict[str, Array]:
+        """Return all columns by name."""
+        return {name: self[name] for name in self.places}
+
+    def columns_of(self, name: str) -> list[str]:
+        """Return a column, or those of a body, joint, driver, node or link.
+
+        Raises
+        ------
+        NotInResultError
+            There is none.
+        """
+        if name in self.places:
+            return [name]
+        own = [column for column, place in self.places.items() if place.owner == name]
+        if not own:
+            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+        return own
+
+    def body(self, name: str) -> Part:
+        """Return position, velocity, orientation … of a body."""
+        return self._part("body", name)
+
+    def joint(self, name: str) -> Part:
+        """Return force and torque of a joint on its body j."""
+        return self._part("joint", name)
+
+    def driver(self, name: str) -> Part:
+        """Return force and torque of a driver on its body j."""
+        return self._part("driver", name)
+
+    def node(self, name: str) -> Part:
+        """Return position, velocity and acceleration of a node of a linkage."""
+        return self._part("node", name)
+
+    def link(self, name: str) -> Part:
+        """Return angle, angular velocity and angular acceleration of a link of a linkage."""
+        return self._part("link", name)
+
+    def _moving(self, names: Sequence[str], least: float = 0.0) -> list[str]:
+        """Return the columns that change by more than rounding."""
+        if not len(self):
+            return []
+        return [x for x in names if np.ptp(self[x]) > NOISE * max(least, np.abs(self[x]).max())]
+
+    def _part(self, sort: str, name: str) -> Part:
+        if sort not in self.PARTS:
+            calls = ", ".join(f".{one}(…)" for one in self.PARTS)
+            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
+        if name not in (names := self._names(sort)):
+            raise NotInResultError(f"{self.name}: {unknown(sort, name, names)}")
+        return Part(self, name, self.PARTS[sort])
+
+    def to_pandas(self) -> Any:
+        """Return the columns as a ``pandas.DataFrame``; its ``attrs`` have the units."""
+        frame = self._late("pandas", "table").DataFrame(self.columns())
+        frame.attrs |= {"name": self.name, "units": self.units}
+        return frame
+
+    def save(self, path: str | Path) -> None:
+        """Write the columns to a ``.csv``, ``.npz`` or ``.parquet`` file, whole or not at all.
+
+        A CSV file has one line of names, then one line a row with all digits of the doubles. A run
+        that is kept as ``.npz`` can be opened again, :func:`kousoku.open_run`.
+
+        Raises
+        ------
+        kousoku.model.errors.SolveError
+            The name ends otherwise or is none, or the file cannot be written; without ``kousoku``
+            a ``ValueError``.
+        """
+        if not isinstance(path, str | os.PathLike):
+            raise refusal(f"{shown(path)} is no name of a file; wanted one")
+        path = Path(path)
+        if "\0" in str(path):
+            raise refusal(f"{shown(str(path))} is not the name of a file: it has a null character")
+        if path.suffix not in SUFFIXES:
+            suffixes = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
+            raise refusal(f"{path}: results go to a file that ends in {suffixes}")
+        buffer, table = io.BytesIO(), dict[str, Any](self.columns())
+        if path.suffix == ".csv":
+            rows = zip(*(column.tolist() for column in table.values()), strict=True)
+            lines = [",".join(table), *(",".join(map(repr, row)) for row in rows)]
+            buffer.write(("\n".join(lines) + "\n").encode())
+        elif path.suffix == ".npz":
+            if self.mechanism is not None:
+                table |= import_module("kousoku.saved").arrays_of(self)
+            _write_arrays(buffer, table)
+        else:
+            self._late("pyarrow", "table")
+            self.to_pandas().to_parquet(buffer)
+        try:
+            _write(path, buffer.getvalue())
+        except OSError as error:
+            raise refusal(f"{path}: cannot be written: {error.strerror or error}") from error
+
+    def plot(self, *columns: str) -> Any:
+        """Draw columns over time, what was asked for unless named; a matplotlib ``Figure``."""
+        return self._late("kousoku.result_plots", "plot").plot(self, *columns)
+
+    def animate(self, path: str | Path | None = None, **options: Any) -> Any:
+        """Show the motion on a page of its own; options as of ``kousoku.view.animate``."""
+        view = self._late("kousoku.view", "plot")
+        if self.mechanism is None:
+            raise refusal(f"{self.name}: only what kousoku.load gave has the solids to be drawn")
+        options = {"parameters": dict(self.parameters), **options}
+        return view.animate(self, self.mechanism.scene, path, **options)
+
+    def _late(self, module: str, extra: str) -> Any:
+        """Return a module that is imported when it is needed, or say how to install it."""
+        try:
+            return import_module(module)
+        except ModuleNotFoundError as error:
+            line = f"{self.name}: needs {error.name}: pip install 'kousoku[{extra}]'"
+            raise ModuleNotFoundError(line, name=error.name) from None
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        return f"{self._still()}<pre>{escape(repr(self))}</pre>"
+
+    def _still(self) -> str:
+        """Return a picture of the first row, empty where nothing knows what moved."""
+        if self.mechanism is None or not len(self):
+            return ""
+        view = import_module("kousoku.view")
+        still: str = view.still(self.mechanism.scene, self._first(), self.parameters)
+        return still
+
+    def _first(self) -> Result:
+        """Return it with its first row, or with more where that is no less work."""
+        return self
+
+    def __repr__(self) -> str:
+        lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
+        for sort in self.PARTS:
+            if names := self._names(sort):
+                plural = sort.replace("body", "bodie") + "s"
+                lines.append(f"  {plural}: {_listed(names)}")
+        return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
+
+    def _extent(self) -> str:
+        return f"{len(self)} rows, {self.unit}, {self.target}"
+
+
+def unknown(what: str, name: object, known: Sequence[str]) -> str:
+    """Say that there is no such parameter or option, and which ones there are."""
+    of = "its formulas have" if what == "parameter" else "there are"
+    if not known:
+        return f"no {what} {shown(name)}: {of} none"
+    return f"no {what} {shown(name)}: {of} {', '.join(known)}{_near(name, known)}"
+
+
+def _near(name: object, known: Sequence[str]) -> str:
+    from difflib import get_close_matches
+
+    near = get_close_matches(str(name), known, n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""
+
+
+def not_generated(what: str, output: str) -> str:
+    """Say which output something comes with that was not generated."""
+    return f'no {what}: generated without "{output}"; load(..., outputs=[..., "{output}"])'
+
+
+def shown(value: object) -> str:
+    """Return a value as a message shows it: in one line that is not too long."""
+    try:
+        text = " ".join(repr(value).split())
+    except ValueError:  # a whole number of thousands of digits
+        text = "a number of very many digits"
+    return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
+
+
+def refusal(text: str, kind: str = "SolveError") -> Exception:
+    """Return an error of kousoku; where that is not installed a ``ValueError``."""
+    try:
+        error: Exception = getattr(import_module("kousoku.model.errors"), kind)(text)
+    except ModuleNotFoundError:
+        return ValueError(text)
+    return error
+
+
+def _listed(names: Sequence[str]) -> str:
+    more = len(names) - SHOWN
+    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _write_arrays(buffer: io.BytesIO, arrays: Mapping[str, Any]) -> None:
+    """Write what ``numpy.load`` reads by name; ``numpy.savez`` has arguments of its own."""
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
+
+
+def _write(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all."""
+    import tempfile
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        part = Path(folder) / path.name
+        part.write_bytes(data)
+        part.replace(path)

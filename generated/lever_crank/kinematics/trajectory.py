@@ -1,0 +1,331 @@
+"""Motion of a linkage of nodes: the result of an analysis, division by division."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+
+import numpy as np
+
+from ..integrate.result import Column, Named, NotInResultError, Result, not_generated
+from .rows import METHODS
+from .solve import solve
+from .status import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping, Sequence
+
+    import numpy.typing as npt
+
+    from .equations import Kernels
+    from .mechanism import Array, Mechanism
+    from .rows import Rows, Run
+
+#: Tables of a node and of a link, the letters of their columns, and what follows the unit.
+NODE = (("positions", "", ""), ("velocities", "v", "/s"), ("accelerations", "a", "/s²"))
+LINK = (
+    ("angles", "", ""),
+    ("angular_velocities", "_dot", "/s"),
+    ("angular_accelerations", "_ddot", "/s²"),
+)
+
+
+class Iterations(NamedTuple):
+    """What an analysis cost, and what it left of the equations: its ledger.
+
+    Parameters
+    ----------
+    method, target : str
+        How positions were found, and what computed.
+    rows : int
+        How many positions.
+    least, most, total : int
+        Corrections in a step, and in all.
+    residual : float
+        The largest residual of all rows, in the unit of lengths.
+    unit : str
+        That unit.
+    """
+
+    method: str
+    target: str
+    rows: int
+    least: int
+    most: int
+    total: int
+    residual: float
+    unit: str
+
+    def __str__(self) -> str:
+        return (
+            f"{self.method} by {self.target}: {self.rows} positions, {self.least} to {self.most}"
+            f" iterations a step, {self.total} in all, residual at most {self.residual:.1e}"
+            f" {self.unit}"
+        )
+
+
+@dataclass(repr=False, eq=False)
+class Trajectory(Result):
+    """Positions of a linkage, row by row, with what was wanted beside them.
+
+    Lengths are in the unit of the scene, angles in radians, times in seconds, vectors in frame O.
+    Mappings keep the order of the scene; what was not wanted is an empty mapping.
+
+    Parameters
+    ----------
+    name, unit : str
+        The scene and its unit of length.
+    method : {"newton", "paper"}
+        How positions were found.
+    divisions : int
+        Divisions of a turn.
+    inputs : mapping of str to (rows,) array
+        The prescribed coordinates by name; angles count on over the turns.
+    input_units : mapping of str to str
+        Their units.
+    times : (rows,) array [s] or None
+        When the inputs have these values, where they change evenly.
+    positions, velocities, accelerations : mapping of str to (rows, 2) array
+        Of each node.
+    angles, angular_velocities, angular_accelerations : mapping of str to (rows,) array
+        Of each link, from +x to the direction from its first to its second node.
+    iterations : (rows,) array of int
+        Corrections in the step that led to each row.
+    residual : (rows,) array
+        Largest residual at each row.
+    links : tuple of (str, str, str, float)
+        Name, nodes and design length of each link.
+    target : {"c", "numpy"}
+        What computed.
+    is_in_time : bool
+        Whether the inputs were followed in time, so that it is a column.
+    """
+
+    PARTS: ClassVar = {
+        "node": {
+            "position": "positions",
+            "velocity": "velocities",
+            "acceleration": "accelerations",
+        },
+        "link": {
+            "angle": "angles",
+            "angular_velocity": "angular_velocities",
+            "angular_acceleration": "angular_accelerations",
+        },
+    }
+
+    name: str
+    unit: str
+    method: str
+    divisions: int
+    inputs: Mapping[str, Array]
+    input_units: Mapping[str, str]
+    times: Array | None
+    positions: Mapping[str, Array]
+    velocities: Mapping[str, Array]
+    accelerations: Mapping[str, Array]
+    angles: Mapping[str, Array]
+    angular_velocities: Mapping[str, Array]
+    angular_accelerations: Mapping[str, Array]
+    iterations: npt.NDArray[np.intc]
+    residual: Array
+    links: tuple[tuple[str, str, str, float], ...]
+    target: str
+    is_in_time: bool = False
+
+    def __len__(self) -> int:
+        return len(self.residual)
+
+    @property
+    def time(self) -> Array:
+        """The times [s]."""
+        if self.times is None:
+            raise NotInResultError(
+                f"{self.name}: no time: its inputs do not change evenly and together; rows are"
+                f" divisions of {', '.join(self.inputs)}"
+            )
+        return self.times
+
+    def _state(self, k: int) -> tuple[Array, Array]:
+        """Return x and y of all nodes, and their rates."""
+        q, v = (
+            np.concatenate([table[node][k] for node in self.positions])
+            for table in (self.positions, self.velocities)
+        )
+        return q, v
+
+    @property
+    def alpha(self) -> Array:
+        """The input, (rows,), or with several inputs all of them, (rows, inputs)."""
+        columns = tuple(self.inputs.values())
+        return columns[0] if len(columns) == 1 else np.stack(columns, axis=-1)
+
+    @property
+    def residual_max(self) -> float:
+        """The largest residual of all rows."""
+        return float(np.max(self.residual, initial=0.0))
+
+    def __getitem__(self, name: str) -> Array:
+        """Return a column, or the time."""
+        return self.time if name == "time" else super().__getitem__(name)
+
+    def _no_column(self, name: object) -> str:
+        """Say which output has a column that is not there, or which columns there are."""
+        owner, _, letter = str(name).rpartition(".")
+        for table, start, _ in NODE:
+            if owner in self.positions and letter in {f"{start}x", f"{start}y"}:
+                return not_generated(table, table)
+        return super()._no_column(name)
+
+    @cached_property
+    def places(self) -> dict[str, Column]:
+        """Where columns stand: the input is called ``alpha``, several ones by their names."""
+        found = {"time": Column("time", "", None, "s")} if self.is_in_time else {}
+        for name in self.inputs:
+            shown = "alpha" if len(self.inputs) == 1 else name
+            found[shown] = Column("inputs", name, None, self.input_units.get(name, "-"))
+        for node in self.positions:
+            for table, letter, per in NODE:
+                if node in getattr(self, table):
+                    for k, axis in enumerate("xy"):
+                        unit = f"{self.unit}{per}"
+                        found[f"{node}.{letter}{axis}"] = Column(table, node, k, unit)
+        for link in self.angles:
+            for table, ending, per in LINK:
+                found[f"{link}.angle{ending}"] = Column(table, link, None, f"rad{per}")
+        return found
+
+    def _names(self, sort: str) -> list[str]:
+        return [*self.positions] if sort == "node" else [link[0] for link in self.links]
+
+    @property
+    def ledger(self) -> Iterations:
+        """What it cost, and what is left of the equations."""
+        own = self.iterations
+        least = int(np.min(own[1:])) if len(own) > 1 else 0
+        counts = least, int(np.max(own, initial=0)), int(np.sum(own))
+        return Iterations(
+            self.method, self.target, len(self), *counts, self.residual_max, self.unit
+        )
+
+    def main_columns(self, of: str | None = None) -> list[str]:
+        """Return the columns of a node, of the last one that moves unless it is named."""
+        parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
+        if of is None:
+            own = [one for one in parts if self._moving(one)]
+            return [*self.places][: len(self.inputs)] + (own or parts)[-1]
+        return [x for x in self.places if x.startswith(f"{of}.")]
+
+    def summary(self) -> dict[str, Any]:
+        """Return what a program may want to know, ready for JSON."""
+        ledger = self.ledger
+        return {
+            "scene": self.name,
+            "unit": self.unit,
+            "target": self.target,
+            "method": self.method,
+            "divisions": self.divisions,
+            "rows": len(self),
+            "iterations": {"min": ledger.least, "max": ledger.most, "total": ledger.total},
+            "residual_max": self.residual_max,
+        }
+
+
+def trajectory_of(
+    mechanism: Mechanism, run: Run, rows: Rows, *, name: str, target: str
+) -> Trajectory:
+    """Return the good rows by name."""
+    n, wanted = rows.done, ("positions", *mechanism.outputs)
+    nodes, inputs = mechanism.nodes, [given.name for given in mechanism.inputs]
+
+    def named(names: Iterable[str], values: Any, table: str, output: str) -> Named[Any]:
+        values = values[:n]
+        values.flags.writeable = False  # nobody can write to what others read
+        is_there = output in wanted
+        advice = f"{name}: {not_generated(table, output)}"
+        found = {own: values[:, k] for k, own in enumerate(names)} if is_there else {}
+        return Named(found, f"{name}: no {table}", "" if is_there else advice)
+
+    links = [link.name for link in mechanism.links]
+    return Trajectory(
+        name=name,
+        unit=mechanism.unit,
+        method=METHODS[run.method],
+        divisions=run.divisions,
+        inputs=named(inputs, rows.alpha, "input", "positions"),
+        input_units={given.name: given.unit for given in mechanism.inputs},
+        times=_times(run, n) if run.times is None else run.times[:n],
+        is_in_time=run.times is not None,
+        positions=named(nodes, rows.position, "positions", "positions"),
+        velocities=named(nodes, rows.velocity, "velocities", "velocities"),
+        accelerations=named(nodes, rows.acceleration, "accelerations", "accelerations"),
+        angles=named(links, rows.angle, "angles", "angles"),
+        angular_velocities=named(links, rows.angle_dot, "angular velocities", "angles"),
+        angular_accelerations=named(links, rows.angle_ddot, "angular accelerations", "angles"),
+        iterations=rows.iterations[:n],
+        residual=rows.residual[:n],
+        links=mechanism.links,
+        target=target,
+    )
+
+
+def _times(run: Run, count: int) -> Array | None:
+    """Return when the inputs have their values, if all change evenly and take as long."""
+    ways = [
+        math.tau * turns if turns else way for turns, way in zip(run.turns, run.span, strict=True)
+    ]
+    if any(run.rate_dot) or not all(
+        way * rate > 0.0 for way, rate in zip(ways, run.rate, strict=True)
+    ):
+        return None
+    took = [way / rate for way, rate in zip(ways, run.rate, strict=True)]
+    if max(took) - min(took) > 1e-12 * max(took):
+        return None
+    times: Array = took[0] * ((run.first + np.arange(count)) / run.divisions)
+    return times
+
+
+def solve_alone(mechanism: Mechanism, kernels: Kernels, run: Run, name: str) -> Trajectory:
+    """Return the motion that is asked for, where kousoku is not installed.
+
+    Raises
+    ------
+    ArithmeticError
+        The mechanism cannot be assembled, or not be moved on.
+    """
+    rows = solve(mechanism, kernels, run)
+    if rows.status != Status.GOOD:
+        block = mechanism.blocks[rows.block]
+        names = [unknown.name for unknown in mechanism.unknowns[block.unknowns]]
+        raise ArithmeticError(
+            f"{Status(rows.status).message}: {', '.join(names)} held by {', '.join(block.links)}, "
+            f"at {', '.join(one.name for one in mechanism.inputs)} = {rows.reached.tolist()}"
+        )
+    return trajectory_of(mechanism, run, rows, name=name, target="numpy")
+
+
+def simulate_alone(
+    mechanism: Mechanism,
+    kernels: Kernels,
+    run: Run,
+    name: str,
+    end: float | None,
+    *,
+    times: Sequence[float] | Array | None = None,
+    samples: int = 1001,
+) -> Trajectory:
+    """Return the motion in time: at given times, or at samples from 0 to an end [s].
+
+    Raises
+    ------
+    ArithmeticError
+        The mechanism cannot be assembled, or not be moved on.
+    ValueError
+        There is an end, and there are times; or neither.
+    """
+    if (end is None) == (times is None):
+        raise ValueError("give either end or times")
+    chosen = np.array(times if end is None else np.linspace(0.0, end, samples), float)
+    return solve_alone(mechanism, kernels, replace(run, times=chosen, rows=len(chosen)), name)

@@ -1,0 +1,227 @@
+"""What kousoku knows: kinds, and what a scene may hold, with names, keys and one line each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from difflib import get_close_matches
+from functools import cache
+from html import escape
+from importlib.resources import files
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from kousoku.model.text import listed, table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+T = TypeVar("T")
+
+
+def catalog() -> Catalog:
+    """Return all kinds, joints, forces, drivers, coordinates and bodies with their keys.
+
+    The lists are those that scenes are read with, so that none is forgotten.
+
+    Returns
+    -------
+    Catalog
+        ``catalog()["joints"]`` is a table, ``catalog()["joints"]["revolute"]`` an entry of it,
+        ``catalog()["joints"]["revolute"].keys`` its keys with what each means.
+
+    Examples
+    --------
+    >>> from kousoku.cataloging import catalog
+    >>> catalog()["joints"]["hinge"].title
+    'a turn about an axis'
+    """
+    return _catalog()
+
+
+@dataclass(frozen=True, slots=True, repr=False)
+class Entry:
+    """One thing that kousoku knows.
+
+    Parameters
+    ----------
+    name : str
+        Its name; what a scene writes as ``type``.
+    title : str
+        What it is, in one line.
+    keys : mapping of str to str
+        What a scene gives of it, or what the kernels of a kind take: each key with what it means.
+    aliases : tuple of str
+        Other names that are accepted.
+    """
+
+    name: str
+    title: str
+    keys: Mapping[str, str]
+    aliases: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        also = f" (also {', '.join(self.aliases)})" if self.aliases else ""
+        return table(
+            ("key", "what"), [*self.keys.items()], title=f"{self.name}{also}: {self.title}"
+        )
+
+    def _repr_html_(self) -> str:
+        return _html(f"{self.name}: {self.title}", ("key", "what"), [*self.keys.items()])
+
+
+class _Named(Mapping[str, T]):
+    """A mapping whose names are found by any alias, and refused with the nearest one."""
+
+    def __init__(self, what: str, found: Mapping[str, T], aliases: Mapping[str, str]) -> None:
+        self._what, self._found, self._aliases = what, MappingProxyType(dict(found)), aliases
+
+    def __getitem__(self, name: str) -> T:
+        known = self._aliases.get(_plain(name), name)
+        if known not in self._found:
+            near = get_close_matches(str(name), [*self._found, *self._aliases], n=1)
+            hint = f"; did you mean {near[0]!r}?" if near else ""
+            raise KeyError(f"no {self._what} {name!r}: there are {', '.join(self._found)}{hint}")
+        return self._found[known]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._found)
+
+    def __len__(self) -> int:
+        return len(self._found)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._what, dict(self._found), dict(self._aliases))
+
+
+class Section(_Named[Entry]):
+    """The entries of one sort, by name or alias."""
+
+    COLUMNS = ("name", "what", "other names")
+
+    def _rows(self) -> list[tuple[str, str, str]]:
+        return [(x.name, x.title, ", ".join(x.aliases)) for x in self.values()]
+
+    def __repr__(self) -> str:
+        return table(self.COLUMNS, self._rows())
+
+    def _repr_html_(self) -> str:
+        return _html(self._what, self.COLUMNS, self._rows())
+
+
+class Catalog(_Named[Section]):
+    """All sections by name; its repr says what is in each."""
+
+    COLUMNS = ("section", "entries")
+
+    def _rows(self, most: int = 6) -> list[tuple[str, str]]:
+        return [(name, listed([*section], most)) for name, section in self.items()]
+
+    def __repr__(self) -> str:
+        return table(self.COLUMNS, self._rows())
+
+    def _repr_html_(self) -> str:
+        return _html("catalog", self.COLUMNS, self._rows(most=99))
+
+
+@cache
+def _catalog() -> Catalog:
+    import json
+
+    from kousoku.model import joints, loads, validate_coordinates, validate_drivers
+
+    text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
+    records = json.loads(text)["$defs"]
+    known: dict[str, joints.JointKind | joints.Coupling]
+    known = {**joints.JOINTS, **joints.COUPLINGS}
+    sections = {
+        "kinds": _kinds(),
+        "joints": [
+            Entry(name, x.title, _meanings(records["Joint"], joints.keys_of(name)), x.aliases)
+            for name, x in known.items()
+        ],
+        "forces": _sorts(records["Force"], loads.KEYS, loads.TITLES, "type"),
+        "drivers": _sorts(records["Driver"], validate_drivers.KEYS, validate_drivers.TITLES),
+        "coordinates": _sorts(
+            records["Coordinate"],
+            validate_coordinates.KEYS,
+            validate_coordinates.TITLES,
+            also=("near", "hold"),
+        ),
+        "bodies": [_record(name, records[record]) for name, record in BODIES.items()],
+    }
+    found = {name: _section(name, entries) for name, entries in sections.items()}
+    return Catalog("section", found, {})
+
+
+#: What a body may be made of, by the key that holds it, and the record of the schema.
+BODIES = {
+    "body": "Body",
+    "orientation": "Orientation",
+    "inertia": "Inertia",
+    "mass_points": "MassPoint",
+    "boxes": "Box",
+    "rods": "Rod",
+    "cylinders": "Cylinder",
+    "spheres": "Sphere",
+}
+
+
+def _section(name: str, entries: Sequence[Entry]) -> Section:
+    aliases = {_plain(alias): x.name for x in entries for alias in (x.name, *x.aliases)}
+    what = name.removesuffix("s") if name != "bodies" else "body or part of one"
+    return Section(what, {x.name: x for x in entries}, aliases)
+
+
+def _kinds() -> list[Entry]:
+    """Return the kinds, with what their kernels take."""
+    from kousoku.generated import kinds
+    from kousoku.model.manifest import Manifest
+    from kousoku.symbolic import KINDS
+
+    found = []
+    for name, kind in KINDS.items():
+        path = files(kinds.__name__) / name / "manifest.json"
+        manifest = Manifest.from_json(path.read_text(encoding="utf-8"))
+        quantities = [q for kernel in manifest.kernels for q in kernel.inputs]
+        keys = {q.name: f"{q.meaning}, {q.shape} [{q.unit}]" for q in quantities}
+        choices = kind.packages if kind.packages != (name,) else ()
+        found.append(Entry(name, kind.title, keys, (*choices, *kind.aliases)))
+    return found
+
+
+def _sorts(
+    record: Mapping[str, Any],
+    keys: Mapping[str, Sequence[str]],
+    titles: Mapping[str, str],
+    *before: str,
+    also: Sequence[str] = (),
+) -> list[Entry]:
+    """Return the sorts of a record: the types of a force, or what says which driver it is."""
+    return [
+        Entry(name, titles[name], _meanings(record, (*before, *own, *also)))
+        for name, own in keys.items()
+    ]
+
+
+def _record(name: str, record: Mapping[str, Any]) -> Entry:
+    title = str(record["description"]).partition(": ")[0].partition(". ")[0].removesuffix(".")
+    return Entry(name, title, _meanings(record, record["properties"]))
+
+
+def _meanings(record: Mapping[str, Any], keys: Sequence[str]) -> dict[str, str]:
+    return {key: record["properties"][key].get("description", "") for key in keys}
+
+
+def _plain(name: object) -> str:
+    """Return a name as names are compared: without case, blanks, hyphens and underscores."""
+    return "".join(c for c in str(name).lower() if c not in " -_")
+
+
+def _html(title: str, columns: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    def line(cells: Sequence[str], tag: str) -> str:
+        inside = "".join(f'<{tag} style="text-align:left">{escape(cell)}</{tag}>' for cell in cells)
+        return f"<tr>{inside}</tr>"
+
+    body = "".join(line(row, "td") for row in rows)
+    return f"<table><caption>{escape(title)}</caption>{line(columns, 'th')}{body}</table>"

@@ -1,0 +1,100 @@
+"""Explain what a scene does not pay for, and verify that emitted code computes what was derived."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Literal
+
+from kousoku.loading import Given, naming, solver_folder
+from kousoku.mechanism import Mechanism
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+    from typing import Any
+
+    from kousoku.codegen.dynamics.explanation.explain import Explanation
+    from kousoku.codegen.linkage_explain import LinkageExplanation
+    from kousoku.model.builder import SceneBuilder
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.library import Library
+    from kousoku.runtime.report import Report
+    from kousoku.symbolic.derivation import Derivation
+
+
+def explain(
+    mechanism: Mechanism | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
+) -> Explanation | LinkageExplanation:
+    """Explain what a solver leaves out, what each step saves, and what remains.
+
+    Parameters
+    ----------
+    mechanism : Mechanism, or what :func:`kousoku.load` takes
+        The mechanism.
+
+    Returns
+    -------
+    Explanation
+        ``print`` shows it as tables; it has the degrees of freedom and the rows of constraints
+        that depend on others, by the names of their joints.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As of :func:`kousoku.load`.
+    """
+    outputs = None
+    if isinstance(mechanism, Mechanism):
+        scene, outputs = mechanism.scene, mechanism.outputs
+        file = mechanism.file
+    else:
+        given = Given.of(mechanism)
+        scene, file = given.read(), given.file
+    with naming(file):
+        if not scene.is_spatial:
+            from kousoku.codegen.linkage_explain import explain_linkage
+
+            return explain_linkage(scene)
+        from kousoku.codegen.dynamics.explanation.explain import explain as explained
+
+        return explained(scene, outputs)
+
+
+def verify(
+    what: Mechanism | Derivation | Library | str | Path,
+    *,
+    target: Literal["auto", "c", "numpy"] = "auto",
+) -> Report:
+    """Recompute the 50-digit reference values of emitted code on this machine.
+
+    Parameters
+    ----------
+    what : Mechanism, Derivation, Library, or path of a generated folder or of a scene file
+        Of a mechanism the solver is generated again with its reference values, which takes about a
+        second for ten bodies; of a derivation of one's own the kernels are generated.
+    target : {"auto", "c", "numpy"}
+        What to check: all that this machine can run, or one target.
+
+    Returns
+    -------
+    Report
+        ``report.ok`` says whether all is within 4 units of rounding; ``print`` shows the worst.
+
+    Raises
+    ------
+    LoadError
+        There is no generated folder.
+    """
+    from kousoku.runtime.verify import verify as verified
+    from kousoku.symbolic.derivation import Derivation
+
+    if isinstance(what, Derivation):
+        from kousoku.deriving import kernels
+
+        what = kernels(what, target=target)
+    if isinstance(what, Mechanism):
+        with solver_folder(Given.of(what.scene), what.outputs, references=True) as folder:
+            return verified(folder, target=target)
+    if str(what).endswith(".toml"):
+        with solver_folder(Given.of(what), references=True) as folder:
+            return verified(folder, target=target)
+    return verified(what, target=target)

@@ -1,0 +1,97 @@
+"""``kousoku animate``: a page, or a picture, that shows a mechanism moving."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from kousoku.cli.completing import files
+from kousoku.cli.console import STOPPED, Target
+from kousoku.cli.moving import (
+    Initial,
+    Set,
+    Wish,
+    loaded,
+    numbers_of,
+    parameters_of,
+    require_place,
+    shown_progress,
+)
+from kousoku.model.errors import MotionError, SolveError
+
+if TYPE_CHECKING:
+    from kousoku.runtime.integrate.result import Result
+
+#: Rows for a second of motion, and how many there are at least and at most.
+RATE, LEAST, MOST = 500, 1001, 20001
+
+
+def animate(
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="SCENE",
+            help="A scene file, *.toml, or a run, *.npz.",
+            autocompletion=files(".toml", ".npz"),
+        ),
+    ],
+    *,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The page, *.html, or a picture that moves, *.svg; SCENE.html if not."),
+    ] = None,
+    end: Annotated[
+        float | None,
+        typer.Option(help="The last time, in seconds; inputs and durations have their own."),
+    ] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="Seconds of motion in a second of showing.")
+    ] = None,
+    path_of: Annotated[
+        list[str] | None,
+        typer.Option(help="A joint, node or body whose path is drawn, once for each."),
+    ] = None,
+    given: Set = None,
+    initial: Initial = None,
+    target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
+) -> None:
+    """Show a mechanism that moves: one page that needs nothing beside itself.
+
+    Open it in a browser. Forces of joints are shown where the scene asks for reactions. When the
+    motion stops before its end, what there is is shown, and the exit code is 3.
+    """
+    from kousoku.saved import open_run
+
+    place = Path(f"{file.stem}.html") if out is None else out
+    require_place("--out", place, (".html", ".svg"))
+    stop = ""
+    if file.suffix == ".npz":
+        result = open_run(file)
+    else:
+        options = {"parameters": parameters_of(given), "initial": numbers_of("--initial", initial)}
+        result, stop = _moved(
+            Wish(file, target), end, {name: value for name, value in options.items() if value}
+        )
+    result.animate(place, speed=speed, paths_of=path_of)
+    typer.echo(f"wrote {place}, {place.stat().st_size / 1000:.0f} kB")
+    if stop:
+        typer.echo(f"kousoku: {file}: {stop}", err=True)
+        raise typer.Exit(STOPPED)
+
+
+def _moved(wish: Wish, end: float | None, options: dict[str, Any]) -> "tuple[Result, str]":
+    """Return the motion of a scene, and why it stopped, empty if it did not."""
+    from kousoku.loading import naming
+
+    mechanism = loaded(wish)
+    duration = getattr(mechanism.scene, "duration", None) if end is None else end
+    try:
+        with naming(wish.file), shown_progress() as show:
+            if duration is None and mechanism.scene.inputs:
+                return mechanism.solve(**options), ""
+            samples = int(min(max((duration or 0.0) * RATE, LEAST), MOST))
+            return mechanism.simulate(duration, samples=samples, progress=show, **options), ""
+    except MotionError as error:
+        return mechanism.result_of(error.result), str(error)
+    except SolveError as error:
+        raise SolveError(f"{wish.file}: {error}; or --end SECONDS") from None

@@ -1,0 +1,47 @@
+"""``kousoku cache``: what was generated and compiled before, and how to be rid of it."""
+
+from typing import Annotated
+
+import typer
+
+from kousoku.cli.console import AsJson, print_json, print_table
+
+
+def cache(
+    clear: Annotated[bool, typer.Option("--clear", help="Remove all of it.")] = False,
+    as_json: AsJson = False,
+) -> None:
+    """Show what the cache holds: solvers of scenes, kernels of kinds, compiled libraries.
+
+    All of it can be made again. It is kept below 2 GiB, or the bytes that KOUSOKU_CACHE_SIZE says;
+    KOUSOKU_CACHE chooses another folder.
+    """
+    from kousoku.model.cache import SHELVES, cache_folder, entries
+    from kousoku.model.cache import clear as cleared
+
+    gone = cleared() if clear else []
+    kept = entries()
+    if as_json:
+        shelves = {
+            shelf: {
+                "entries": sum(entry.shelf == shelf for entry in kept),
+                "bytes": sum(entry.size for entry in kept if entry.shelf == shelf),
+            }
+            for shelf in SHELVES
+        }
+        folder = str(cache_folder())
+        print_json({"folder": folder, "removed": len(gone), "shelves": shelves})
+        return
+    if clear:
+        typer.echo(f"removed {len(gone)} entries, {_size(sum(entry.size for entry in gone))}")
+    rows = []
+    for shelf in SHELVES:
+        own = [entry.size for entry in kept if entry.shelf == shelf]
+        rows.append((shelf, str(len(own)), _size(sum(own))))
+    rows.append(("all", str(len(kept)), _size(sum(entry.size for entry in kept))))
+    print_table(("", "entries", "size"), rows, title=str(cache_folder()))
+
+
+def _size(count: int) -> str:
+    """Return bytes as people read them."""
+    return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"

@@ -1,0 +1,109 @@
+"""``kousoku check``: all that is wrong with scene files, and what one may not expect of them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from kousoku.cli.completing import files
+from kousoku.cli.console import BAD_INPUT, AsJson, print_json
+
+
+def check(
+    scene_files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENE...", help="Scene files, *.toml.", autocompletion=files(".toml")
+        ),
+    ],
+    *,
+    as_json: AsJson = False,
+) -> None:
+    """Check scenes: keys, names, formulas, whether joints close, and what drivers may prescribe.
+
+    Nothing is generated. The exit code is 2 where a scene is wrong; notes do not count.
+    """
+    found = [checked(path) for path in scene_files]
+    if as_json:
+        print_json({"scenes": found})
+    else:
+        for one in found:
+            for line in (*one["problems"], *one["notes"]):
+                typer.echo(line["text"])
+            if one["is_valid"]:
+                typer.echo(f"{one['file']}: {one['what']}")
+    if not all(one["is_valid"] for one in found):
+        raise typer.Exit(BAD_INPUT)
+
+
+def checked(path: Path) -> dict[str, Any]:
+    """Return what is found of a scene file, ready for JSON.
+
+    Returns
+    -------
+    dict
+        ``file``, ``is_valid``, ``what`` it is, and ``problems`` and ``notes``: each has ``line``,
+        0 where there is none, ``key``, ``problem``, and all of it as ``text``.
+    """
+    from kousoku.model.errors import AssemblyError, SceneError
+    from kousoku.model.read import located, read_scene
+
+    what, notes, problems = "", tuple[str, ...](), list[dict[str, Any]]()
+    try:
+        what, notes = _looked_at(read_scene(path))
+    except (SceneError, AssemblyError) as raised:
+        error = located(raised, path)
+        if isinstance(error, SceneError):
+            problems = [_line(path, one.line, one.key, one.problem) for one in error.problems]
+        else:
+            key, *_ = (*error.keys, "")
+            head, _, text = str(error).partition(": ")
+            number = head.rpartition(":")[2]
+            problems = [_line(path, int(number) if number.isdigit() else 0, key, text)]
+            problems[0]["text"] = str(error)
+    return {
+        "file": str(path),
+        "is_valid": not problems,
+        "what": what,
+        "problems": problems,
+        "notes": [{**_line(path, 0, "", note), "text": f"{path}: note: {note}"} for note in notes],
+    }
+
+
+def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
+    """Return what a scene is, and its notes.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        It cannot be moved.
+    """
+    from kousoku.model.assemble import assemble
+    from kousoku.model.validate import check as checked_again
+
+    if not scene.is_spatial:
+        assemble(scene)
+        return _counted(scene, {"links": "link", "sliders": "slider", "inputs": "input"}), (
+            checked_again(scene)
+        )
+    from kousoku.codegen.dynamics.generate import composed
+
+    made = composed(scene, scene.outputs)
+    degrees = f"{made.degrees} degree{'s' * (made.degrees != 1)} of freedom"
+    tables = {"bodies": "body", "joints": "joint", "drivers": "driver"}
+    tables |= {"inputs": "input", "forces": "force"}
+    return f"{_counted(scene, tables)}; {degrees}", made.about.notes
+
+
+def _counted(scene: Any, tables: Mapping[str, str]) -> str:
+    """Return how many elements a scene has."""
+    counts = {table: len(getattr(scene, table)) for table in tables}
+    texts = [f"{n} {table if n != 1 else tables[table]}" for table, n in counts.items() if n]
+    return ", ".join(texts)
+
+
+def _line(path: Path, line: int, key: str, problem: str) -> dict[str, Any]:
+    where = f"{path}:{line}" if line else str(path)
+    text = ": ".join(part for part in (where, key, problem) if part)
+    return {"line": line, "key": key, "problem": problem, "text": text}

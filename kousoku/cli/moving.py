@@ -1,0 +1,324 @@
+"""What ``simulate``, ``solve`` and ``animate`` share: load, move, write, draw, print."""
+
+from __future__ import annotations
+
+import re
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from kousoku.cli.completing import files
+from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
+from kousoku.model.errors import MotionError, SolveError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+
+    from kousoku.mechanism import Mechanism
+    from kousoku.model.scene import Output
+    from kousoku.runtime.integrate.result import Result
+
+#: Columns of the table on the screen.
+MOST_COLUMNS = 8
+#: Formats of a plot that is one file.
+PICTURES = (".png", ".svg", ".pdf")
+
+SceneFile = Annotated[
+    Path,
+    typer.Argument(metavar="SCENE", help="A scene file, *.toml.", autocompletion=files(".toml")),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scene, for each."),
+]
+Initial = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--initial",
+        metavar="NAME=VALUE",
+        help="Where to start: a coordinate, or its rate NAME_dot, for each; 30deg for degrees.",
+    ),
+]
+Out = Annotated[
+    Path | None, typer.Option(help="Write all rows to a file, *.csv, *.npz or *.parquet.")
+]
+Plot = Annotated[
+    Path | None,
+    typer.Option(help="Draw into a file, *.png or *.svg, or several plots into a folder."),
+]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option("--column", metavar="NAME", help="What to print and to draw, for each."),
+]
+Of = Annotated[
+    str | None, typer.Option("--body", "--node", help="The body or node to print and to draw.")
+]
+
+
+@dataclass(frozen=True, slots=True)
+class Wish:
+    """What a command asks for.
+
+    Parameters
+    ----------
+    file : Path
+        The scene file.
+    target : Target
+        What computes.
+    outputs : list of str, optional
+        What to compute; what the scene says unless given.
+    columns : sequence of str, optional
+        Columns to print and to draw.
+    of : str, optional
+        The body or node to print and to draw.
+    out, plot : Path, optional
+        Where all rows go, and plots.
+    as_json : bool
+        Print JSON.
+    """
+
+    file: Path
+    target: Target = Target.AUTO
+    outputs: Sequence[str] | None = None
+    columns: Sequence[str] | None = None
+    of: str | None = None
+    out: Path | None = None
+    plot: Path | None = None
+    as_json: bool = False
+
+
+def move(
+    wish: Wish,
+    how: Callable[[Mechanism, Any], Result],
+    compare: Callable[[Mechanism, Result], Mapping[str, float] | None] | None = None,
+) -> None:
+    """Load a scene, move it, and print, write and draw what came of it.
+
+    Parameters
+    ----------
+    wish : Wish
+        What is asked for.
+    how : callable
+        Moves the mechanism; also takes what shows how far it is.
+    compare : callable, optional
+        Gives the largest differences from a closed form, where there is one.
+
+    Raises
+    ------
+    SceneError
+        The scene is not valid; the message names the file.
+    SolveError
+        An option is not possible, or the start is not.
+    typer.Exit
+        The motion stopped; rows before that are written.
+    """
+    from kousoku.loading import naming
+    from kousoku.runtime.run import Interrupted
+
+    check_destinations(wish)
+    begin = time.perf_counter()
+    mechanism = loaded(wish)
+    seconds = {"load": time.perf_counter() - begin}
+    if wish.of is not None:
+        _require_part(mechanism, wish.of)
+    stop: tuple[int, str] | None = None
+    try:
+        with naming(wish.file), shown_progress() as show:
+            result = how(mechanism, show)
+    except MotionError as error:
+        stop, result = (STOPPED, str(error)), mechanism.result_of(error.result)
+    except Interrupted as error:
+        stop, result = (130, str(error)), mechanism.result_of(error.result)
+    except SolveError as error:
+        raise (
+            SolveError(f"{wish.file}: {error}") if str(wish.file) not in str(error) else error
+        ) from None
+    wish = replace(wish, columns=_columns(result, wish.columns))
+    begin = time.perf_counter()
+    files = _write(result, wish)
+    seconds |= getattr(result.ledger, "seconds", {})
+    if files:
+        seconds["files"] = time.perf_counter() - begin
+    errors = compare(mechanism, result) if compare and not stop else None
+    if stop:
+        kept = f"; what was computed before is in {wish.out}" if wish.out else ""
+        typer.echo(f"kousoku: {wish.file}: {stop[1]}{kept}", err=True)
+        if wish.as_json:
+            _show(result, wish, files, seconds, errors)
+        raise typer.Exit(stop[0])
+    _show(result, wish, files, seconds, errors)
+
+
+def loaded(wish: Wish) -> Mechanism:
+    """Load the mechanism of a scene file."""
+    from kousoku.loading import load
+
+    outputs = cast("Sequence[Output] | None", wish.outputs)
+    return load(wish.file, outputs=outputs, target=wish.target.value)
+
+
+def check_destinations(wish: Wish) -> None:
+    """Refuse places where nothing can be written, before anything is computed.
+
+    Raises
+    ------
+    SolveError
+        A suffix is unknown, a folder is missing, or matplotlib is.
+    """
+    from kousoku.runtime.integrate.result import SUFFIXES
+
+    out, plot = wish.out, wish.plot
+    if out is not None:
+        require_place("--out", out, SUFFIXES)
+    if plot is not None:
+        if find_spec("matplotlib") is None:
+            raise SolveError("--plot needs matplotlib: pip install kousoku[plot]")
+        if plot.suffix in PICTURES:
+            require_place("--plot", plot, PICTURES)
+        elif plot.exists() and not plot.is_dir():
+            wanted = " or ".join(PICTURES)
+            raise SolveError(f"--plot {plot}: is a file; wanted a folder, or a name with {wanted}")
+
+
+def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:
+    """Refuse a file that cannot be there.
+
+    Raises
+    ------
+    SolveError
+        Its suffix is unknown, it is a folder, or its folder is missing.
+    """
+    if path.suffix not in suffixes:
+        raise SolveError(f"{option} {path}: the name must end in {' or '.join(suffixes)}")
+    if path.is_dir():
+        raise SolveError(f"{option} {path}: is a folder, wanted a file")
+    if not path.absolute().parent.is_dir():
+        raise SolveError(f"{option} {path}: no such folder; make it first")
+
+
+def _require_part(mechanism: Mechanism, name: str) -> None:
+    """Refuse a body or node that the scene has not."""
+    scene = mechanism.scene
+    known = [*(scene.bodies if scene.is_spatial else scene.nodes)]
+    if name not in known:
+        option = "--body" if scene.is_spatial else "--node"
+        raise SolveError(f"{option} {name}: the scene has {', '.join(known)}")
+
+
+def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
+    """Return the columns that names stand for: themselves, or all of a body, joint or node.
+
+    Raises
+    ------
+    SolveError
+        There is no such column.
+    """
+    from kousoku.runtime.integrate.result import NotInResultError
+
+    try:
+        return [column for name in names or () for column in result.columns_of(name)]
+    except NotInResultError as error:
+        raise SolveError(f"--column: {error}") from None
+
+
+def _write(result: Result, wish: Wish) -> list[Path]:
+    """Write rows and plots where they are asked for, and return the files: the plots last."""
+    files = []
+    if wish.out is not None:
+        result.save(wish.out)
+        files.append(wish.out)
+    if wish.plot is not None:
+        from kousoku.result_plots import draw_into
+
+        files += draw_into(result, wish.plot, columns=wish.columns, of=wish.of)
+    return files
+
+
+def _show(
+    result: Result,
+    wish: Wish,
+    files: Sequence[Path],
+    seconds: Mapping[str, float],
+    errors: Mapping[str, float] | None,
+) -> None:
+    """Print rows, ledger and files."""
+    if wish.as_json:
+        data = {**result.summary(), "seconds": dict(seconds), "errors": errors}
+        print_json({**data, "plots": [str(path) for path in files if path != wish.out]})
+        return
+    _print_rows(result, wish)
+    for line in result.notes:
+        typer.echo(line)
+    typer.echo(str(result.ledger))
+    if errors is not None:
+        parts = ", ".join(f"{name} {value:.1e}" for name, value in errors.items())
+        typer.echo(f"largest difference from the closed form: {parts}")
+    typer.echo(f"time: {', '.join(f'{name} {value:.3g} s' for name, value in seconds.items())}")
+    for path in files:
+        typer.echo(f"wrote {path}")
+
+
+def _print_rows(result: Result, wish: Wish) -> None:
+    """Print what was asked for, thinned to a table that is read at one glance."""
+    names = ["time"] if "time" in result else []
+    names = [*dict.fromkeys([*names, *(wish.columns or result.main_columns(wish.of))])]
+    names = names[:MOST_COLUMNS]
+    units = result.units
+    heads = [f"{name} [{units[name]}]" if units[name] else name for name in names]
+    rows = [[f"{result[name][k]:z.9f}" for name in names] for k in at_one_glance(len(result))]
+    print_table(heads, rows, title=result.name, numbers=True)
+
+
+@contextmanager
+def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
+    """Give what shows the time reached where somebody watches."""
+    from kousoku.progress import told
+
+    with told() as tell:
+
+        def show(reached: float, end: float) -> None:
+            tell(f"{reached:.6g} s of {end:.6g} s")
+
+        yield show
+
+
+def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | str]:
+    """Return the values of options such as ``--set NAME=VALUE``.
+
+    Raises
+    ------
+    SolveError
+        One is not a name, ``=`` and a number.
+    """
+    values: dict[str, float | str] = {}
+    for text in given or ():
+        name, _, number = (part.strip() for part in text.partition("="))
+        degrees = re.fullmatch(r"([-+.\deE]*[\d.])[ *]*deg", number)
+        try:
+            value = float(degrees[1] if degrees else number)
+        except ValueError:
+            name = ""
+        if not name:
+            raise SolveError(f"{option} {text}: wanted a name, = and a number: k=3.0")
+        values[name] = f"{value!r} deg" if degrees else value
+    return values
+
+
+def parameters_of(given: Sequence[str] | None) -> dict[str, float]:
+    """Return the values of ``--set NAME=VALUE``.
+
+    Raises
+    ------
+    SolveError
+        One is not a name, ``=`` and a number.
+    """
+    values = numbers_of("--set", given)
+    for name, value in values.items():
+        if isinstance(value, str):
+            raise SolveError(f"--set {name}={value}: wanted a number, in rad")
+    return {name: float(value) for name, value in values.items()}

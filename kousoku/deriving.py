@@ -1,0 +1,141 @@
+"""Deriving from Python: a kind by its name, or a constraint of one's own, up to its kernels."""
+
+from __future__ import annotations
+
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from kousoku.runtime import Library
+    from kousoku.symbolic.derivation import Derivation
+    from kousoku.symbolic.vectors import Body, Number, Vector
+
+__all__ = ["body", "derive", "kernels", "number"]
+
+
+def derive(
+    name: str,
+    *,
+    C: Number | Vector | list[Any] | tuple[Any, ...] | None = None,
+    title: str = "",
+    source: str = "",
+) -> Derivation:
+    """Derive a kind that kousoku has, or the constraint C = 0 between bodies i and j.
+
+    Parameters
+    ----------
+    name : str
+        A kind by any of its names (``p2``, ``p2_x``, ``INLINE``); of a kind with variants the last.
+        With `C`, a name of your own.
+    C : Number, Vector, or a sequence of them, optional
+        An expression in the vectors of ``body("i")``, ``body("j")`` and in numbers; of several the
+        rows stand one below the other. A length in m, or without unit.
+    title, source : str
+        With `C`, what it is in one line, and where it stands; for the generated files.
+
+    Returns
+    -------
+    Derivation
+        Its steps, and C, C_q, ν, γ, reaction and its derivative on both levels.
+
+    Raises
+    ------
+    DerivationError
+        No kind has this name, or C cannot be derived; the message says what is wrong.
+
+    Examples
+    --------
+    >>> from kousoku.deriving import body, derive, number
+    >>> i, j = body("i"), body("j")
+    >>> derive("slant", C=i.axis().dot(j.axis()) - number("cos_theta")).C_q.shape
+    (1, 12)
+    """
+    if C is None:
+        from kousoku.symbolic import derive as derive_kind
+
+        return derive_kind(name)
+    from kousoku.symbolic.constraint import derive_constraint
+    from kousoku.symbolic.vectors import constraint_of
+
+    return derive_constraint(constraint_of(name, C, title=title, source=source))
+
+
+def body(name: Literal["i", "j"]) -> Body:
+    """Return body i or j, whose vectors a constraint of one's own is stated in.
+
+    ``body.r``, ``body.A``, ``body.a_b`` and ``body.s_b`` are the lecture's r, A, a′ and s′.
+    ``body.axis("b")`` is A b′ and ``body.point("t")`` is r + A t′, of axes and points of any name.
+    """
+    from kousoku.symbolic.vectors import body as body_of
+
+    return body_of(name)
+
+
+def number(name: str, unit: Literal["-", "rad", "m"] = "-", meaning: str = "") -> Number:
+    """Return a given number, constant in time, for a constraint of one's own.
+
+    Parameters
+    ----------
+    name : str
+        What the input of the kernels is called, e.g. ``cos_theta``.
+    unit : {"-", "rad", "m"}
+        Its unit.
+    meaning : str
+        What it is, in a few words, for the generated files.
+    """
+    from kousoku.symbolic.vectors import number as number_named
+
+    return number_named(name, unit, meaning)
+
+
+def kernels(
+    derivation: Derivation | str | PathLike[str],
+    folder: str | PathLike[str] | None = None,
+    *,
+    target: Literal["auto", "c", "numpy"] = "auto",
+) -> Library:
+    """Return the kernels of a derivation: proved, frozen, emitted with references, and loaded.
+
+    Parameters
+    ----------
+    derivation : Derivation, str or path
+        What :func:`derive` gives; a name stands for the kernels that come with kousoku, a path for
+        a folder that was written before.
+    folder : path, optional
+        Where they are written: C, NumPy and 50-digit references. When left out they are kept in the
+        user's cache, each content in a folder of its own.
+    target : {"auto", "c", "numpy"}
+        What computes.
+
+    Returns
+    -------
+    Library
+        ``library.constraint(...)`` calls a kernel; ``library.folder`` is where they lie;
+        ``kousoku.runtime.verify(library)`` compares them with their references.
+
+    Raises
+    ------
+    DerivationError
+        The proof fails, or a name is taken; the message says which.
+    FreezeError
+        An expression cannot be emitted.
+    """
+    from kousoku.codegen.generate import MANIFEST_FILE, generate, package_of, write_tree
+    from kousoku.model.cache import cache_folder
+    from kousoku.model.manifest import Manifest
+    from kousoku.runtime import load
+
+    if isinstance(derivation, PathLike):
+        return load(Path(derivation), target=target)
+    if isinstance(derivation, str):
+        import kousoku.generated.kinds as committed
+
+        return load(Path(committed.__path__[0]) / package_of(derivation), target=target)
+    tree = generate(derivation)
+    if folder is None:
+        digest = Manifest.from_json(tree[MANIFEST_FILE]).digest
+        folder = cache_folder() / "kernels" / digest[:32] / derivation.name
+    path = Path(folder)
+    write_tree(path, tree)
+    return load(path, target=target)

@@ -1,0 +1,494 @@
+"""The equations of a scene of bodies as it is written, in numbers, at any state.
+
+Rows come from the kernels of the kinds and M from the one of a rigid body, as a solver has them:
+they are evaluated for centres of mass and principal axes, and led to the body frames of the scene.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import OrderedDict
+from copy import copy
+from dataclasses import replace
+from functools import cached_property
+from itertools import accumulate
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.assembly.residuals import unit_of
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
+from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.mechanics import frozen
+from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.interpret import ARRAY
+from kousoku.codegen.interpret import evaluate as evaluated
+from kousoku.labels import columns_of, is_turn, listed, rows_of
+from kousoku.model.errors import SolveError
+from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import TIME
+from kousoku.model.held import without_held
+from kousoku.model.system import system_of
+from kousoku.model.values import value_of
+from kousoku.model.varying import Varying, fixed_system
+from kousoku.runtime.given import numbers_of, require_numbers, unknown
+from kousoku.runtime.integrate.body_tables import (
+    BodyPlaces,
+    rotated,
+    solver_state,
+    written_sizes,
+)
+from kousoku.runtime.options import with_values
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy.typing as npt
+
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.model.mechanism import Instance, MovingBody, System
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Array = npt.NDArray[np.float64]
+
+#: Scenes whose equations are kept.
+KEPT = 8
+#: Turns that are tried to close gears, and how near to whole ones they must be.
+MOST_TURNS, WHOLE = 100, 1e-6
+
+
+def equations_of(scene: Scene) -> Equations:
+    """Return the equations of a scene; those of the last scenes are kept."""
+    known = _KEPT.get(id(scene))
+    if known is None or known.scene is not scene:
+        known = Equations(scene)
+    _KEPT[id(scene)] = known
+    _KEPT.move_to_end(id(scene))
+    while len(_KEPT) > KEPT:
+        _KEPT.popitem(last=False)
+    return known
+
+
+#: Equations by the identity of their scenes, which they keep alive.
+_KEPT: OrderedDict[int, Equations] = OrderedDict()
+
+
+class State(NamedTuple):
+    """A state that was checked.
+
+    Parameters
+    ----------
+    time : float [s]
+        When.
+    q, v : array
+        As the scene is written; Euler parameters of norm one.
+    near : dict of str to float [rad]
+        What angles are counted to within half a turn of.
+    known : frozenset of str
+        Those of them whose turns drivers prescribe, or the caller.
+    parameters : dict of str to float
+        All of them.
+    """
+
+    time: float
+    q: Array
+    v: Array
+    near: dict[str, float]
+    known: frozenset[str]
+    parameters: dict[str, float]
+
+
+class Numbers(NamedTuple):
+    """The equations at a state, in the unit of the scene.
+
+    Parameters
+    ----------
+    C, nu, gamma : (m,) array
+        Residuals, and what C_q v and C_q v̇ are.
+    C_q : (m, n) array
+        Jacobian.
+    M : (n, n) array
+        Mass matrix about the origins of the body frames.
+    f : (n,) array
+        Applied forces less velocity forces.
+    """
+
+    C: Array
+    nu: Array
+    gamma: Array
+    C_q: Array
+    M: Array
+    f: Array
+
+
+class Equations:
+    """The equations of a scene of bodies; what does not depend on a state is prepared once.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene of bodies.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        It is none, or its bodies do not fit together.
+    """
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.system = without_held(assemble(system_of(scene, ())))
+        self._recorded = system_equations(self.system)
+        self._program = self._recorded.program
+        self._workspace = Workspace(self._program)
+        self.name, self.unit = self.system.name, self.system.unit
+        #: As of a solver.
+        self.parameters = self.system.parameters
+        #: A length of the scene, in its unit.
+        self.length = characteristic_length(self.system) / self.unit
+        self.bodies = _places(self.system)
+        self.sizes = written_sizes(self.bodies)
+        #: Where bodies begin in q and in v as the scene is written.
+        self.starts = tuple(
+            tuple(accumulate((size if body.p else 3 for body in self.bodies), initial=0))
+            for size in (7, 6)
+        )
+        self.columns = columns_of(self.system.bodies)
+        self.rows = tuple(rows_of(self.system, self._program.rows))
+        units = [unit_of(self.system.constraints[row.instance]) for row in self._program.rows]
+        self.units = tuple(scene.unit if unit == "m" else "rad" for unit in units)
+        self._row_scale = np.array([1 / self.unit if unit == "m" else 1.0 for unit in units])
+        self._column_scale = np.array([1.0 if is_turn(x) else self.unit for x in self.columns])
+        self._places = tuple(np.array(own, int) for own in zip(*self._recorded.places, strict=True))
+        #: What M lacks, empty where it has all: a rod may be thin about one axis.
+        self.lacks = _lack(self.system.bodies)
+
+    @property
+    def is_weighed(self) -> bool:
+        """Whether the scene gives all masses, and so has M and f."""
+        return not self.lacks
+
+    @cached_property
+    def _freedom(self) -> Freedom:
+        return freedom_of(fixed_system(self.system), self._program)
+
+    @property
+    def unknown(self) -> tuple[str, ...]:
+        """Joints in so large a loop that nothing is known of whether their rows are redundant."""
+        return self._freedom.unknown
+
+    @cached_property
+    def redundant(self) -> npt.NDArray[np.bool_]:
+        """Which rows depend on the others wherever the scene moves, (m,)."""
+        left = {(row.instance, row.row) for row in self._freedom.dropped}
+        return np.array([(row.instance, row.row) in left for row in self._program.rows], bool)
+
+    def state(
+        self,
+        t: float,
+        q: npt.ArrayLike,
+        v: npt.ArrayLike,
+        parameters: Mapping[str, float] | None,
+        angles: Mapping[str, float] | None,
+    ) -> State:
+        """Return a state that is possible, with what its angles are counted to.
+
+        Raises
+        ------
+        SolveError
+            It is not.
+        """
+        values = dict(with_values(cast("DynamicsSolver", self), parameters))
+        require_numbers(self.name, time=t)
+        found_q, found_v = (self._given(*one) for one in zip("qv", (q, v), self.sizes, strict=True))
+        for body, first in zip(self.bodies, self.starts[0], strict=False):
+            p = found_q[first + 3 : first + 7] if body.p else np.ones(1)
+            size = float(np.sqrt(p @ p))
+            if not size > 0.0:
+                raise SolveError(
+                    f"{self.name}: q has no Euler parameters of {body.name}: all four are 0"
+                )
+            p /= size
+        near, known = self._near(float(t), values, angles or {})
+        return State(float(t), found_q, found_v, near, known, values)
+
+    def _given(self, name: str, given: npt.ArrayLike, size: int) -> Array:
+        """Return numbers of bodies as the scene is written."""
+        array = numbers_of(self.name, name, given).copy()
+        if array.shape != (size,) or not np.isfinite(array).all():
+            of = "r (3), Euler parameters (4)" if name == "q" else "velocity (3), omega_b (3)"
+            raise SolveError(
+                f"{self.name}: {name} has the shape {array.shape}; wanted {size} finite numbers: of"
+                f" each body {of}; a point has the first three alone"
+            )
+        return array
+
+    def _near(
+        self, time: float, values: Mapping[str, float], angles: Mapping[str, float]
+    ) -> tuple[dict[str, float], frozenset[str]]:
+        """Return what the angles are near: what is given, what drivers say, else the start."""
+        turning = {x.name: x.near for x in self.system.coordinates if x.counts_turns}
+        known = {}
+        for one in self.system.constraints:
+            names = [self.system.coordinates[term.coordinate].name for term in one.terms]
+            if one.is_driver and names[0] in turning:
+                given = {**values, TIME: time}
+                law = value_of(parse_expression(one.law, tuple(given)), given)
+                if math.isfinite(law):
+                    known[names[0]] = one.law_unit * law / one.terms[0].factor
+        for name, value in angles.items():
+            if name not in turning and name not in self.scene.coordinates:
+                raise SolveError(f"{self.name}: {unknown('angle', name, sorted(turning))}")
+            one_number: dict[str, Any] = {f"angle {name}": value}
+            require_numbers(self.name, **one_number)
+            if name in turning:
+                known[name] = float(value)
+        return turning | known, frozenset(known)
+
+    def numbers(self, state: State) -> tuple[Numbers, State]:
+        """Return the equations at a state, and the state with the turns of its angles."""
+        work, masses = self._with_parameters(state)
+        bodies = [
+            replace(body, origin_b=tuple(own[4:7].tolist()), axes_b=tuple(own[7:].tolist()))
+            for body, own in zip(self.bodies, masses, strict=True)
+        ]
+        zeros = np.zeros(len(work["q"])), np.zeros(len(work["v"]))
+        q, v = solver_state(bodies, state.q, state.v, self.unit, zeros)
+        work["t"], work["v"] = [state.time], v.tolist()
+        self._run(work, q, state)
+        turned = self._closed(state, work["C"])
+        if turned.near != state.near:
+            self._run(work, q, turned)
+        return self._written(work, bodies, masses, turned, (q, v)), turned
+
+    def _with_parameters(self, state: State) -> tuple[Workspace, Array]:
+        """Return a workspace with the parameters of a state, and the numbers of the bodies."""
+        work, program = copy(self._workspace), self._program
+        work.values = list(self._workspace.values)
+        work["parameters"] = [*state.parameters.values()]
+        if program.design:
+            try:
+                work.run("setup")
+            except (ArithmeticError, ValueError):
+                work["design"] = [math.nan] * len(work["design"])
+            places, numbers = dict(program.design.places), work["design"]
+            wrong = [
+                f"{name} is {numbers[places[key]]:.6g}; wanted a positive number"
+                for name, key in program.design.positive
+                if not numbers[places[key]] > 0.0
+            ]
+            if not np.isfinite(numbers).all():
+                wrong.append("a formula of the scene has no finite value")
+            if wrong:
+                given = ", ".join(f"{name} = {x:.6g}" for name, x in state.parameters.items())
+                raise SolveError(f"{self.name}: with {given}: {'; '.join(dict.fromkeys(wrong))}")
+        work.run("masses")
+        return work, np.array(work["masses"]).reshape(-1, NUMBERS)
+
+    def _run(self, work: Workspace, q: Array, state: State) -> None:
+        """Evaluate all kernels."""
+        tail = [state.near.get(one.name, 0.0) for one in self._program.auxiliary]
+        work["q"] = [*q[: self.sizes[0]].tolist(), *tail]
+        try:
+            work.run("geometry")
+        except (ArithmeticError, ValueError) as problem:
+            raise SolveError(
+                f"{self.name}: its equations have no finite values at this state ({problem}): a"
+                " formula has none, or two points coincide whose distance counts"
+            ) from None
+
+    def _closed(self, state: State, c: Sequence[float]) -> State:
+        """Return a state whose angles have the turns that close gears, screws and couplings.
+
+        Positions tell angles up to whole turns. Where no turns close a row, none are added.
+        """
+        rows = [
+            (float(value) / math.tau, self._factors(instance, state.parameters))
+            for row, value in zip(self._program.rows, c, strict=True)
+            if (instance := self.system.constraints[row.instance]).terms
+        ]
+        rows = [(value, own) for value, own in rows if own]
+        found = _filled(rows, dict.fromkeys(state.known, 0)) or dict.fromkeys(state.known, 0)
+        for name in dict.fromkeys(name for _, own in rows for name in own):
+            tries = (sign * n for n in range(MOST_TURNS) for sign in ((1, -1) if n else (1,)))
+            if name not in found:
+                trials = (_filled(rows, found | {name: n}) for n in tries)
+                found = next(filter(None, trials), found | {name: 0})
+        near = {name: x + math.tau * found.get(name, 0) for name, x in state.near.items()}
+        return state._replace(near=near)
+
+    def _factors(self, one: Instance, parameters: Mapping[str, float]) -> dict[str, float]:
+        """Return the factors of the angles that a row combines."""
+        found: dict[str, float] = {}
+        for term in one.terms:
+            coordinate, factor = self.system.coordinates[term.coordinate], term.factor
+            if isinstance(factor, Varying):
+                factor = value_of(factor.traced.expression, parameters)
+            if coordinate.counts_turns:
+                found[coordinate.name] = found.get(coordinate.name, 0.0) + factor
+        return found
+
+    def _written(
+        self,
+        work: Workspace,
+        bodies: Sequence[BodyPlaces],
+        masses: Array,
+        state: State,
+        solved: tuple[Array, Array],
+    ) -> Numbers:
+        """Return what was evaluated, for the body frames and in the unit of the scene."""
+        m, n = len(self.rows), len(self.columns)
+        slopes, drift = np.zeros((m, n)), np.zeros(n)
+        if m:
+            slopes[self._places] = work["slopes"]
+        written, mass = np.zeros((m, n)), np.zeros((n, n))
+        force, loads = np.zeros(n), np.array(work["forces"])
+        for k, body in enumerate(bodies):
+            own = slice(*self.starts[1][k : k + 2])
+            change, drift[own] = _change(body, *solved)
+            written[:, own] = slopes[:, own] @ change
+            p, omega = state.q[self.starts[0][k] + 3 :][:4], state.v[own][3:]
+            mass[own, own], force[own] = _newton_euler(
+                body, masses[k], p, omega, change.T @ loads[own]
+            )
+        rows, columns = self._row_scale, self._column_scale
+        return Numbers(
+            C=rows * np.array(work["C"]),
+            nu=0.0 - rows * np.array(work["minus_nu"]),
+            gamma=0.0 - rows * (np.array(work["minus_gamma"]) + slopes @ drift),
+            C_q=rows[:, np.newaxis] * written * columns,
+            M=columns[:, np.newaxis] * mass * columns / self.unit**2,
+            f=columns * force / self.unit**2,
+        )
+
+    def turning(self, solver: DynamicsSolver) -> tuple[int, list[str]]:
+        """Return where the angles that count turns begin in q of a solver, and their names."""
+        system = system_of(self.scene, ("coordinates",) if solver.layout.coordinates else ())
+        needed = system.coordinates[: len(system.coordinates) - system.only_held]
+        names = [one.name for one in needed if one.counts_turns]
+        first = len(solver.q) - len(solver.layout.works) - len(names)
+        places = [k for body in solver.bodies for k in (*body.r, *body.p) if isinstance(k, int)]
+        if first != max(places, default=-1) + 1:
+            raise SolveError(f"{self.name}: the solver was not made from this scene")
+        return first, names
+
+
+def _filled(
+    rows: Sequence[tuple[float, Mapping[str, float]]], turns: Mapping[str, int]
+) -> dict[str, int] | None:
+    """Return the turns that follow from those of some angles, None where a row stays open.
+
+    Parameters
+    ----------
+    rows : sequence of (float, dict)
+        What is left of each row, as a part of a turn, and the factors of its angles.
+    turns : mapping of str to int
+        What is known.
+    """
+    found = dict(turns)
+    rest = list(rows)
+    while True:
+        later = []
+        for value, factors in rest:
+            left = value + sum(x * found[name] for name, x in factors.items() if name in found)
+            open_ = [name for name in factors if name not in found and factors[name]]
+            if len(open_) == 1:
+                count = -left / factors[open_[0]]
+                if abs(count) > 1 / WHOLE or abs(count - round(count)) > WHOLE:
+                    return None
+                found[open_[0]] = round(count)
+            elif open_:
+                later.append((value, factors))
+            elif abs(left) > WHOLE:
+                return None
+        if len(later) == len(rest) or not later:
+            return found
+        rest = later
+
+
+def _lack(bodies: Sequence[MovingBody]) -> str:
+    """Say which bodies have no mass, or no moments of inertia though they can turn."""
+    light = [body.name for body in bodies if not body.mass > 0.0]
+    still = [x.name for x in bodies if x.mass > 0.0 and not x.is_point and not any(x.inertia)]
+    pairs = (("mass", light), ("moments of inertia", still))
+    return " and ".join(f"no {what} of {listed(names)}" for what, names in pairs if names)
+
+
+def _places(system: System) -> tuple[BodyPlaces, ...]:
+    """Return where bodies stand in q and v where nothing is left out."""
+    found, at_q, at_v = [], 0, 0
+    for body in system.bodies:
+        turns = not body.is_point
+        found.append(
+            BodyPlaces(
+                body.name,
+                tuple(range(at_q, at_q + 3)),
+                tuple(range(at_q + 3, at_q + 7)) if turns else (),
+                tuple(range(at_v, at_v + 3)),
+                tuple(range(at_v + 3, at_v + 6)) if turns else (),
+                body.origin_b,
+                body.axes_b,
+            )
+        )
+        at_q, at_v = at_q + 3 + 4 * turns, at_v + 3 + 3 * turns
+    return tuple(found)
+
+
+def _change(body: BodyPlaces, q: Array, v: Array) -> tuple[Array, Array]:
+    """Return T and Ṫ v for v_s = T v, from the velocities of the scene to those of a system.
+
+    A system has the centre of mass and the principal axes in place of the body frame: with s′ from
+    there to the origin, ṙ_s = ṙ + A_s s̃′ ω_s′ and ω_s′ = A(axes) ω′.
+    """
+    if not body.p:
+        return np.eye(3), np.zeros(3)
+    p, omega = q[list(map(int, body.p))], v[list(map(int, body.omega_b))]
+    arm, turn, to_o = np.array(body.origin_b), _matrix(body.axes_b), _matrix(p)
+    change = np.eye(6)
+    change[:3, 3:] = to_o @ _tilde(arm) @ turn
+    change[3:, 3:] = turn
+    drift = np.zeros(6)
+    drift[:3] = -to_o @ np.cross(omega, np.cross(omega, arm))
+    return change, drift
+
+
+def _newton_euler(
+    body: BodyPlaces, own: Array, p: Array, omega: Array, load: Array
+) -> tuple[Array, Array]:
+    """Return M about the origin of the body frame, and applied less velocity forces, in SI units.
+
+    Parameters
+    ----------
+    body : BodyPlaces
+        The frames of the body.
+    own : array
+        Its mass and principal moments first.
+    p, omega : array
+        Euler parameters and angular velocity of its body frame, empty or unused of a point.
+    load : array
+        Force in frame O, and torque about that origin in the body frame.
+    """
+    mass = own[0]
+    if not body.p:
+        return mass * np.eye(3), load
+    turn = _matrix(body.axes_b)
+    center = -turn.T @ np.array(body.origin_b)
+    about = turn.T @ np.diag(own[1:4]) @ turn - mass * _tilde(center) @ _tilde(center)
+    inputs: dict[str, Any] = {"mass": [mass], "r_AG_b": center, "I_A_b": about.ravel()}
+    inputs |= {"p": p, "omega_b": omega, "F": load[:3], "N_b": load[3:]}
+    found = evaluated(frozen("rigid_body", "newton_euler"), inputs, ARRAY)
+    return np.array(found["M"], dtype=float).reshape(6, 6), np.array(found["h"], dtype=float)
+
+
+def _tilde(a: Array) -> Array:
+    """Return ã with ã b = a × b."""
+    x, y, z = a
+    return np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def _matrix(p: npt.ArrayLike) -> Array:
+    """Return A(p) for Euler parameters of norm one."""
+    return rotated(np.asarray(p)[:, np.newaxis], np.eye(3))

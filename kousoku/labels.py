@@ -1,0 +1,64 @@
+"""Names of the rows and columns of a scene as it is written."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from kousoku.model.rows import ROWS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.model.mechanism import Instance, MovingBody, System
+
+#: Columns of a body: those of a point are the first three.
+COLUMNS = ("x", "y", "z", "theta_x", "theta_y", "theta_z")
+#: Names that a line has at most.
+MOST_NAMED = 8
+
+
+def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
+    """Return the names of the columns of bodies."""
+    return tuple(
+        f"{body.name}.{component}"
+        for body in bodies
+        for component in COLUMNS[: 3 if body.is_point else 6]
+    )
+
+
+def rows_of(system: System, rows: Iterable[Row]) -> Iterator[str]:
+    """Yield what the rows are: joint or driver, kind, component."""
+    own = Counter((one.joint, one.kind) for one in system.constraints)
+    numbers: dict[int, int] = {}
+    seen: Counter[tuple[str, str]] = Counter()
+    for place, one in enumerate(system.constraints):
+        seen[one.joint, one.kind] += 1
+        numbers[place] = seen[one.joint, one.kind] if own[one.joint, one.kind] > 1 else 0
+    for row in rows:
+        one = system.constraints[row.instance]
+        number = f" {numbers[row.instance]}" if numbers[row.instance] and not one.terms else ""
+        yield f"{one.joint}: {_component(system, one, row.row)}{number}"
+
+
+def _component(system: System, one: Instance, row: int) -> str:
+    """Return kind and component of a row of an instance; of a combination what it combines."""
+    if one.terms:
+        return " and ".join(system.coordinates[term.coordinate].name for term in one.terms)
+    kind, _, axis = one.kind.partition("_")
+    if axis:
+        return f"{kind} {'xyz'[ROWS[axis][row]]}′"
+    return f"{kind} {'xyz'[row]}" if kind == "point" else kind
+
+
+def is_turn(column: str) -> bool:
+    """Return whether a column is a virtual rotation."""
+    return column.rpartition(".")[2] in COLUMNS[3:]
+
+
+def listed(names: Sequence[str]) -> str:
+    """Return names in one line, not too many of them."""
+    shown_ = ", ".join(names[:MOST_NAMED])
+    more = len(names) - MOST_NAMED
+    return f"{shown_} … ({more} more)" if more > 0 else shown_

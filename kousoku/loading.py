@@ -1,0 +1,366 @@
+"""Load a mechanism: its solver is generated and compiled once, and found by content ever after."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+from kousoku import __path__, __version__
+from kousoku.mechanism import Mechanism
+from kousoku.model.cache import cache_folder, shrink, touch, write_atomically
+from kousoku.model.errors import (
+    AssemblyError,
+    CacheError,
+    CompilerError,
+    LoadError,
+    SceneError,
+    TargetError,
+)
+from kousoku.progress import told
+from kousoku.runtime.dynamics import MOTION_FILE, load_dynamics
+from kousoku.runtime.given import shown
+from kousoku.runtime.library import MANIFEST
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from typing import Any
+
+    from kousoku.mechanism import Solver
+    from kousoku.model.builder import SceneBuilder
+    from kousoku.model.scene import Output, Scene
+
+    Target = Literal["auto", "c", "numpy"]
+
+#: Parts of kousoku that decide what is generated.
+SOURCES = ("codegen", "generated", "model", "runtime", "symbolic")
+#: The text of a scene, beside the folder of its solver.
+SCENE_FILE = "scene.toml"
+
+
+def load(
+    scene: str | Path | Mapping[str, Any] | Scene | SceneBuilder,
+    *,
+    outputs: Sequence[Output] | None = None,
+    target: Target = "auto",
+) -> Mechanism:
+    """Load a mechanism: a linkage of nodes or a scene of bodies, with its solver.
+
+    A solver is generated and compiled the first time, which takes about a second; it is found in
+    the cache from then on, by the content of the scene.
+
+    Parameters
+    ----------
+    scene : path, str, mapping, Scene or SceneBuilder
+        A scene file, its text in TOML, its tables as :func:`tomllib.loads` gives them, or what was
+        built.
+    outputs : sequence of str, optional
+        What to compute beside positions and velocities, such as ``"coordinates"``,
+        ``"accelerations"``, ``"reactions"``, ``"energies"``; what the scene says unless given.
+    target : {"auto", "c", "numpy"}
+        What computes: C where a compiler can be had, else NumPy after saying so in one line.
+
+    Raises
+    ------
+    SceneError
+        The scene is not valid; the message has all problems with their lines.
+    AssemblyError
+        Its bodies do not fit together near the positions that it gives.
+    CompilerError
+        The compiler refuses the source; with ``target="c"`` also if there is none.
+
+    Examples
+    --------
+    >>> import kousoku as ks
+    >>> loop = ks.load("scenes/loop_free.toml")
+    >>> run = loop.simulate(2, parameters={"mass": 2})
+    """
+    given = Given.of(scene)
+    wanted = None if outputs is None else _outputs_of(outputs)
+    solver, text = opened(given, wanted, target)
+    return Mechanism(solver, text, given.file, wanted)
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """A scene as it was given.
+
+    Parameters
+    ----------
+    file : str
+        The file that it was read from, empty where it is none.
+    data : bytes
+        What tells it from other scenes.
+    read : callable
+        Returns the checked scene.
+    """
+
+    file: str
+    data: bytes
+    read: Callable[[], Scene]
+
+    @classmethod
+    def of(cls, scene: object) -> Given:
+        """Return a scene as it was given, not yet read.
+
+        Raises
+        ------
+        SceneError
+            The file cannot be read, or what is given is no scene.
+        """
+        from kousoku.model.scene import Scene
+
+        if hasattr(scene, "build"):
+            scene = scene.build()
+        if isinstance(scene, Scene):
+            return cls("", _text(scene).encode(), lambda: scene)
+        if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
+            from kousoku.model.read import scene_from_toml
+
+            return cls("", scene.encode(), partial(scene_from_toml, scene))
+        if isinstance(scene, str | os.PathLike):
+            return cls._of_file(Path(scene))
+        if hasattr(scene, "items"):
+            from kousoku.model.read import scene_from_dict
+
+            built = scene_from_dict(scene)
+            return cls("", _text(built).encode(), lambda: built)
+        raise SceneError(
+            f"{shown(scene)} is no scene; wanted the path of a scene file, its text, its tables, or"
+            " what SceneBuilder builds"
+        )
+
+    @classmethod
+    def _of_file(cls, path: Path) -> Given:
+        from kousoku.model.read import scene_from_toml, text_of
+
+        with suppress(OSError):  # a name that is too long is refused where it is read
+            if path.is_dir():
+                raise SceneError("is a folder; wanted a scene file", file=str(path))
+        text = text_of(path)
+        return cls(str(path), text.encode(), partial(scene_from_toml, text, file=str(path)))
+
+
+def _is_path(line: str) -> bool:
+    """Return whether a line names a file, such as ``mass=2.toml``, and is not TOML itself."""
+    with suppress(OSError, ValueError):
+        return line.endswith(".toml") or Path(line).exists()
+    return False
+
+
+def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple[Solver, str]:
+    """Return the solver of a scene, out of the cache or newly generated, and the scene's text.
+
+    Raises
+    ------
+    SceneError, AssemblyError, CompilerError
+        As of :func:`load`; the message names the file.
+    """
+    for is_last in (False, True):
+        with solver_folder(given, outputs, anew=is_last) as folder:
+            text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
+            try:
+                with told() as tell:
+                    tell(f"compiling {folder.name}")
+                    return _open(folder, target), text
+            except LoadError as error:  # the cache was damaged: once more, unless that is no cure
+                if is_last or isinstance(error, (CompilerError, CacheError, TargetError)):
+                    raise
+    raise AssertionError
+
+
+@contextmanager
+def solver_folder(
+    given: Given,
+    outputs: Sequence[str] | None = None,
+    *,
+    references: bool = False,
+    anew: bool = False,
+) -> Iterator[Path]:
+    """Give the folder of a scene's solver, in the cache or generated now.
+
+    Parameters
+    ----------
+    given : Given
+        The scene.
+    outputs : sequence of str, optional
+        What is computed; what the scene says unless given.
+    references : bool
+        Whether it has the reference values that ``verify`` compares with.
+    anew : bool
+        Whether it is generated also if it is there.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As of :func:`load`; the message names the file.
+    """
+    options = json.dumps([outputs, references])
+    by_bytes = key_of(given.data, options)
+    folder = None if anew else _look(_found(by_bytes))
+    if folder is not None:
+        yield folder
+        return
+    with told() as tell, naming(given.file):
+        tell(f"reading {given.file or 'the scene'}")
+        scene = given.read()
+        text = _text(scene)
+        key = key_of(text, options)
+        folder = None if anew else _look(key)
+        if folder is None:
+            tell(f"generating {scene.name}")
+            tree = generated(scene, outputs, references=references)
+    if folder is not None:
+        _note_found(by_bytes, key)
+        yield folder
+        return
+    try:
+        folder = _written(cache_folder() / "scenes" / key, scene.name, text, tree)
+    except OSError:  # a full or read-only cache: the folder is needed only until it is loaded
+        with tempfile.TemporaryDirectory() as place:
+            yield _written(Path(place), scene.name, text, tree)
+            return
+    _note_found(by_bytes, key)
+    yield folder
+    with suppress(OSError):
+        shrink()
+
+
+def generated(
+    scene: Scene, outputs: Sequence[str] | None = None, *, references: bool = False
+) -> dict[str, str]:
+    """Return the folder of a scene's solver, file name and text.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As of :func:`load`.
+    """
+    from kousoku.model.validate_unused import output_problem
+
+    for output in outputs or ():
+        if problem := output_problem(scene, output):
+            raise SceneError(f"outputs: {output}: {problem}")
+    if scene.is_spatial:
+        from kousoku.codegen.dynamics.generate import generate_dynamics
+
+        return generate_dynamics(scene, outputs, references=references)
+    import msgspec
+
+    from kousoku.codegen.linkage import generate_scene
+
+    return generate_scene(
+        scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
+    )
+
+
+def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:
+    """Write a solver and the text of its scene; the text comes last, and says that all is there."""
+    from kousoku.codegen.generate import write_tree
+
+    write_tree(shelf / name, tree)
+    write_atomically(shelf / SCENE_FILE, text.encode())
+    return shelf / name
+
+
+def _look(key: str) -> Path | None:
+    """Return the folder of the solver that the cache holds under a key."""
+    try:
+        shelf = cache_folder() / "scenes" / key
+        if not key or not (shelf / SCENE_FILE).is_file():
+            return None
+        folder = next((path.parent for path in shelf.glob(f"*/{MANIFEST}")), None)
+    except OSError:
+        return None
+    touch(shelf)
+    return folder
+
+
+def _open(folder: Path, target: Target) -> Solver:
+    if (folder / MOTION_FILE).is_file():
+        return load_dynamics(folder, target=target)
+    from kousoku.runtime.linkage import load_scene
+
+    return load_scene(folder, target=target)
+
+
+@cache
+def stamp() -> str:
+    """Return a digest of kousoku itself: its version, and names, sizes and times of its files.
+
+    In a checkout the version stays while the generator changes.
+    """
+    listed = [__version__]
+    for place in (Path(root) / part for root in __path__ for part in SOURCES):
+        for folder, folders, names in os.walk(place):
+            folders[:] = sorted(name for name in folders if name != "__pycache__")
+            for name in sorted(names):
+                with suppress(OSError):
+                    status = (Path(folder) / name).stat()
+                    listed.append(f"{name} {status.st_size} {status.st_mtime_ns}")
+    return hashlib.sha256("\n".join(listed).encode()).hexdigest()
+
+
+def key_of(*parts: str | bytes) -> str:
+    """Return the key of what this kousoku makes of some parts."""
+    digest = hashlib.sha256(stamp().encode())
+    for part in parts:
+        data = part.encode() if isinstance(part, str) else part
+        digest.update(b"%d " % len(data))
+        digest.update(data)
+    return digest.hexdigest()[:32]
+
+
+def _note_found(given: str, key: str) -> None:
+    """Note which scene was given with some bytes."""
+    with suppress(OSError):
+        write_atomically(cache_folder() / "found" / given, key.encode())
+
+
+def _found(given: str) -> str:
+    """Return the key of the scene that was given with some bytes, empty if that is not known."""
+    try:
+        path = cache_folder() / "found" / given
+        key = path.read_text(encoding="ascii")
+    except (OSError, ValueError):
+        return ""
+    touch(path)
+    return key
+
+
+def _text(scene: Scene) -> str:
+    from kousoku.model.write import to_toml
+
+    return to_toml(scene)
+
+
+def _outputs_of(outputs: object) -> list[str]:
+    """Return names of outputs as a list; one name alone is meant as a list of it."""
+    if isinstance(outputs, str):
+        return [outputs]
+    if isinstance(outputs, list | tuple) and all(isinstance(one, str) for one in outputs):
+        return list(outputs)
+    raise SceneError(f"outputs {shown(outputs)}; wanted a list of names such as 'reactions'")
+
+
+@contextmanager
+def naming(file: str | Path) -> Iterator[None]:
+    """Name the file, and the lines, of what is found wrong with a scene after it was read.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        As they were, but for that.
+    """
+    try:
+        yield
+    except (SceneError, AssemblyError) as error:
+        from kousoku.model.read import located
+
+        raise (located(error, file) if file else error) from None

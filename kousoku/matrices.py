@@ -1,0 +1,374 @@
+"""The matrices of a scene as it is written: M v̇ + C_qᵀλ = f, C_q v̇ = γ, C_q v = ν.
+
+Every body has its columns, δr of the origin of its frame in frame O and δθ′ in its own frame, and
+every joint and driver its rows, those too that depend on others: nothing is merged, proven plane,
+put onto a joint or left out. Lengths are in the unit of the scene, so that a force is in
+kg unit/s² and a torque in kg unit²/s²; angles are in rad.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from html import escape
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from kousoku.equations import equations_of
+from kousoku.labels import is_turn, listed
+from kousoku.linkage_equations import LinkageEquations
+from kousoku.model.errors import SolveError
+from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    import numpy.typing as npt
+
+    from kousoku.equations import Equations, Numbers, State
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Array = npt.NDArray[np.float64]
+
+#: What is smaller, as a part of the largest singular value, is zero where λ is found.
+ZERO = 1e-9
+#: The square of what a row has in a dependence of rows above which its multiplier is not unique.
+TAKES_PART = 1e-10
+#: What λ may leave of the forces, and how far a state may be from what the solver has.
+HOLDS = 1e-7
+#: Rows and columns that a table in a notebook has at most.
+MOST_SHOWN = 30
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """The matrices of a scene at a state; they unpack as ``M, C_q, nu, gamma, f``.
+
+    Parameters
+    ----------
+    name : str
+        The scene.
+    time : float [s]
+        When.
+    C : (m,) array
+        Residuals of all rows, in the order of :attr:`rows`.
+    C_q : (m, n) array
+        Jacobian, in the order of :attr:`columns`.
+    nu, gamma : (m,) array
+        What C_q v and C_q v̇ are.
+    rows : tuple of str
+        Joint or driver of each row, kind, and component: those of ``point`` are in frame O, those
+        of ``p1`` and ``p2`` in the principal frame of body i.
+    columns : tuple of str
+        Body and component of each column: ``x``, ``y``, ``z`` of the origin of the body frame, in
+        frame O, ``theta_x`` … in the body frame.
+    units : tuple of str
+        Unit of the residual of each row.
+    redundant : (m,) array of bool
+        Rows that depend on the others wherever the scene moves. Of rows that depend on each other
+        these can be left out; which of them is a choice.
+    unknown : tuple of str
+        Joints in a loop of so many rows that nothing is known of which of theirs are redundant.
+    without : str
+        Why there are no M and f; empty where there are.
+    mass, force : array
+        M and f, see there.
+    """
+
+    name: str
+    time: float
+    C: Array
+    C_q: Array
+    nu: Array
+    gamma: Array
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+    units: tuple[str, ...]
+    redundant: npt.NDArray[np.bool_]
+    unknown: tuple[str, ...]
+    without: str
+    mass: Array
+    force: Array
+
+    @property
+    def M(self) -> Array:
+        """Mass matrix about the origins of the body frames, (n, n).
+
+        Raises
+        ------
+        SolveError
+            The scene has no masses, or not all.
+        """
+        return self._dynamic(self.mass)
+
+    @property
+    def f(self) -> Array:
+        """Applied forces less velocity forces: M v̇ + C_qᵀλ = f, (n,).
+
+        Raises
+        ------
+        SolveError
+            The scene has no masses, or not all.
+        """
+        return self._dynamic(self.force)
+
+    def _dynamic(self, array: Array) -> Array:
+        if self.without:
+            raise SolveError(
+                f"{self.name}: no M and no f: {self.without}; take C, C_q, nu and gamma by name"
+            )
+        return array
+
+    def __iter__(self) -> Iterator[Array]:
+        return iter((self.M, self.C_q, self.nu, self.gamma, self.f))
+
+    def __repr__(self) -> str:
+        m, n = self.C_q.shape
+        left = [row for row, is_left in zip(self.rows, self.redundant, strict=True) if is_left]
+        masses = f"no M, no f: {self.without}" if self.without else f"M ({n}, {n}), f ({n},)"
+        lines = [
+            f"{self.name} at {self.time:.6g} s: C_q ({m}, {n}), C, nu, gamma ({m},), {masses}",
+            f"  columns: {listed(self.columns)}",
+            f"  rows: {listed(self.rows)}",
+        ]
+        if left:
+            lines.append(f"  redundant: {listed(left)}")
+        if self.unknown:
+            lines.append(f"  not known whether redundant: rows of {listed(self.unknown)}")
+        return "\n".join(lines)
+
+    def _repr_html_(self) -> str:
+        m, n = self.C_q.shape
+        if max(m, n) > MOST_SHOWN:
+            return f"<pre>{escape(repr(self))}</pre>"
+
+        def line(cells: Sequence[object], tag: str = "td") -> str:
+            first, *rest = (escape(str(cell)) for cell in cells)
+            return f"<tr><th>{first}</th>{''.join(f'<{tag}>{x}</{tag}>' for x in rest)}</tr>"
+
+        table = [line(["C_q", *self.columns, "C", "ν", "γ"], "th")]
+        numbers = np.column_stack([self.C_q, self.C, self.nu, self.gamma])
+        for row, is_left, values in zip(self.rows, self.redundant, numbers, strict=True):
+            cells = ["" if x == 0 else f"{x:.4g}" for x in values.tolist()]
+            table.append(line([f"{row} (redundant)" if is_left else row, *cells]))
+        return f"<p>{escape(self.name)} at {self.time:.6g} s</p><table>{''.join(table)}</table>"
+
+
+class Evaluation(NamedTuple):
+    """Accelerations and multipliers of a scene as it is written.
+
+    Parameters
+    ----------
+    v_dot : (n,) array
+        In the order of ``columns``: r̈ of the origins of the body frames, in frame O, and dω′/dt.
+    lam : (m,) array
+        Multipliers of all rows, in the order of ``rows``; the shortest that there are where they
+        are not unique, torques divided by a length of the scene.
+    is_unique : (m,) array of bool
+        Whether the multiplier of a row follows from the motion.
+    rows, columns : tuple of str
+        As of :class:`Matrices`.
+    """
+
+    v_dot: Array
+    lam: Array
+    is_unique: npt.NDArray[np.bool_]
+    rows: tuple[str, ...]
+    columns: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        """Return sizes, and what is not unique."""
+        several = [row for row, one in zip(self.rows, self.is_unique, strict=True) if not one]
+        text = f"v_dot ({len(self.v_dot)},), lam ({len(self.lam)},)"
+        return f"{text}; not unique: {listed(several)}" if several else text
+
+
+def matrices(
+    scene: Scene,
+    t: float,
+    q: npt.ArrayLike,
+    v: npt.ArrayLike,
+    parameters: Mapping[str, float] | None = None,
+    *,
+    angles: Mapping[str, float] | None = None,
+) -> Matrices:
+    """Return the matrices of a scene as it is written, at any state.
+
+    Parameters
+    ----------
+    scene : Scene
+        A checked scene.
+    t : float [s]
+        When.
+    q : array
+        For each body of the scene r (3) of the origin of its frame, in frame O and the unit of the
+        scene, then its Euler parameters (4), scalar first and of any norm, unless it is a point; of
+        a linkage x and y of each node.
+    v : array
+        For each body ṙ (3) in frame O, then ω′ (3) [rad/s] in its own frame, unless it is a point;
+        of a linkage the velocity of each node.
+    parameters : mapping of str to float, optional
+        Those that are not as in the scene.
+    angles : mapping of str to float [rad], optional
+        Positions tell an angle up to whole turns only. Those of coordinates that stand here are
+        counted to within half a turn of these values; those that drivers prescribe to within half
+        a turn of that; all others to within half a turn of what they are at the start.
+
+    Raises
+    ------
+    SolveError
+        A number, parameter or angle is not possible.
+    SceneError, AssemblyError
+        The bodies of the scene do not fit together.
+    """
+    if not scene.is_spatial:
+        return _of_linkage(scene, t, q, v, parameters or angles)
+    equations = equations_of(scene)
+    numbers, state = equations.numbers(equations.state(t, q, v, parameters, angles))
+    return _labelled(equations, numbers, state)
+
+
+def evaluate(
+    scene: Scene,
+    solver: DynamicsSolver,
+    t: float,
+    q: npt.ArrayLike,
+    v: npt.ArrayLike,
+    parameters: Mapping[str, float] | None = None,
+    *,
+    angles: Mapping[str, float] | None = None,
+) -> Evaluation:
+    """Return the accelerations that a solver computes, and the multipliers of all rows.
+
+    Parameters
+    ----------
+    scene : Scene
+        What the solver was made from.
+    solver : DynamicsSolver
+        What computes the accelerations; the state must be one that it can have.
+    t, q, v, parameters, angles
+        As of :func:`matrices`.
+
+    Raises
+    ------
+    SolveError
+        A number, parameter or angle is not possible; or the state contradicts what the solver was
+        built on, such as a plane that it moves in; or the equations do not hold there.
+    """
+    equations = equations_of(scene)
+    numbers, state = equations.numbers(equations.state(t, q, v, parameters, angles))
+    found = _labelled(equations, numbers, state)
+    v_dot = _accelerations(equations, solver, state)
+    lam, is_unique = _multipliers(found, found.M @ v_dot, equations.length)
+    return Evaluation(v_dot, lam, is_unique, found.rows, found.columns)
+
+
+def _of_linkage(
+    scene: Scene, t: float, q: npt.ArrayLike, v: npt.ArrayLike, more: object
+) -> Matrices:
+    """Return the matrices of a linkage, which has no masses."""
+    if more:
+        raise SolveError(f"{scene.name}: a linkage of nodes has no parameters, and counts no turns")
+    equations = LinkageEquations(scene)
+    rows = equations.at(t, q, v)
+    n = len(equations.columns)
+    return Matrices(
+        scene.name,
+        float(t),
+        C=np.array([row.C for row in rows]),
+        C_q=np.array([row.C_q for row in rows]).reshape(-1, n),
+        nu=np.array([row.nu for row in rows]),
+        gamma=np.array([row.gamma for row in rows]),
+        rows=tuple(row.label for row in rows),
+        columns=equations.columns,
+        units=tuple(row.unit for row in rows),
+        redundant=np.zeros(len(rows), bool),
+        unknown=(),
+        without="a linkage of nodes has no masses",
+        mass=np.zeros((n, n)),
+        force=np.zeros(n),
+    )
+
+
+def _labelled(equations: Equations, numbers: Numbers, state: State) -> Matrices:
+    """Return matrices with the names of rows and columns."""
+    return Matrices(
+        equations.name,
+        state.time,
+        *(numbers.C, numbers.C_q, numbers.nu, numbers.gamma),
+        rows=equations.rows,
+        columns=equations.columns,
+        units=equations.units,
+        redundant=equations.redundant,
+        unknown=equations.unknown,
+        without=equations.lacks,
+        mass=numbers.M,
+        force=numbers.f,
+    )
+
+
+def _accelerations(equations: Equations, solver: DynamicsSolver, state: State) -> Array:
+    """Return v̇ of a solver as the scene is written."""
+    there = solver.at(state.parameters)
+    q, v = solver_state(there.bodies, state.q, state.v, there.unit, (there.q, there.v))
+    first, names = equations.turning(solver)
+    for k, name in enumerate(names, first):
+        q[k] = state.near.get(name, q[k])
+    _require_there(equations, state, written_state(there.bodies, q, v, there.unit))
+    found = there.evaluate(state.time, q, v, state.parameters)
+    tables = body_tables(
+        there.bodies, q[np.newaxis], v[np.newaxis], found["v_dot"][np.newaxis], there.unit
+    )
+    linear, angular = tables["acceleration"], tables.get("angular_acceleration", {})
+    parts = [
+        table[body.name][0]
+        for body in there.bodies
+        for table in (linear, angular)
+        if body.name in table
+    ]
+    return np.concatenate([np.zeros(0), *parts])
+
+
+def _multipliers(
+    found: Matrices, inertia: Array, length: float
+) -> tuple[Array, npt.NDArray[np.bool_]]:
+    """Return the shortest λ with C_qᵀλ = f − M v̇, and which of its elements are unique."""
+    rows = np.array([length if unit == "rad" else 1.0 for unit in found.units])
+    columns = np.array([1 / length if is_turn(name) else 1.0 for name in found.columns])
+    slopes = rows[:, np.newaxis] * found.C_q * columns
+    wanted = columns * (found.f - inertia)
+    left, sizes, right = np.linalg.svd(slopes, full_matrices=False)
+    rank = int((sizes > ZERO * sizes.max(initial=0.0)).sum())
+    lam = left[:, :rank] @ ((right[:rank] @ wanted) / sizes[:rank])
+    size = max(np.abs(columns * x).max(initial=0.0) for x in (found.f, inertia))
+    missing = np.abs(slopes.T @ lam - wanted).max(initial=0.0)
+    if missing > HOLDS * size:
+        raise SolveError(
+            f"{found.name}: at this state the accelerations of the solver leave {missing:.3g} of"
+            f" forces up to {size:.3g}, which no multipliers of its rows balance: joints are open,"
+            " or their velocities do not fit; give a state of a run"
+        )
+    share = 1.0 - (left[:, :rank] ** 2).sum(axis=1)  # of the directions that no force shows
+    return rows * lam, share < TAKES_PART
+
+
+def _require_there(equations: Equations, state: State, there: tuple[Array, Array]) -> None:
+    """Refuse a state that the solver cannot have."""
+    length = equations.length + float(np.abs(state.q).max(initial=0.0))
+    speed = length + float(np.abs(state.v).max(initial=0.0))
+    for given, found, size, starts in (
+        (state.q, there[0], length, equations.starts[0]),
+        (state.v, there[1], speed, equations.starts[1]),
+    ):
+        for body, first, end in zip(equations.bodies, starts, starts[1:], strict=False):
+            own, has = given[first:end], found[first:end]
+            far = np.abs(own - has)
+            if given is state.q:  # p and −p are one orientation
+                far[3:] = np.minimum(far[3:], np.abs(own + has)[3:])
+            if far.max() > HOLDS * size:
+                raise SolveError(
+                    f"{equations.name}: body {body.name!r} is {far.max():.3g} from where the solver"
+                    " can have it: it moves in a plane, or with a body that it is joined to"
+                    " rigidly; give a state of a run"
+                )

@@ -1,0 +1,389 @@
+"""The mechanism: a scene with its solver, which moves."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.text import counted
+from kousoku.runtime.dynamics import DynamicsSolver
+from kousoku.runtime.given import require_options
+from kousoku.runtime.integrate.result import Coordinates
+from kousoku.runtime.run import Interrupted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from typing import Literal, Unpack
+
+    import numpy as np
+    import numpy.typing as npt
+    from matplotlib.figure import Figure
+
+    from kousoku.matrices import Evaluation, Matrices
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.integrate.result import Result
+    from kousoku.runtime.linkage import LinkageSolver
+    from kousoku.runtime.options import RunOptions
+    from kousoku.runtime.run import Run
+    from kousoku.runtime.saved import SavedRun
+
+    Array = npt.NDArray[np.float64]
+    Solver = DynamicsSolver | LinkageSolver
+
+#: What linkages are solved with, and scenes of bodies are not.
+OF_LINKAGES = ("turns", "first_turn", "from_turn", "limit")
+
+
+class Mechanism:
+    """A mechanism: a linkage of nodes or a scene of bodies, with the solver that was made for it.
+
+    :func:`kousoku.load` makes it. It can be copied and pickled, with the sources of its solver.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver or LinkageSolver
+        What computes.
+    text : str
+        The scene as TOML.
+    file : str
+        The file that it was read from, empty where it was none.
+    outputs : sequence of str, optional
+        What is computed; what the scene says unless given.
+    """
+
+    def __init__(
+        self, solver: Solver, text: str, file: str = "", outputs: Sequence[str] | None = None
+    ) -> None:
+        self.solver = solver
+        self.text = text
+        self.file = file
+        self._outputs = outputs
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene: bodies, joints, forces, as they were given."""
+        from kousoku.model.read import scene_from_toml
+
+        return scene_from_toml(self.text, file=self.file)
+
+    @property
+    def name(self) -> str:
+        """The name of the scene."""
+        if isinstance(self.solver, DynamicsSolver):
+            return self.solver.name
+        return self.solver.library.manifest.package
+
+    @property
+    def unit(self) -> str:
+        """The unit of lengths, in which all results are."""
+        return self.scene.unit
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """What is computed beside positions and velocities."""
+        return tuple(self.scene.outputs if self._outputs is None else self._outputs)
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """What a run may change, and its value in the scene."""
+        return dict(self.solver.parameters) if isinstance(self.solver, DynamicsSolver) else {}
+
+    @property
+    def target(self) -> str:
+        """What computes, ``c`` or ``numpy``."""
+        if isinstance(self.solver, DynamicsSolver):
+            return self.solver.target.name
+        return self.solver.target
+
+    @property
+    def files(self) -> dict[str, str]:
+        """The emitted files by name: C and NumPy of its solver, to be read."""
+        solver = self.solver
+        owner = solver.target.sources if isinstance(solver, DynamicsSolver) else solver.library
+        return {name: data.decode() for name, data in owner.files.items()}
+
+    def __repr__(self) -> str:
+        return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        from kousoku.view import still
+
+        return f"{still(self.scene)}<pre>{escape(repr(self))}</pre>"
+
+    def _facts(self) -> list[str]:
+        """Return what a line says of it."""
+        if not isinstance(self.solver, DynamicsSolver):
+            mechanism = self.solver.mechanism
+            counts = {"node": mechanism.nodes, "link": mechanism.links, "input": mechanism.inputs}
+            return [counted(len(every), name) for name, every in counts.items()]
+        solver = self.solver
+        drivers = [name for name in solver.layout.checked if name.startswith("drivers.")]
+        facts = [
+            counted(len(solver.bodies), "body", "bodies"),
+            counted(len(solver.layout.checked) - len(drivers), "joint"),
+        ]
+        if drivers:
+            facts.append(counted(len(drivers), "driver"))
+        degrees = len(solver.v) - len(solver.rows) - len(solver.reduced)
+        facts.append(f"{counted(degrees, 'degree')} of freedom")
+        if solver.left_out:
+            facts.append(counted(len(solver.left_out), "dependent row"))
+        return facts
+
+    def simulate(
+        self,
+        end: float | None = None,
+        *,
+        times: Sequence[float] | Array | None = None,
+        samples: int = 1001,
+        progress: Callable[[float, float], object] | None = None,
+        **options: Unpack[RunOptions],
+    ) -> Result:
+        """Move from time 0 on.
+
+        Bodies are integrated, or where drivers determine the motion, found position by position;
+        a linkage follows its inputs in time.
+
+        Parameters
+        ----------
+        end : float [s], optional
+            The last of ``samples`` times from 0 on; the ``duration`` of the scene unless given.
+        times : sequence of float [s], optional
+            The times to write, ascending, instead.
+        samples : int
+            How many times.
+        progress : callable, optional
+            Called now and then with the time reached and the last time.
+        **options
+            As of :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``parameters``,
+            ``initial`` and others.
+
+        Raises
+        ------
+        MotionError
+            The motion cannot go on; the error has what was computed as ``result``.
+        SolveError
+            An option is not possible, or the start is not.
+        Interrupted
+            The user pressed Ctrl-C; the exception has what was computed.
+        """
+        if end is None and times is None:
+            end = self._duration()
+        when: dict[str, Any] = {"end": end, "times": times, "samples": samples}
+        if isinstance(self.solver, DynamicsSolver):
+            with self._passed_on():
+                return self.result_of(self.solver.simulate(**when, progress=progress, **options))
+        given: dict[str, Any] = {**options}
+        require_options(self.name, given, ("method", "limit"), *when)
+        with self._passed_on():
+            return self.result_of(self.solver.simulate(**when, **given))
+
+    def _duration(self) -> float:
+        duration = getattr(self.scene, "duration", None)
+        if duration is None:
+            raise SolveError(
+                f"{self.name}: simulate wants a last time in seconds, as in simulate(2), or times;"
+                " or give the scene a duration"
+            )
+        return float(duration)
+
+    def solve(
+        self,
+        *,
+        divisions: int | None = None,
+        method: Literal["newton", "paper"] | None = None,
+        turns: int | None = None,
+        first_turn: int | None = None,
+        from_turn: int | None = None,
+        limit: float | None = None,
+        parameters: Mapping[str, float] | None = None,
+    ) -> Result:
+        """Return positions, velocities and accelerations at the divisions of the inputs.
+
+        Parameters
+        ----------
+        divisions : int, optional
+            Steps over the inputs; as in the scene unless given.
+        method : {"newton", "paper"}, optional
+            Of linkages: full Newton, or the iteration of the paper, (27) and (28).
+        turns, first_turn, from_turn : int, optional
+            Of linkages: how many turns to write, the first of them, and where to begin.
+        limit : float, optional
+            Of linkages: largest residual, in the unit of the scene.
+        parameters : mapping of str to float, optional
+            Of scenes of bodies: values of parameters.
+
+        Raises
+        ------
+        MotionError
+            It cannot be moved on; the error has what was computed.
+        SolveError
+            An option is not possible, or no inputs determine the motion.
+        """
+        given = {
+            "divisions": divisions,
+            "method": method,
+            "turns": turns,
+            "first_turn": first_turn,
+            "from_turn": from_turn,
+            "limit": limit,
+        }
+        options = {name: value for name, value in given.items() if value is not None}
+        if not isinstance(self.solver, DynamicsSolver):
+            if parameters:
+                raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
+            with self._passed_on():
+                return self.result_of(self.solver.solve(**options))
+        require_options(self.name, options, ("divisions",), "parameters")
+        times = self._times_of_inputs(divisions)
+        with self._passed_on():
+            return self.result_of(
+                self.solver.simulate(times=times, method="kinematics", parameters=parameters)
+            )
+
+    def _times_of_inputs(self, divisions: int | None) -> list[float]:
+        """Return when the inputs of a scene of bodies take their values."""
+        from math import isfinite
+
+        import msgspec
+
+        from kousoku.model.drivers import times_of
+
+        scene = self.scene
+        if divisions is not None:
+            scene = msgspec.structs.replace(scene, divisions=divisions)
+        times = times_of(scene)
+        if times is None:
+            raise SolveError(
+                f"{self.name}: has no inputs, whose divisions say at which times to solve; where"
+                " drivers are formulas of time, or nothing drives: simulate(end)"
+            )
+        if not all(map(isfinite, times)):
+            raise SolveError(
+                f"{self.name}: inputs.{next(iter(scene.inputs))} never reaches the end of its way:"
+                " its rate and acceleration lead elsewhere"
+            )
+        return times
+
+    def begin(self, times: Sequence[float] | Array, **options: Unpack[RunOptions]) -> Run:
+        """Return a run at time 0 that can be stopped, saved and gone on with.
+
+        Parameters
+        ----------
+        times : sequence of float [s]
+            The times to write, ascending.
+        **options
+            As of :meth:`simulate`.
+
+        Raises
+        ------
+        SolveError
+            An option is not possible, or the start is not.
+        """
+        return self._knowing(self._bodies("a run that goes on").begin(times, **options))
+
+    def resume(self, saved: SavedRun) -> Run:
+        """Return a run that goes on where another one was saved, with the same bits.
+
+        Raises
+        ------
+        SolveError
+            It belongs to another solver, or is no saved run.
+        """
+        return self._knowing(self._bodies("a run that goes on").resume(saved))
+
+    def _knowing(self, run: Run) -> Run:
+        """Return a run whose results know what moved."""
+        run.mechanism = self
+        return run
+
+    def matrices(
+        self,
+        t: float,
+        q: npt.ArrayLike,
+        v: npt.ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        *,
+        angles: Mapping[str, float] | None = None,
+    ) -> Matrices:
+        """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
+
+        ``loop.matrices(*run.state(k), run.parameters)`` has those of a row of a run; without them
+        they are of the parameters of the scene. Turns are in ``angles``.
+        """
+        from kousoku.matrices import matrices
+
+        parameters, angles = self._known(q, parameters, angles)
+        return matrices(self.scene, t, q, v, parameters, angles=angles)
+
+    def evaluate(
+        self,
+        t: float,
+        q: npt.ArrayLike,
+        v: npt.ArrayLike,
+        parameters: Mapping[str, float] | None = None,
+        *,
+        angles: Mapping[str, float] | None = None,
+    ) -> Evaluation:
+        """Return accelerations and multipliers, see :func:`kousoku.matrices.evaluate`."""
+        from kousoku.matrices import evaluate
+
+        solver = self._bodies("accelerations")
+        parameters, angles = self._known(q, parameters, angles)
+        return evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
+
+    def _known(
+        self, q: object, parameters: Mapping[str, float] | None, angles: Mapping[str, float] | None
+    ) -> tuple[Mapping[str, float] | None, Mapping[str, float] | None]:
+        """Return parameters and counted angles: those of the run where a row of one is given."""
+        if not (isinstance(q, Coordinates) and isinstance(self.solver, DynamicsSolver)):
+            return parameters, angles
+        if parameters is None:
+            parameters = q.parameters
+        if angles is None and q.counted is not None:
+            from kousoku.equations import equations_of
+
+            first, names = equations_of(self.scene).turning(self.solver)
+            angles = dict(zip(names, q.counted[first:].tolist(), strict=False))
+        return parameters, angles
+
+    def plot(self, parameters: Mapping[str, float] | None = None) -> Figure:
+        """Draw the mechanism where the scene puts it; needs matplotlib."""
+        from kousoku.view import draw_mechanism
+
+        return draw_mechanism(self.scene, parameters)
+
+    def _bodies(self, what: str) -> DynamicsSolver:
+        """Return the solver of a scene of bodies.
+
+        Raises
+        ------
+        SolveError
+            It is a linkage of nodes.
+        """
+        if isinstance(self.solver, DynamicsSolver):
+            return self.solver
+        raise SolveError(
+            f"{self.name}: {what}: of scenes of bodies; this one is a linkage of nodes, which"
+            " solve() and simulate(end) move"
+        )
+
+    @contextmanager
+    def _passed_on(self) -> Iterator[None]:
+        """Let what was computed until a motion stopped know what moved."""
+        try:
+            yield
+        except (MotionError, Interrupted) as error:
+            self.result_of(error.result)
+            if isinstance(error, Interrupted):
+                self._knowing(error.run)
+            raise
+
+    def result_of(self, result: Any) -> Result:
+        """Return a result that knows what moved."""
+        result.mechanism = self
+        return cast("Result", result)

@@ -1,0 +1,308 @@
+"""The page that shows a motion: its data as JSON, its script and style as they stand beside this.
+
+The page draws on a canvas with two dimensions: faces are sorted by their distance from the viewer
+and filled one after the other. That is some two hundred lines which work in every browser, in a
+frame of a notebook, on a telephone and without a graphics card; WebGL would draw more faces than
+mechanisms have, allows few pictures on one page, and a library for it is twenty times as large as
+the page. What the sorting asks for is done once: long solids are cut into pieces
+(:mod:`kousoku.view.meshes`).
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import html
+import json
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.view.meshes import mesh_of
+from kousoku.view.shapes import DARK, LIGHT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from kousoku.view.picture import Picture
+
+    Array = NDArray[np.float64]
+
+FOLDER = Path(__file__).parent
+LARGEST = 32767
+"""The largest 16-bit integer: a motion is kept in parts of it."""
+FEW = 12
+"""Bodies whose names and axes are drawn from the start, and forces that are named by who asks."""
+FEW_FORCES = 4
+"""Forces that are drawn from the start when nobody names them."""
+METRES = {
+    "m": 1.0,
+    "dm": 0.1,
+    "cm": 0.01,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "km": 1e3,
+    "in": 0.0254,
+    "ft": 0.3048,
+}
+
+
+def page_of(picture: Picture) -> str:
+    """Return the page of a picture: HTML that needs nothing beside itself."""
+    script = "\n" + (FOLDER / "page.js").read_text(encoding="utf-8")
+    style = (FOLDER / "page.css").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    parts = {
+        "POLICY": (
+            f"default-src 'none'; script-src 'sha256-{digest}';"
+            " style-src 'unsafe-inline'; img-src data:"
+        ),
+        "TITLE": html.escape(picture.title),
+        "STYLE": style,
+        "SCENE": safe_json(data_of(picture)),
+        "SCRIPT": script,
+    }
+    text = (FOLDER / "page.html").read_text(encoding="utf-8")
+    pieces = text.split("{{")
+    rest = (piece.split("}}", 1) for piece in pieces[1:])
+    return pieces[0] + "".join(parts[name] + after for name, after in rest)
+
+
+def safe_json(data: Any) -> str:
+    """Return JSON that may stand in a script element: no name in it can end that element."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return text
+
+
+def data_of(picture: Picture) -> dict[str, Any]:
+    """Return what the page draws, ready for JSON."""
+    shapes = picture.shapes
+    small = 1e-5 * shapes.size
+    names = {part.mesh for body in shapes.bodies for part in body.parts}
+    places = [k for k, mark in enumerate(shapes.joints) if mark.name in picture.force]
+    motion, origin, quantum = _motion(picture)
+    forces, force = _forces(picture, [shapes.joints[k].name for k in places])
+    start = float(picture.time[0])
+    steps = len(picture.time) - 1
+    step = float(picture.time[-1] - start) / steps if steps else 0.0
+    return {
+        "name": picture.name,
+        "unit": picture.unit,
+        "flat": picture.normal is not None,
+        "view": [round(angle, 4) for angle in picture.view()],
+        "directions": [_rounded(axis, 1e-6) for axis in picture.directions()],
+        "light": LIGHT,
+        "dark": DARK,
+        "meshes": {name: _mesh(name) for name in sorted(names)},
+        "bodies": [
+            {
+                "name": body.name,
+                "color": body.color,
+                "at": _rounded(body.at, small),
+                "parts": [
+                    [part.mesh, part.color, _rounded(part.matrix.ravel(), small)]
+                    for part in body.parts
+                ],
+            }
+            for body in shapes.bodies
+        ],
+        "joints": [
+            {"name": mark.name, "body": mark.j, "s": _rounded(mark.s_j, small)}
+            for mark in shapes.joints
+        ],
+        "axes": [
+            [axis.body, _rounded(axis.s, small), _rounded(axis.half, small)] for axis in shapes.axes
+        ],
+        "struts": [
+            {
+                "kind": strut.kind,
+                "i": strut.i,
+                "j": strut.j,
+                "a": _rounded(strut.a, small),
+                "b": _rounded(strut.b, small),
+                "color": 1,
+                "width": _number(strut.width, small),
+            }
+            for strut in shapes.struts
+        ],
+        "paths": [
+            {
+                "name": path.name,
+                "body": path.body,
+                "s": _rounded(path.s, small),
+                "color": shapes.bodies[path.body].color,
+            }
+            for path in picture.paths
+        ],
+        "loads": [
+            {
+                "name": shapes.joints[k].name,
+                "body": shapes.joints[k].j,
+                "s": _rounded(shapes.joints[k].s_j, small),
+            }
+            for k in places
+        ],
+        "force": force,
+        "forcesShown": 0 < len(places) <= (FEW if picture.is_chosen else FEW_FORCES),
+        "names": len(shapes.bodies) <= FEW,
+        "time": [start, step, steps + 1],
+        "speed": picture.speed,
+        "origin": origin,
+        "quantum": quantum,
+        "motion": motion,
+        "forces": forces,
+    }
+
+
+def _number(value: float, least: float) -> float | int:
+    """Return a number without the digits below the decimal place of the least that counts."""
+    places = max(0, -int(np.floor(np.log10(least)))) if least > 0.0 else 0
+    found = round(float(value), places) + 0.0
+    return int(found) if found == int(found) else found
+
+
+def _rounded(values: Iterable[float], least: float) -> list[float | int]:
+    return [_number(value, least) for value in values]
+
+
+def _mesh(name: str) -> dict[str, Any]:
+    """Return vertices, faces, and edges and tone of those faces that have some."""
+    mesh = mesh_of(name)
+    pairs = enumerate(zip(mesh.edges, mesh.tones, strict=True))
+    return {
+        "v": [_number(x, 1e-3) for vertex in mesh.vertices for x in vertex],
+        "f": mesh.faces,
+        "e": {k: [e, _number(tone, 1e-2)] for k, (e, tone) in pairs if e or tone},
+    }
+
+
+def _motion(picture: Picture) -> tuple[str, list[float], float]:
+    """Return places and turns of all frames in 16 bits, and what the places are counted from."""
+    position = picture.position
+    if not position.size:
+        return "", [0.0, 0.0, 0.0], 0.0
+    low, high = position.min(axis=(0, 1)), position.max(axis=(0, 1))
+    origin = (low + high) / 2
+    quantum = float((high - low).max() / 2 / LARGEST)
+    whole = np.rint((position - origin) / quantum) if quantum > 0.0 else 0.0 * position
+    turn = np.rint(LARGEST * picture.turn / np.linalg.norm(picture.turn, axis=-1, keepdims=True))
+    return _packed(np.concatenate([whole, turn], axis=-1)), [*map(float, origin)], quantum
+
+
+def _forces(picture: Picture, joints: list[str]) -> tuple[str, dict[str, Any]]:
+    """Return forces of all frames in 16 bits, and how long and large they are.
+
+    An arrow as long as a quarter of the mechanism is a force that nineteen of twenty do not exceed.
+    """
+    values = np.zeros((len(picture.time), 0, 3))
+    if joints:
+        values = np.stack([picture.force[joint] for joint in joints], axis=1)
+    largest = float(np.abs(values).max(initial=0.0))
+    sizes = np.linalg.norm(values, axis=-1)
+    usual = float(np.quantile(sizes, 0.95)) if sizes.size else 0.0
+    metres = METRES[picture.unit]
+    quantum = largest / LARGEST
+    whole = np.rint(values / quantum) if quantum > 0.0 else 0.0 * values
+    return _packed(whole), {
+        "quantum": quantum * metres,
+        "length": 0.25 * picture.shapes.size / (usual or largest or 1.0) / metres,
+        "largest": 1.2 * (usual or largest) * metres,
+        "unit": "N",
+    }
+
+
+def _packed(values: Array) -> str:
+    return base64.b64encode(values.astype("<i2").tobytes()).decode()
+
+
+class Animation:
+    """A page that shows a motion; the last line of a notebook's cell shows it there.
+
+    Parameters
+    ----------
+    picture : Picture
+        What it shows.
+    """
+
+    def __init__(self, picture: Picture) -> None:
+        self._picture = picture
+        self._page: str | None = None
+
+    @property
+    def html(self) -> str:
+        """The page."""
+        if self._page is None:
+            self._page = page_of(self._picture)
+        return self._page
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page to a file ``*.html``, or a picture that moves by itself to ``*.svg``.
+
+        Raises
+        ------
+        SolveError
+            The suffix is another one.
+        """
+        from kousoku.model.errors import SolveError
+
+        place = Path(path)
+        match place.suffix:
+            case ".html":
+                text = self.html
+            case ".svg":
+                from kousoku.view.stills import moving_svg
+
+                text = moving_svg(self._picture)
+            case _:
+                raise SolveError(f"{place}: wanted a file *.html or *.svg")
+        write_text(place, text)
+        return place
+
+    def still(self, time: float | None = None) -> str:
+        """Return a picture of one moment as SVG, made without a browser.
+
+        Parameters
+        ----------
+        time : float, optional [s]
+            The moment; the start unless given.
+        """
+        from kousoku.view.stills import still_svg
+
+        return still_svg(self._picture, time)
+
+    def __repr__(self) -> str:
+        picture = self._picture
+        return (
+            f"<Animation of {picture.name!r}: {picture.time[0]:g} to {picture.time[-1]:g} s,"
+            f" {len(picture.shapes.bodies) - 1} bodies>"
+        )
+
+    def _repr_html_(self) -> str | None:
+        """Return the page in a frame, for a notebook; nothing where only stills are wanted."""
+        if os.environ.get("KOUSOKU_STILLS"):
+            return None
+        return (
+            f'<iframe srcdoc="{html.escape(self.html)}" sandbox="allow-scripts"'
+            ' style="width:100%;height:480px;border:1px solid #8884;border-radius:6px"'
+            f' title="{html.escape(self._picture.title)}"></iframe>'
+        )
+
+    def _repr_svg_(self) -> str | None:
+        """Return a still, for notebooks whose outputs are kept: ``KOUSOKU_STILLS=1``."""
+        return self.still() if os.environ.get("KOUSOKU_STILLS") else None
+
+
+def write_text(path: Path, text: str) -> None:
+    """Write a file at once: who reads it finds the old one or the new one."""
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        part.write_text(text, encoding="utf-8", newline="\n")
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)

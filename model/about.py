@@ -1,0 +1,149 @@
+"""What a solver of bodies tells of its scene beside numbers: notes, and where forces jump."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import dist, hypot
+from typing import TYPE_CHECKING
+
+from kousoku.model import precise
+from kousoku.model.decode import join
+from kousoku.model.design_numbers import with_numbers
+from kousoku.model.formulas import texts_of, used_names
+from kousoku.model.quaternions import quaternion
+from kousoku.model.spatial import GROUND
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.model.scene import Scene
+    from kousoku.model.solids import Box
+    from kousoku.model.spatial import Body, Joint
+
+    Point = tuple[float, float, float]
+
+AWAY = 0.5
+"""A point is away from a body when it is further from it than this part of its size."""
+
+
+@dataclass(frozen=True, slots=True)
+class About:
+    """What is told of a scene.
+
+    Parameters
+    ----------
+    notes : tuple of str
+        What its user may not expect, one line each.
+    duration : float [s], optional
+        How long it moves unless a run says so.
+    jumps : tuple of str
+        Keys of forces that jump where a ``sign`` in their formula changes.
+    """
+
+    notes: tuple[str, ...] = ()
+    duration: float | None = None
+    jumps: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, scene: Scene, notes: Sequence[str] = ()) -> About:
+        """Return what is told of a checked scene of bodies, with further notes."""
+        jumps = tuple(
+            join("forces", name)
+            for name, force in scene.forces.items()
+            if any(used_names(text, ("sign",)) for text in texts_of(force))
+        )
+        return cls((*scene_notes(scene), *notes), scene.duration, jumps)
+
+
+def scene_notes(scene: Scene) -> Iterator[str]:
+    """Yield what is odd in a checked scene of bodies, though it can be solved: lost points.
+
+    A joint is looked at between bodies that are made of solids, and at the ground where its body
+    has a rod: a ball that hangs on the ground by a rod without mass is no mistake.
+    """
+    scene = with_numbers(scene)
+    for name, joint in scene.joints.items():
+        known = [_reach(scene, joint, k) for k in range(2)] if joint.bodies else []
+        found = [reach for reach in known if reach is not None]
+        grounded = GROUND in (joint.bodies or ())
+        wanted = 1 if grounded and any(scene.bodies[body].rods for body, *_ in found) else 2
+        if len(found) == wanted and all(far > AWAY * size for _, far, size in found):
+            body, far, _ = min(found, key=lambda one: one[1])
+            others = f" and {found[0][0] if body != found[0][0] else found[-1][0]}"
+            what = f"{body}{others if len(found) > 1 else ''} {'are' if len(found) > 1 else 'is'}"
+            yield (
+                f"{join('joints', name)} lies {far:.3g} {scene.unit} from all that {what} made of"
+            )
+
+
+def _reach(scene: Scene, joint: Joint, k: int) -> tuple[str, float, float] | None:
+    """Return a body of a joint, how far the joint's point is from its solids, and their size."""
+    name = joint.ends[k]
+    if name == GROUND or (joint.points is None and joint.at is None):
+        return None
+    body = scene.bodies[name]
+    solids = [*_distances(body, _point_of(body, joint, k))]
+    corners = [*_corners(body)]
+    size = max((dist(a, b) for a in corners for b in corners), default=0.0)
+    return (name, min(solids), size) if solids and size else None
+
+
+def _point_of(body: Body, joint: Joint, k: int) -> Point:
+    """Return the point of a joint in the frame of a body."""
+    if joint.points is not None:
+        return joint.points[k]
+    assert joint.at is not None
+    arm = precise.subtract(precise.triple(joint.at), precise.triple(body.position))
+    return _floats(precise.rotate_back(quaternion(body.orientation), arm))
+
+
+def _distances(body: Body, point: Point) -> Iterator[float]:
+    """Yield how far a point in the frame of a body is from each solid of it."""
+    for rod in body.rods:
+        yield _from_segment(point, *rod.ends)
+    for cylinder in body.cylinders:
+        yield max(0.0, _from_segment(point, *cylinder.ends) - cylinder.radius)
+    for box in body.boxes:
+        seen = _in_box(box, point)
+        yield hypot(*(max(0.0, abs(x) - edge / 2) for x, edge in zip(seen, box.size, strict=True)))
+    for sphere in body.spheres:
+        yield max(0.0, dist(point, sphere.at) - sphere.radius)
+    for mass in body.mass_points:
+        yield dist(point, mass.at)
+    if body.mass is not None:
+        yield dist(point, body.center or (0.0, 0.0, 0.0))
+
+
+def _corners(body: Body) -> Iterator[Point]:
+    """Yield points between which a body reaches."""
+    for ends in (*(rod.ends for rod in body.rods), *(one.ends for one in body.cylinders)):
+        yield from ends
+    for box in body.boxes:
+        half = hypot(*box.size) / 2
+        yield from ((box.at[0] + x, box.at[1], box.at[2]) for x in (-half, half))
+    for sphere in body.spheres:
+        x, y, z = sphere.at
+        yield from ((x + r, y, z) for r in (-sphere.radius, sphere.radius))
+    yield from (mass.at for mass in body.mass_points)
+    if body.mass is not None:
+        yield body.center or (0.0, 0.0, 0.0)
+
+
+def _from_segment(point: Point, start: Point, end: Point) -> float:
+    along = [b - a for a, b in zip(start, end, strict=True)]
+    square = sum(x * x for x in along)
+    arm = [x - a for x, a in zip(point, start, strict=True)]
+    part = sum(x * y for x, y in zip(arm, along, strict=True)) / square if square else 0.0
+    part = min(1.0, max(0.0, part))
+    return dist(point, [a + part * x for a, x in zip(start, along, strict=True)])
+
+
+def _in_box(box: Box, point: Point) -> Point:
+    """Return a point in the axes of a box, from its middle."""
+    arm = precise.subtract(precise.triple(point), precise.triple(box.at))
+    return _floats(precise.rotate_back(quaternion(box.orientation), arm))
+
+
+def _floats(values: precise.Triple) -> Point:
+    x, y, z = map(float, values)
+    return x, y, z

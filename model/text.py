@@ -1,0 +1,39 @@
+"""Text for people: tables with aligned columns, counts, lists of names."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+
+def table(
+    columns: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    *,
+    title: str = "",
+    numbers: bool = False,
+) -> str:
+    """Return a table as lines, the same on a terminal and in a pipe; numbers stand to the right."""
+    lines = [columns, *rows]
+    widths = [max(len(line[k]) for line in lines) for k in range(len(columns))]
+    found = [title] if title else []
+    for line in lines:
+        cells = [
+            cell.rjust(width) if numbers else cell.ljust(width)
+            for cell, width in zip(line, widths, strict=True)
+        ]
+        found.append("  ".join(cells).rstrip())
+    return "\n".join(found)
+
+
+def counted(count: int, name: str, plural: str = "") -> str:
+    """Return a count with its noun: ``1 body``, ``2 bodies``."""
+    return f"{count} {name if count == 1 else plural or name + 's'}"
+
+
+def listed(names: Sequence[str], most: int = 6) -> str:
+    """Return names as a line tells them, not more than so many."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

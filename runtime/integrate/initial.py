@@ -1,0 +1,453 @@
+"""Initial values of a run: coordinates and rates that are not those of the scene.
+
+Coordinates are led from the start of the scene by small steps, on the branch on which it is
+assembled. All is asked of ``evaluate``, which compiled solvers and those in NumPy have: rates
+of coordinates are linear in v, so that unit velocities tell their Jacobian J, and ``dv`` projects
+onto the constraints: what it makes of M⁻¹Jᵀ is the least motion that moves the coordinates.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from .body_tables import composed
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+    from typing import TypeAlias
+
+    import numpy.typing as npt
+
+    from .body_tables import BodyPlaces
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+    #: What a scene computes at q and v, time 0, by the names of ``places`` of ``motion.json``.
+    Evaluate: TypeAlias = Callable[[Array, Array], Mapping[str, Array]]
+
+
+#: The largest correction after a step, and the longest step, lengths relative to the scene's.
+CLOSE, LONGEST = 0.02, 0.3
+#: The largest change of direction from step to step, relative; other branches lead elsewhere.
+SMOOTH = 0.5
+#: The shortest step, as a part of the way; what steps that fail and that succeed are changed by:
+#: halves would meet the middle of a way, where a parallelogram may lie flat.
+SHORTEST, SHRINK, GROW = 1e-7, 0.6, 1.7
+#: Corrections on the way, and at its end, that are small enough; how many may grow, and are tried.
+NEAR, ROUNDING, FIRST, MOST = 1e-6, 1e-15, 3, 30
+#: A coordinate depends on others where so little of its motion is its own, squared.
+DEPENDENT = 1e-10
+#: One that is not given stays as in the scene where so much of its motion is its own, squared.
+APART = 1e-4
+#: What values may miss that others determine.
+AGREES = 1e-9
+#: What turns a body back, of Euler parameters.
+BACK = np.array([1.0, -1.0, -1.0, -1.0])
+#: So many freedoms of bodies that no coordinate names are held.
+MOST_HELD = 100
+#: What scenes may lack.
+NOTHING = {"coordinates": (0, 0)}
+
+
+class InitialError(ValueError):
+    """A run cannot start where it is told to."""
+
+
+class Start(NamedTuple):
+    """A scene where it starts.
+
+    Parameters
+    ----------
+    evaluate : callable
+        What :func:`evaluated` returns, with the parameters of the run.
+    q, v : array
+        Where the scene starts, on the constraints.
+    bodies : sequence of BodyPlaces
+        In the order of the scene.
+    coordinates : mapping of str to (int, int, float)
+        Where value and rate of each coordinate stand among the coordinates, and its unit [SI].
+    rows : sequence of (str, str)
+        Joint or driver of each constraint, and its unit, in the order of ``C_dot``.
+    works : sequence of int
+        Places in q that are no positions.
+    length : float [m]
+        A length of the scene.
+    unit : float [m]
+        Its unit of length.
+    """
+
+    evaluate: Evaluate
+    q: Array
+    v: Array
+    bodies: Sequence[BodyPlaces]
+    coordinates: Mapping[str, tuple[int, int, float]]
+    rows: Sequence[tuple[str, str]]
+    works: Sequence[int]
+    length: float
+    unit: float
+
+
+def evaluated(
+    call: Callable[[float, Array, Array, Array, Array], object],
+    parameters: Array,
+    work_size: int,
+    places: Mapping[str, Sequence[int]],
+) -> Evaluate:
+    """Return what a scene computes at time 0.
+
+    Parameters
+    ----------
+    call : callable
+        ``evaluate`` of a solver: time, q, v, parameters, and the memory for work.
+    parameters : array
+        Those of the run.
+    work_size : int
+        How many numbers that memory has.
+    places : mapping of str to (int, int)
+        Where what is computed is in it, and how many numbers.
+    """
+
+    def evaluate(q: Array, v: Array) -> Mapping[str, Array]:
+        work = np.zeros(work_size)
+        call(0.0, np.ascontiguousarray(q), np.ascontiguousarray(v), parameters, work)
+        return {name: work[at : at + n] for name, (at, n) in {**NOTHING, **places}.items()}
+
+    return evaluate
+
+
+class Jacobian(NamedTuple):
+    """What moves the coordinates at some position.
+
+    Parameters
+    ----------
+    J : (n, nv) array
+        Rates of all coordinates per velocity.
+    ways : (n, nv) array
+        Least motion for each coordinate, on the constraints, and before it is brought onto them.
+    free : (n, nv) array
+        The same before they are brought onto them.
+    rows : (rows, nv) array
+        C_q where J is not zero.
+    """
+
+    J: Array
+    ways: Array
+    free: Array
+    rows: Array
+
+
+class Leader:
+    """What leads coordinates of a scene.
+
+    Parameters
+    ----------
+    start : Start
+        Where it starts.
+    """
+
+    def __init__(self, start: Start) -> None:
+        self.start, self.evaluate = start, start.evaluate
+        self.names = [*start.coordinates]
+        table = np.array([*start.coordinates.values()]).reshape(-1, 3).T
+        self.values, self.rates = table[:2].astype(int)
+        self.units = table[2]
+        self.rest = np.zeros(len(start.v))
+        self.sizes = np.ones(len(start.v))
+        self.sizes_q = np.ones(len(start.q))
+        own: dict[tuple[int, ...], None] = {}
+        for body in start.bodies:
+            for places, sizes in ((body.r, self.sizes_q), (body.v, self.sizes)):
+                sizes[indices(places)] = start.length
+            own.setdefault(tuple(indices((*body.v, *body.omega_b))))
+        self.moves = np.ones(len(start.q))
+        self.moves[[*start.works]] = 0.0
+        self.held = np.zeros((0, len(start.q)))
+        self.probe = probe = self.sizes * np.cos(np.arange(len(start.v)))  # no special direction
+        responses = (self._rates(probe * np.isin(np.arange(len(probe)), one)) for one in own)
+        moved = [one for one, rates in zip(own, responses, strict=True) if rates.any()]
+        self.support = sorted({k for one in moved for k in one})
+
+    def _rates(self, v: Array) -> Array:
+        found: Array = self.evaluate(self.start.q, v)["coordinates"][self.rates]
+        return found
+
+    def value(self, q: Array) -> Array:
+        """Return the coordinates at a position, then what is held."""
+        found = self.evaluate(q, self.rest)["coordinates"][self.values]
+        return np.concatenate([found, self.held @ q])
+
+    def jacobian(self, q: Array) -> Jacobian:
+        """Return what moves the coordinates."""
+        still = self.evaluate(q, self.rest)
+        jacobian = np.zeros((len(self.names) + len(self.held), len(self.rest)))
+        rows = np.zeros((len(still["C_dot"]), len(self.rest)))
+        weights = np.ones(len(self.rest))
+        for k in self.support:
+            unit = self.rest.copy()
+            unit[k] = 1.0
+            found = self.evaluate(q, unit)
+            held = self.held @ (found["q_dot"] * self.moves)
+            jacobian[:, k] = np.concatenate([found["coordinates"][self.rates], held])
+            rows[:, k] = found["C_dot"] - still["C_dot"]
+            mass = 2.0 * found["energies"][0]
+            weights[k] = 1.0 / mass if mass > 0.0 else 1.0
+        free = jacobian * weights
+        moves = [way + (self.evaluate(q, way)["dv"] - still["dv"]) for way in free]
+        return Jacobian(jacobian, np.array(moves).reshape(free.shape), free, rows)
+
+    def independent(
+        self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
+    ) -> list[int]:
+        """Return the coordinates that move apart from those before them; given ones come first."""
+        chosen: list[int] = []
+        whole = at.J @ at.ways.T
+        own = np.einsum("kv,kv->k", at.J, at.free)
+        for k in dict.fromkeys((*given, *first, *range(len(self.names)))):
+            rest = whole[k, k]
+            if chosen:
+                among = whole[chosen][:, chosen]
+                rest -= whole[k, chosen] @ np.linalg.solve(among, whole[chosen, k])
+            if rest > (DEPENDENT if k in given else APART) * own[k]:
+                chosen.append(k)
+        return chosen
+
+    def size(self, u: Array) -> float:
+        """Return the largest element of a displacement, lengths relative to the scene's."""
+        return float(np.max(np.abs(u) / self.sizes, initial=0.0))
+
+    def displaced(self, q: Array, u: Array) -> Array:
+        """Return a position that is displaced by a velocity in unit time."""
+        return q + self.moves * self.evaluate(q, u)["q_dot"]
+
+    def met(
+        self, q: Array, ways: Array, chosen: Sequence[int], goal: Array, enough: float
+    ) -> tuple[Array, float]:
+        """Return a position near q that meets constraints and the goal, and what it still misses.
+
+        That is infinite where the first correction is not small.
+        """
+        last = np.inf
+        for attempt in range(MOST):
+            moved = self.evaluate(q, self.rest)["q_moved"]
+            moves = (goal - self.value(moved)[chosen]) @ ways
+            change = float(np.max(np.abs(moved - q) / self.sizes_q, initial=0.0))
+            left = max(change, self.size(moves))
+            if not left <= (CLOSE if attempt < FIRST else last):
+                break
+            q, last = self.displaced(moved, moves), left
+            if left <= enough:
+                break
+        return q, last
+
+    def led(self, q: Array, chosen: Sequence[int], wanted: Array) -> tuple[Array, float]:
+        """Return a position on the way to values of coordinates, and which part of it was made."""
+        if not chosen:
+            return q, 1.0
+        begin = self.value(q)[chosen]
+        way = wanted - begin
+        made, step = 0.0, 1.0
+        ways = self.ways(self.jacobian(q), chosen)
+        while made < 1.0:
+            direction = way @ ways
+            size = self.size(direction)
+            step = min(step, LONGEST / size if size > 0.0 else 1.0)
+            following = min(made + step, 1.0)
+            goal = wanted if following == 1.0 else begin + following * way
+            tried = self.displaced(q, (following - made) * direction)
+            tried, left = self.met(tried, ways, chosen, goal, NEAR)
+            if left <= NEAR:
+                at = self.ways(self.jacobian(tried), chosen)
+                if self.size(way @ at - direction) <= SMOOTH * size:
+                    q, ways, made, step = tried, at, following, GROW * step
+                    continue
+            step *= SHRINK
+            if not step >= SHORTEST:
+                return q, made
+        return q, 1.0
+
+    def ways(self, at: Jacobian, chosen: Sequence[int]) -> Array:
+        """Return the least motions that move one of the coordinates each."""
+        among = at.J[chosen] @ at.ways[chosen].T
+        try:
+            return np.asarray(np.linalg.solve(among.T, at.ways[chosen]), np.float64)
+        except np.linalg.LinAlgError:
+            return np.full((len(chosen), len(self.rest)), np.inf)
+
+    def polished(self, q: Array, chosen: Sequence[int], wanted: Array) -> Array:
+        """Return a position that meets constraints and values of coordinates to rounding."""
+        before = np.inf
+        for _ in range(MOST):
+            q, left = self.met(q, self.ways(self.jacobian(q), chosen), chosen, wanted, ROUNDING)
+            if left <= ROUNDING or not left < 0.5 * before:
+                break
+            before = left
+        return q
+
+    def hold(self, at: Jacobian, chosen: Sequence[int]) -> None:
+        """Hold bodies where coordinates leave them free: first they do not turn, then not move.
+
+        Both are linear in q: where a body is, and 2(p₀*∘p), with p₀ at the start.
+        """
+        pairs = [*zip(at.J[chosen], self.ways(at, chosen), strict=True)]
+        bodies = self.start.bodies
+        columns = {k: (body, n) for body in bodies for n, k in enumerate(body.omega_b)}
+        columns |= {k: (body, n) for body in bodies for n, k in enumerate(body.v)}
+        for k, (body, n) in columns.items():
+            if self.size(self._left(self.probe, pairs)) <= NEAR or len(self.held) == MOST_HELD:
+                break
+            if not isinstance(k, int):
+                continue
+            unit = self.rest.copy()
+            unit[k] = 1.0
+            way = self._left(unit, pairs)
+            if way[k] > APART:
+                pairs.append((unit, way / way[k]))
+                row = np.zeros(len(self.start.q))
+                if k in body.v:
+                    row[indices(body.r[n : n + 1])] = 1.0
+                else:
+                    back = (taken(body.p, self.start.q) * BACK)[:, np.newaxis]
+                    turned = composed(back, np.eye(4))[1 + n]
+                    row[indices(body.p)] = 2.0 * turned[[isinstance(m, int) for m in body.p]]
+                self.held = np.vstack([self.held, row])
+                self.support = sorted({*self.support, *indices((*body.v, *body.omega_b))})
+
+    def _left(self, u: Array, pairs: Sequence[tuple[Array, Array]]) -> Array:
+        """Return what of a displacement at the start opens no joint, and changes nothing else."""
+        still = self.evaluate(self.start.q, self.rest)["dv"]
+        for _ in range(2):
+            u = u + (self.evaluate(self.start.q, u)["dv"] - still)
+            for slopes, way in pairs:
+                u = u - (slopes @ u) * way
+        return u
+
+    def moving(self, q: Array, at: Jacobian, chosen: Sequence[int], wanted: Array) -> Array:
+        """Return the velocities of the scene, projected once; rates of coordinates are wanted."""
+        v, ways = self.start.v, self.ways(at, chosen)
+        for _ in range(2):  # the second time takes away what is rounded in the first
+            v = v + self.evaluate(q, v)["dv"]
+            v = v + (wanted - at.J[chosen] @ v) @ ways
+        return v
+
+    def drivers(self, at: Jacobian, k: int) -> str:
+        """Return the drivers that move a coordinate."""
+        slopes = at.J[k]
+        size = float(np.linalg.norm(slopes))
+        return ", ".join(
+            name
+            for (name, _), row in zip(self.start.rows, at.rows, strict=True)
+            if name.startswith("drivers.")
+            and abs(row @ slopes) >= (1.0 - AGREES) * size * np.linalg.norm(row) > 0.0
+        )
+
+
+def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
+    """Return where a scene starts when some coordinates and rates are given.
+
+    Coordinates that are not given stay as they are in the scene where they do not depend on those
+    that are; rates likewise, at last. What else is free moves as little as it can.
+
+    Parameters
+    ----------
+    start : Start
+        The scene.
+    initial : mapping of str to float
+        Values by the names of coordinates, ``theta``, and rates, ``theta_dot``, in the unit of the
+        scene; angles count turns.
+
+    Returns
+    -------
+    q, v : array
+        On the constraints.
+
+    Raises
+    ------
+    InitialError
+        They cannot be reached, or contradict drivers or each other.
+    """
+    leader, q = Leader(start), start.q
+    known = [*leader.names, *(f"{name}_dot" for name in leader.names)]
+    if strange := [name for name in initial if name not in known]:
+        raise InitialError(f"initial values of {strange}; wanted of {known}")
+    at = leader.jacobian(q)
+    values = {leader.names.index(name): x for name, x in initial.items() if name in leader.names}
+    rates = {
+        leader.names.index(name.removesuffix("_dot")): x
+        for name, x in initial.items()
+        if name not in leader.names
+    }
+    if values:
+        named = leader.independent(at, [*values])
+        leader.hold(at, named)
+        count = len(leader.names)
+        wanted = leader.value(q)
+        wanted[[*values]] = [*values.values()] * leader.units[[*values]]
+        # what is not given is held only where all of it can be
+        tries = (
+            [*named, *range(count, len(wanted))],
+            named,
+            [k for k in named if k in values],
+        )
+        for chosen in tries:
+            q, made = leader.led(start.q, chosen, wanted[chosen])
+            if made == 1.0:
+                break
+        else:
+            raise InitialError(_too_far(leader, q, {k: values[k] for k in chosen}, made))
+        q = leader.polished(q, chosen, wanted[chosen])
+        q[[*start.works]] = start.q[[*start.works]]
+        leader.held = leader.held[:0]
+        at = leader.jacobian(q)
+        _require(leader, at, values, leader.value(q), "")
+    wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
+    wanted[[*rates]] = [*rates.values()] * leader.units[[*rates]]
+    chosen = leader.independent(at, [*rates], [*values])
+    v = leader.moving(q, at, chosen, wanted[chosen])
+    _require(leader, at, rates, start.evaluate(q, v)["coordinates"][leader.rates], "_dot")
+    return q, v
+
+
+def _too_far(leader: Leader, q: Array, values: Mapping[int, float], made: float) -> str:
+    """Say how far coordinates were led."""
+    count = len(leader.names)
+    reached, begun = (leader.value(at)[:count] / leader.units for at in (q, leader.start.q))
+    parts = [
+        f"{leader.names[k]} comes from {begun[k]:.9g} to {reached[k]:.9g} of {wanted:.9g}"
+        for k, wanted in values.items()
+    ]
+    return (
+        f"initial values are not reached: {', '.join(parts)} ({100.0 * made:.3g} % of the way);"
+        " joints or drivers lead no further, as at a dead centre, or rows become dependent there"
+    )
+
+
+def _require(
+    leader: Leader, at: Jacobian, given: Mapping[int, float], found: Array, suffix: str
+) -> None:
+    """Refuse what is not met: drivers determine it, or coordinates depend on each other."""
+    problems = []
+    for k, wanted in given.items():
+        has = found[k] / leader.units[k]
+        if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
+            name = f"{leader.names[k]}{suffix}"
+            drivers = leader.drivers(at, k)
+            why = (
+                f"{drivers} says so at t = 0"
+                if drivers
+                else "it follows from the rest, or it is at a dead centre"
+            )
+            problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
+    if problems:
+        raise InitialError(f"initial values do not fit: {'; '.join(problems)}")
+
+
+def taken(places: Sequence[float], q: Array) -> Array:
+    """Return what stands at places; numbers stand for themselves."""
+    return np.array([q[k] if isinstance(k, int) else k for k in places])
+
+
+def indices(places: Sequence[float]) -> list[int]:
+    """Return the places that are none but numbers."""
+    return [place for place in places if isinstance(place, int)]

@@ -1,0 +1,68 @@
+"""``kousoku animate``: the page it writes, and what it refuses."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import pytest
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.runtime.toolchain import Toolchain
+
+    Run = Callable[..., tuple[int, str, str]]
+
+SCENES = Path(__file__).parents[2] / "scenes"
+LINKAGE = SCENES / "lever_crank.toml"
+BODY = SCENES / "pendulum.toml"
+
+
+def test_a_linkage_needs_no_time(run: Run, tmp_path: Path) -> None:
+    place = tmp_path / "x.html"
+    code, out, err = run("animate", LINKAGE, "--target", "numpy", "--out", place)
+    assert (code, err) == (0, "")
+    size = place.stat().st_size
+    assert out == f"wrote {place}, {size / 1000:.0f} kB\n"
+    assert "Lever crank" in place.read_text(encoding="utf-8")
+
+
+def test_the_page_stands_beside_where_the_command_is_called(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert run("animate", LINKAGE, "--target", "numpy")[0] == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["lever_crank.html"]
+
+
+def test_bodies_move_to_the_end(run: Run, tmp_path: Path, compiler: Toolchain) -> None:
+    assert compiler is not None
+    pages = [tmp_path / name for name in ("one.html", "again.html", "longer.html")]
+    for page, end in zip(pages, ("1", "1", "2"), strict=True):
+        code, _, err = run("animate", BODY, "--end", end, "--path-of", "rod", "--out", page)
+        assert (code, err) == (0, "")
+    texts = [page.read_bytes() for page in pages]
+    assert texts[0] == texts[1] != texts[2]
+
+
+@pytest.mark.usefixtures("compiler")
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ([BODY], "simulate wants a last time in seconds"),
+        ([LINKAGE, "--set", "k=2"], "a linkage has no parameters"),
+        ([LINKAGE, "--out", "x.gif"], "the name must end in .html or .svg"),
+        ([LINKAGE, "--out", "nowhere/x.html"], "no such folder; make it first"),
+        ([LINKAGE, "--target", "numpy", "--speed", "0"], "wanted positive numbers"),
+        ([LINKAGE, "--target", "numpy", "--path-of", "O9"], "no body or joint 'O9': there are"),
+    ],
+)
+def test_what_cannot_be_shown_is_one_line(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("animate", *arguments)
+    assert (code, out) == (2, "")
+    assert message in err and err.count("\n") == 1
+    assert not list(tmp_path.iterdir())
