@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import astuple
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -105,12 +105,11 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
         A name is no identifier, or an operation cannot be printed.
     """
     templates = environment()
-    inputs = inputs_of(package)
-    signature = digest(inputs)
-    view = package_view(package, __version__, signature)
+    promised = promise(package, inputs_of(package))
+    view = package_view(package, __version__, promised.digest)
     files = {name: render(templates, path, view) for name, path in FILES.items()}
     files |= along(*LIBRARIES) | dict(sorted(data.items()))
-    return files | {"manifest.json": manifest(package, inputs, files).to_json()}
+    return with_manifest(files, promised)
 
 
 def render(templates: Environment, path: str, view: PackageView) -> str:
@@ -150,29 +149,44 @@ def hashed(**parts: str) -> Inputs:
     return tuple((name, sha256(text)[:16]) for name, text in parts.items())
 
 
-def digest(inputs: Inputs) -> str:
-    """Return the SHA-256 over the version of kousoku and what a package is made of."""
-    return sha256(repr((__version__, ABI, inputs)))
-
-
 def template(name: str) -> str:
     """Return the name and the text of a template, as digests count them."""
     text, _, _ = _TEMPLATES.get_source(environment(), name)
     return f"\n{name}\n{text}"
 
 
-def manifest(package: Package, inputs: Inputs, files: Mapping[str, str]) -> Manifest:
-    """Return what ``manifest.json`` promises of a folder."""
-    return Manifest(
+def promise(package: Package, inputs: Inputs) -> Manifest:
+    """Return what ``manifest.json`` says of a package before its files are there.
+
+    Parameters
+    ----------
+    package : Package
+        The kernels.
+    inputs : tuple of (str, str)
+        What the text is made of: :func:`hashed`.
+
+    Returns
+    -------
+    Manifest
+        Without files. Its digest goes into the sources, so that they cannot say anything else.
+    """
+    said = Manifest(
         package=package.name,
         title=package.title,
         regenerate=package.regenerate,
         version=__version__,
-        digest=digest(inputs),
+        digest="",
         inputs=inputs,
-        files=tuple((name, sha256(text)) for name, text in files.items()),
+        files=(),
         kernels=tuple(_kernel_manifest(kernel) for kernel in package.kernels),
     )
+    return replace(said, digest=said.stated())
+
+
+def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str]:
+    """Return a folder with its manifest, which lists all other files, at the end."""
+    listed = tuple((name, sha256(text)) for name, text in files.items())
+    return {**files, "manifest.json": replace(promised, files=listed).to_json()}
 
 
 def _kernel_manifest(kernel: Kernel) -> KernelManifest:

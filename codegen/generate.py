@@ -164,7 +164,7 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     OSError
         The folder cannot be written.
     """
-    stale = sorted(set(_listed_files(folder)) - set(tree))
+    stale = _stale_files(folder, tree)
     changed = [name for name, text in tree.items() if _read(folder / name) != text]
     for name in changed:
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
@@ -179,8 +179,7 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 
     Each line says where the file differs, and what it is made of that changed: it was edited by
     hand, or the plain source that it copies, or inputs of the package that manifests know by their
-    digests. Files that Python or an operating system puts beside them (hidden ones,
-    ``__pycache__``) do not count.
+    digests. What is not its own does not count: :func:`foreign_files`.
     """
     differences = []
     cause = causes(folder, tree)
@@ -193,16 +192,25 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
             differences.append(
                 f"{folder / name} differs {_where(found, text)}; {cause(name, found)}"
             )
-    beside = {name.partition("/")[0] for name in tree if "/" in name}
-    extra = [*folder.glob("*"), *(path for part in beside for path in (folder / part).glob("*"))]
-    differences += [
-        f"{path} is not generated any more"
-        for path in sorted(extra)
+    stale = [folder / name for name in _stale_files(folder, tree)]
+    return differences + [f"{path} is not generated any more" for path in stale if path.is_file()]
+
+
+def foreign_files(folder: Path, tree: Mapping[str, str]) -> list[Path]:
+    """Return the files in a folder that the generator did not write, and would never remove.
+
+    Those that Python or an operating system puts there (hidden ones, ``__pycache__``) do not count.
+    """
+    own = {*tree, *_listed_files(folder)}
+    beside = {name.partition("/")[0] for name in own if "/" in name}
+    found = [*folder.glob("*"), *(path for part in beside for path in (folder / part).glob("*"))]
+    return [
+        path
+        for path in sorted(found)
         if path.is_file()
-        and path.relative_to(folder).as_posix() not in tree
+        and path.relative_to(folder).as_posix() not in own
         and not path.name.startswith(".")
     ]
-    return differences
 
 
 #: What is said of an input of a package that changed.
@@ -245,6 +253,11 @@ def _read(path: Path) -> str | None:
         return content(path.name, path.read_bytes()).decode()
     except (FileNotFoundError, ValueError):
         return None
+
+
+def _stale_files(folder: Path, tree: Mapping[str, str]) -> list[str]:
+    """Return what the manifest of a folder lists and is not generated any more."""
+    return sorted(set(_listed_files(folder)) - set(tree))
 
 
 def _listed_files(folder: Path) -> list[str]:

@@ -5,7 +5,15 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.emit import FILES, LIBRARIES, along, digest, environment, inputs_of, manifest
+from kousoku.codegen.emit import (
+    FILES,
+    LIBRARIES,
+    along,
+    environment,
+    inputs_of,
+    promise,
+    with_manifest,
+)
 from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
@@ -46,11 +54,11 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
     """
     templates = environment()
     analysis = along(LIBRARY, *RESULT)
-    inputs = inputs_of(package, solver, analysis)
-    view = package_view(package, __version__, digest(inputs))
+    promised = promise(package, inputs_of(package, solver, analysis))
+    view = package_view(package, __version__, promised.digest)
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()
     }
     files |= along(*LIBRARIES) | analysis | dict(sorted(data.items()))
-    return files | {"manifest.json": manifest(package, inputs, files).to_json()}
+    return with_manifest(files, promised)

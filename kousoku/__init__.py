@@ -32,7 +32,8 @@ if TYPE_CHECKING:
     )
     from kousoku.model.scene import Scene
     from kousoku.runtime.integrate.result import Result
-    from kousoku.runtime.run import Interrupted, Run, SavedRun
+    from kousoku.runtime.run import Interrupted, Run
+    from kousoku.runtime.saved import SavedRun
     from kousoku.saved import open_run
 
 __version__ = "0.1.0"
@@ -59,7 +60,7 @@ _MODULES = {
     "Scene": "model.scene",
     "SceneBuilder": "model.builder",
     "Run": "runtime.run",
-    "SavedRun": "runtime.run",
+    "SavedRun": "runtime.saved",
     "Interrupted": "runtime.run",
     "AssemblyError": "model.errors",
     "CompilerError": "model.errors",

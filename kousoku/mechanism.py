@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     from kousoku.runtime.integrate.result import Result
     from kousoku.runtime.linkage import LinkageSolver
     from kousoku.runtime.options import RunOptions
-    from kousoku.runtime.run import Run, SavedRun
+    from kousoku.runtime.run import Run
+    from kousoku.runtime.saved import SavedRun
 
     Array = npt.NDArray[np.float64]
     Solver = DynamicsSolver | LinkageSolver

@@ -12,6 +12,8 @@ import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
 
+from kousoku.model.cache import write_atomically
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from pathlib import Path
@@ -180,12 +182,14 @@ def draw_linkage(motion: Any, node: str | None = None) -> dict[str, Figure]:
 
 
 def save(figure: Figure, path: Path) -> None:
-    """Write a figure; the suffix of the path chooses the format."""
+    """Write a figure, whole or not at all; the suffix of the path chooses the format."""
     if path.suffix == ".svg":
-        path.write_text(to_svg(figure), encoding="utf-8", newline="\n")
+        write_atomically(path, to_svg(figure).encode())
         return
+    image = io.BytesIO()
     with mpl.rc_context(STYLE):
-        figure.savefig(path)
+        figure.savefig(image, format=path.suffix.removeprefix(".") or None)
+    write_atomically(path, image.getvalue())
 
 
 def to_svg(figure: Figure) -> str:

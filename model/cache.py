@@ -85,6 +85,15 @@ def write_atomically(path: Path, data: bytes) -> None:
     OSError
         The folder cannot be written; nothing is left behind.
     """
+    try:
+        _write(path, data)
+    except OSError as error:
+        if error.errno is not None and error.filename is None:  # as where the disk is full
+            error.filename = str(path)
+        raise
+
+
+def _write(path: Path, data: bytes) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:

@@ -67,7 +67,7 @@ _TOKEN = re.compile(
 _SPACE = re.compile(r"[ \t\r\n]*")
 
 
-def parse_expression(text: str, names: Collection[str]) -> Expression:
+def parse_expression(text: str, names: Collection[str], *, longest: int = LONGEST) -> Expression:
     """Read a formula.
 
     Parameters
@@ -76,14 +76,16 @@ def parse_expression(text: str, names: Collection[str]) -> Expression:
         Such as ``"-20 * (a.angle - pi/4) + 0.1 * sin(2*pi*t)"``.
     names : collection of str
         What it may depend on, such as ``t``; dots are part of a name.
+    longest : int
+        Characters that it may have.
 
     Raises
     ------
     ExpressionError
         The text is no formula, with the column of what is wrong.
     """
-    if len(text) > LONGEST:
-        raise ExpressionError(f"has {len(text)} characters; wanted at most {LONGEST}", column=1)
+    if len(text) > longest:
+        raise ExpressionError(f"has {len(text)} characters; wanted at most {longest}", column=1)
     return _Parser(text, names).formula()
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from kousoku import __version__
@@ -11,7 +11,7 @@ from kousoku.model.errors import LoadError
 from kousoku.model.jsontext import to_text
 from kousoku.model.quantity import Quantity
 
-FORMAT = 1
+FORMAT = 2
 #: What a package and the runtime agree on: functions and records of C, rows, data files. It is
 #: raised when a package of before would not run with the runtime of now, or the other way round.
 ABI = 1
@@ -67,7 +67,8 @@ class Manifest:
     version : str
         Version of kousoku that emitted it.
     digest : str
-        SHA-256 over version and inputs; the compiled library exports it.
+        SHA-256 over all that the manifest says but its files; sources name it, the compiled library
+        exports it.
     inputs : tuple of (str, str)
         What it was made of, ``derivation`` or ``scene``, ``templates``, ``runtime``, and the
         beginning of the SHA-256 of each: ``generate --check`` says which changed.
@@ -86,6 +87,16 @@ class Manifest:
     inputs: tuple[tuple[str, str], ...]
     files: tuple[tuple[str, str], ...]
     kernels: tuple[KernelManifest, ...]
+
+    def stated(self) -> str:
+        """Return the SHA-256 over all that is said but files and digest: what the digest must be.
+
+        Files have digests of their own, and those of a target may be left out.
+        """
+        import hashlib  # noqa: PLC0415 (an import of the runtime alone shall not pay for it)
+
+        said = replace(self, digest="", files=()).to_json()
+        return hashlib.sha256(said.encode()).hexdigest()
 
     def to_json(self) -> str:
         """Return the text of ``manifest.json``; the same manifest gives the same bytes."""

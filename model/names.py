@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import keyword
 import re
+import sys
 
 LONGEST = 31
 """C99 5.2.4.1 promises that many significant characters of an external name."""
@@ -75,4 +76,9 @@ def scene_name_problem(name: str) -> str | None:
     """Return why `name` cannot name a scene, whose solver lives in a folder of that name."""
     if name.lower() in FOLDERS:
         return f"{name!r} cannot be the name of a folder of a solver; choose another name"
+    if name in sys.stdlib_module_names:
+        return (
+            f"{name!r} is a module of Python, which a folder of that name would hide; choose "
+            f"another name, such as '{name}_1'"
+        )
     return name_problem(name)

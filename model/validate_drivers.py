@@ -12,8 +12,8 @@ from kousoku.model.errors import ExpressionError, SceneError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of
+from kousoku.model.kinks import kink_of
 from kousoku.model.problems import Problems
-from kousoku.model.terms import Apply, Function, ordered
 from kousoku.model.validate_coordinates import (
     check_leaves,
     check_place,
@@ -41,9 +41,6 @@ TITLES = {
     "body": "a point on a path, three functions of time",
 }
 """What each sort is, in one line."""
-
-KINKS = (Function.ABS, Function.SIGN, Function.MIN, Function.MAX)
-"""Functions that do not have two derivatives everywhere."""
 
 Driven = tuple[object, ...]
 
@@ -165,13 +162,13 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         law = parse_expression(text_of(value), start)
     except ExpressionError as error:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
-    for part in ordered(law):
-        if isinstance(part, Apply) and part.function in KINKS:
-            raise SceneError(
-                f"{part.function.value} has a kink, where velocities would jump: a driver must "
-                "have two derivatives; wanted a smooth formula",
-                key=key,
-            )
+    kink = kink_of(law, TIME, scene.parameters)
+    if kink is not None:
+        raise SceneError(
+            f"{kink.function.value} has a kink, where velocities or accelerations would jump: a "
+            "driver must have two derivatives; wanted a smooth formula",
+            key=key,
+        )
     starts = []
     for what in ("value", "rate", "acceleration"):
         starts.append(value_of(law, start))

@@ -92,6 +92,12 @@ def _check_inertia(body: Body, key: str) -> None:
             "each positive, and the sum of two at least the third",
             key=key,
         )
+    if 0.0 < largest < 1 / LARGEST:
+        raise SceneError(
+            f"its largest moment is {largest:.6g}; wanted at least {1 / LARGEST:g}, or leave"
+            " the inertia out",
+            key=key,
+        )
 
 
 def _principal_moments(body: Body) -> list[float]:

@@ -17,7 +17,6 @@ from kousoku.runtime.given import (
     require_numbers,
     require_options,
     require_shape,
-    shown,
     times_of,
 )
 from kousoku.runtime.integrate.motion import Layout
@@ -25,8 +24,9 @@ from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
-from kousoku.runtime.run import Run, SavedRun
+from kousoku.runtime.run import Run
 from kousoku.runtime.run_ledger import Moved
+from kousoku.runtime.saved import SavedRun, checked
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -161,7 +161,8 @@ class DynamicsSolver:
         require_callable(self.name, progress)
         if end is None and times is None:
             end = self.layout.duration
-        return self.begin(times_of(self.name, end, times, samples), **options).finish(progress)
+        chosen = times_of(self.name, end, times, samples, self.target.row_size)
+        return self.begin(chosen, **options).finish(progress)
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Return a run at time 0 that can be stopped and go on.
@@ -253,14 +254,10 @@ class DynamicsSolver:
         Raises
         ------
         SolveError
-            It belongs to another solver, or is no saved run.
+            It belongs to another solver, or is no saved run, or was cut, forged or damaged.
         """
-        if not isinstance(saved, SavedRun):
-            raise SolveError(
-                f"{self.name}: a run is resumed from {shown(saved)}; wanted what save() of a run"
-                " returned"
-            )
-        return Run(self, saved.times, saved.options, saved)
+        found = checked(self, saved)
+        return Run(self, found.times, found.options, found)
 
 
 def load_dynamics(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.runtime.dynamics_targets import open_same
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.library import require_digest
 from kousoku.runtime.notice import say_once
 
 if TYPE_CHECKING:
@@ -100,8 +101,14 @@ def load_numpy(sources: Sources, reason: Exception | None = None) -> NumpySolver
         The files of the scene's folder.
     reason : Exception, optional
         Why there is no compiled solver.
+
+    Raises
+    ------
+    LoadError
+        The module is not the manifest's.
     """
     solver: Solver = import_source(sources.folder, sources.files, NUMPY_SOURCE).SOLVER
+    require_digest(sources.folder, sources.manifest, NUMPY_SOURCE, solver.scene.digest)
     is_slow = solver.scene.nq > SLOW
     if reason is not None:
         cost = ", which takes 100 to 200 times as long" if is_slow else ""

@@ -61,6 +61,8 @@ def folder_of(given: object) -> Path:
     """
     if not isinstance(given, str | os.PathLike):
         raise LoadError(f"{shown(given)} is no folder; wanted the path of one")
+    if "\0" in str(given):
+        raise LoadError(f"{shown(given)} is not the name of a folder: it has a null character")
     return Path(given).absolute()
 
 
@@ -115,13 +117,46 @@ def numbers_of(scene: str, name: str, given: object) -> Array:
         raise SolveError(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
 
 
-def times_of(scene: str, end: object, times: object, samples: object) -> Array:
+def require_room(scene: str, rows: int, size: int) -> None:
+    """Refuse more rows than the memory of the machine holds.
+
+    Most systems promise memory that they do not have, and kill whoever uses it.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    rows, size : int
+        How many rows, and numbers in each.
+
+    Raises
+    ------
+    SolveError
+        There is no room for them.
+    """
+    wanted, there = 8 * rows * (size + 1), _memory()
+    if wanted > there:
+        raise SolveError(
+            f"{scene}: no room for {rows} rows of {size} numbers: they take {wanted / 1e9:.3g} GB,"
+            f" the machine has {there / 1e9:.3g} GB; ask for fewer times"
+        )
+
+
+def _memory() -> float:
+    """Return the bytes of memory of the machine; infinity where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):  # as on Windows
+        return float("inf")
+
+
+def times_of(scene: str, end: object, times: object, samples: object, size: int = 0) -> Array:
     """Return the times of a motion: those that are given, or samples from 0 to an end.
 
     Raises
     ------
     SolveError
-        Both are given, or neither; or they are not possible.
+        Both are given, or neither; or they are not possible, or have no room in rows of a size.
     """
     if (end is None) == (times is None):
         raise SolveError(f"{scene}: give either end or times")
@@ -134,6 +169,7 @@ def times_of(scene: str, end: object, times: object, samples: object) -> Array:
                 f"{scene}: end {shown(end)} with {shown(samples)} samples; wanted an end"
                 f" above 0 and 2 to {MOST_ROWS} samples"
             )
+        require_room(scene, count, size)
         return np.linspace(0.0, float(last), count)
     chosen = numbers_of(scene, "times", times)
     is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())

@@ -157,15 +157,39 @@ def read_manifest(folder: Path) -> Manifest:
     Raises
     ------
     LoadError
-        There is none, or it cannot be read.
+        There is none, it cannot be read, or it was edited: its digest, which the sources name too,
+        is over what it says.
     """
     path = folder / MANIFEST
     try:
-        return Manifest.from_json(path.read_text(encoding="utf-8"))
+        text = path.read_bytes().decode()
+        manifest = Manifest.from_json(text)
+        is_as_written = manifest.to_json() == text and manifest.stated() == manifest.digest
     except OSError as error:
         raise LoadError(f"{folder} is not a generated package: {error}") from None
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise LoadError(f"{path} is not a manifest of this version of kousoku: {error!r}") from None
+    if not is_as_written:
+        raise LoadError(
+            f"{path} was edited: its digest is not over what it says\n"
+            f"generate the package again: {manifest.regenerate}"
+        )
+    return manifest
+
+
+def require_digest(folder: Path, manifest: Manifest, name: str, digest: object) -> None:
+    """Refuse a module that was not emitted with the manifest beside it.
+
+    Raises
+    ------
+    LoadError
+        The digest in the module is another one.
+    """
+    if digest != manifest.digest:
+        raise LoadError(
+            f"{folder / name} has the digest {digest}, the manifest beside it {manifest.digest}:"
+            f" they are of two packages\ngenerate the package again: {manifest.regenerate}"
+        )
 
 
 def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
@@ -208,6 +232,7 @@ def _load_numpy(
     if reason is not None:
         say_once(f"kousoku uses the NumPy kernels: {reason}")
     module = import_source(folder, files, NUMPY_SOURCE)
+    require_digest(folder, manifest, NUMPY_SOURCE, getattr(module, "DIGEST", None))
     kernels = {}
     for k in manifest.kernels:
         signature = Signature(f"{manifest.package}.{k.name}", k.inputs, k.outputs)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -12,13 +12,20 @@ import numpy as np
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
-from kousoku.runtime.given import numbers_of, require_callable, require_numbers, require_shape
+from kousoku.runtime.given import (
+    numbers_of,
+    require_callable,
+    require_numbers,
+    require_room,
+    require_shape,
+)
 from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import COMES_OPEN, STAYS_OPEN, Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
+from kousoku.runtime.saved import SavedRun
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -40,7 +47,7 @@ MESSAGES: dict[int, str] = {
     Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
     " others where they were looked at, do not depend on them here",
-    Status.WRONG_STATE: "the state belongs to another solver",
+    Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
 #: What a run that is not over goes on after.
 GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
@@ -53,32 +60,6 @@ NO_FURTHER = (
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
 PULSE = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class SavedRun:
-    """All that a run is, in numbers: it can be pickled, copied, and resumed elsewhere.
-
-    Parameters
-    ----------
-    options : Options
-        How it is made.
-    times : array [s]
-        The times that are asked for.
-    state : array
-        The state of the solver.
-    rows : array
-        The rows that were written.
-    """
-
-    options: Options
-    times: Array
-    state: Array
-    rows: Array
-
-    def __repr__(self) -> str:
-        last = self.times[-1] if len(self.times) else 0.0
-        return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
 
 
 class Interrupted(KeyboardInterrupt):
@@ -105,7 +86,7 @@ class Run:
     options : Options
         How.
     saved : SavedRun, optional
-        Go on from there.
+        Go on from there; what :func:`kousoku.runtime.saved.checked` returned.
     """
 
     #: What moves, where kousoku loaded it; results pass it on.
@@ -134,7 +115,10 @@ class Run:
         if saved is None:
             self._start()
         else:
-            self._check(saved)
+            if target.pivots(self._memory, self._scratch()) == Status.WRONG_STATE:
+                raise SolveError(
+                    f"{solver.name}: {MESSAGES[Status.WRONG_STATE]}, or is not started"
+                )
             self._rows[: len(saved.rows)] = saved.rows
 
     def __repr__(self) -> str:
@@ -197,6 +181,7 @@ class Run:
     def _room(self) -> Array:
         """Return room for all rows."""
         size = self.solver.target.row_size
+        require_room(self.solver.name, len(self.times), size)
         try:
             return np.empty((len(self.times), size))
         except MemoryError:
@@ -234,18 +219,6 @@ class Run:
         if self.solver.design is None:
             return MESSAGES[status]
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"
-
-    def _check(self, saved: SavedRun) -> None:
-        target = self.solver.target
-        sizes = (len(saved.state), *saved.rows.shape[1:])
-        if sizes != (target.state_size, target.row_size):
-            raise SolveError(
-                f"{self.solver.name}: {MESSAGES[Status.WRONG_STATE]}: its size differs"
-            )
-        if target.pivots(self._memory, self._scratch()) == Status.WRONG_STATE:
-            raise SolveError(
-                f"{self.solver.name}: {MESSAGES[Status.WRONG_STATE]}, or is not started"
-            )
 
     def _scratch(self) -> Array:
         return np.zeros(len(self.solver.rows) + 1)

@@ -192,11 +192,12 @@ class Generate(TypedDict):
 
 
 class GenerateCheck(TypedDict):
-    """What ``kousoku generate --check`` found; each difference is a line."""
+    """What ``kousoku generate --check`` found, each in a line; foreign are files of the user."""
 
     format: int
     ok: bool
     differences: list[str]
+    foreign: list[str]
 
 
 class LedgerEntry(TypedDict):

@@ -80,7 +80,7 @@ def generate(
         trees = [_files(order, target) for order in bar.track(orders, description="generate")]
     if check:
         more = [*_leftovers(), *_record_differs(orders, trees)] if is_all else []
-        _report_check(orders, trees, more, as_json)
+        _report_check(orders, trees, more, is_shipped=out is None, as_json=as_json)
         return
     from kousoku.codegen.generate import write_tree
     from kousoku.model.cache import write_atomically
@@ -197,18 +197,32 @@ def _record_differs(orders: Sequence[Order], trees: Sequence[SourceTree]) -> lis
 
 
 def _report_check(
-    orders: Sequence[Order], trees: Sequence[SourceTree], leftovers: list[str], as_json: bool
+    orders: Sequence[Order],
+    trees: Sequence[SourceTree],
+    leftovers: list[str],
+    *,
+    is_shipped: bool,
+    as_json: bool,
 ) -> None:
-    from kousoku.codegen.generate import check_tree
+    """Print how folders differ, and the files in them that are not kousoku's own.
 
-    pairs = zip(orders, trees, strict=True)
+    In a folder of the user's such files may be; in one that kousoku ships they are a difference.
+    """
+    from kousoku.codegen.generate import check_tree, foreign_files
+
+    pairs = list(zip(orders, trees, strict=True))
     differences = [line for order, tree in pairs for line in check_tree(order.folder, tree)]
     differences += leftovers
+    foreign = [str(path) for order, tree in pairs for path in foreign_files(order.folder, tree)]
+    if is_shipped:
+        differences += [f"{path} is not kousoku's own: move it elsewhere" for path in foreign]
     if as_json:
-        print_json({"ok": not differences, "differences": differences})
+        print_json({"ok": not differences, "differences": differences, "foreign": foreign})
     else:
         for line in differences:
             typer.echo(line, err=True)
+        for path in () if is_shipped else foreign:
+            typer.echo(f"{path} is not kousoku's own: it is left alone", err=True)
         typer.echo(f"{len(orders)} packages, {len(differences)} files differ")
     if differences:
         raise typer.Exit(DISAGREEMENT)

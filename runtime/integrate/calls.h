@@ -48,6 +48,16 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     return GOOD;
 }
 
+/* whether a state is one that a run goes on from: none that was cut, forged or damaged */
+static int is_sound(const State *s, size_t n_times)
+{
+    if (!(s->next_row >= 0.0 && s->next_row <= (double)n_times)) return 0;
+    if (s->next_row != floor(s->next_row)) return 0;
+    if (!(isfinite(s->time_before) && s->time_before <= s->time && isfinite(s->time))) return 0;
+    return isfinite(s->step_size) && are_finite(s->y, NY) && are_finite(s->low, NY) &&
+           are_finite(s->f, NY) && are_finite(s->parameters, N_PARAMETERS);
+}
+
 /* whether a run may be made so, and goes on with the method that it began with */
 static int are_possible(const Settings *settings, const State *s)
 {
@@ -94,7 +104,7 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
     State *s = (State *)state;
     Work *work = (Work *)workspace;
     *n_rows = 0;
-    if (!(s->key == KEY)) return WRONG_STATE;
+    if (!(s->key == KEY) || !is_sound(s, n_times)) return WRONG_STATE;
     if (!are_possible(settings, s)) return BAD_ARGUMENT;
     prepare(s->parameters, work->w);
     const Method *m = methods + settings->method % METHODS;

@@ -77,7 +77,17 @@ def test_the_command_in_the_head_of_a_shipped_scene_works(run: Run, tmp_path: Pa
     assert (tmp_path / "lever_crank" / "kernels.h").read_text("utf-8") == head
 
 
-def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: Path) -> None:
+def test_check_names_a_file_that_is_not_its_own(run: Run, tmp_path: Path) -> None:
+    run("generate", "n1", "--out", tmp_path)
+    mine = tmp_path / "n1" / "mine.txt"
+    mine.write_text("mine", encoding="utf-8")
+    code, _, err = run("generate", "n1", "--out", tmp_path, "--check")
+    assert (code, err) == (0, f"{mine} is not kousoku's own: it is left alone\n")
+    answer = json.loads(run("generate", "n1", "--out", tmp_path, "--check", "--json")[1])
+    assert answer == {"format": 1, "ok": True, "differences": [], "foreign": [str(mine)]}
+
+
+def test_check_finds_an_edited_and_a_missing_file(run: Run, tmp_path: Path) -> None:
     check = ("generate", "n1", "--out", tmp_path, "--check")
     run("generate", "n1", "--out", tmp_path)
     assert run(*check)[0] == 0
@@ -85,10 +95,9 @@ def test_check_finds_an_edited_a_missing_and_an_extra_file(run: Run, tmp_path: P
     text = formulas.read_text(encoding="utf-8")
     formulas.write_text(text.replace("+", "-", 1), encoding="utf-8")
     (tmp_path / "n1" / "kernels.h").unlink()
-    (tmp_path / "n1" / "old.c").write_text("", encoding="utf-8")
     code, _, err = run(*check)
     assert code == 1
-    for name in ("expressions.h", "kernels.h", "old.c"):
+    for name in ("expressions.h", "kernels.h"):
         assert name in err
     assert not json.loads(run(*check, "--json")[1])["ok"]
     assert not (tmp_path / "n1" / "kernels.h").exists()

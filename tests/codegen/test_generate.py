@@ -9,7 +9,13 @@ from pathlib import Path
 import pytest
 
 from kousoku.codegen.emit import sha256
-from kousoku.codegen.generate import check_tree, generate_kind, package_names, write_tree
+from kousoku.codegen.generate import (
+    check_tree,
+    foreign_files,
+    generate_kind,
+    package_names,
+    write_tree,
+)
 from kousoku.codegen.store import parse
 from kousoku.model.errors import DerivationError
 from kousoku.model.manifest import Manifest
@@ -86,10 +92,26 @@ def test_differences_name_the_file_and_the_line(tmp_path: Path) -> None:
     (tmp_path / "a.c").write_bytes(b"one\nTWO\n")
     (tmp_path / "b.py").unlink()
     (tmp_path / "c.txt").write_text("mine")
-    differs, missing, extra = check_tree(tmp_path, tree)
+    differs, missing = check_tree(tmp_path, tree)
     assert differs.endswith(f"a.c differs from line 2 on: 'TWO' instead of 'two'; {EDITED}")
     assert missing.endswith("b.py is missing")
-    assert extra.endswith("c.txt is not generated any more")
+    assert foreign_files(tmp_path, tree) == [tmp_path / "c.txt"]
+
+
+def test_what_an_older_version_wrote_is_a_difference_and_a_users_file_is_not(
+    tmp_path: Path,
+) -> None:
+    """The one is removed by generating again, the other never: a check would fail for ever."""
+    write_tree(tmp_path, tree_with(a_c="one\n", b_py="two\n"))
+    (tmp_path / "mine.txt").write_text("mine")
+    tree = tree_with(a_c="one\n")
+    manifest, stale = check_tree(tmp_path, tree)
+    assert "manifest.json differs" in manifest
+    assert stale.endswith("b.py is not generated any more")
+    assert foreign_files(tmp_path, tree) == [tmp_path / "mine.txt"]
+    write_tree(tmp_path, tree)
+    assert check_tree(tmp_path, tree) == []
+    assert foreign_files(tmp_path, tree) == [tmp_path / "mine.txt"]
 
 
 @pytest.fixture

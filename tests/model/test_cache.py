@@ -1,5 +1,6 @@
 """The cache folder of each platform, and files that are written whole or not at all."""
 
+import errno
 import os
 import sys
 from pathlib import Path
@@ -82,6 +83,20 @@ def test_a_write_that_fails_keeps_the_old_file(
 
 
 @pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")
+def test_disk_that_is_full_is_told_with_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The system names no file where a write fails, only where a file is opened."""
+
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fdopen", full)
+    with pytest.raises(OSError, match="No space left on device") as raised:
+        write_atomically(tmp_path / "a.txt", b"new")
+    assert raised.value.filename == str(tmp_path / "a.txt")
+
+
 def test_a_file_has_the_rights_of_an_ordinary_file(tmp_path: Path) -> None:
     path = tmp_path / "file.txt"
     write_atomically(path, b"data")

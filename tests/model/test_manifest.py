@@ -1,9 +1,11 @@
 """A manifest survives its own text."""
 
+from dataclasses import replace
+
 import pytest
 
 from kousoku.model.errors import LoadError
-from kousoku.model.manifest import ABI, KernelManifest, Manifest
+from kousoku.model.manifest import ABI, FORMAT, KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
 
 
@@ -39,8 +41,23 @@ def test_manifest_reads_back_equal(manifest: Manifest) -> None:
 
 
 def test_another_format_is_refused(manifest: Manifest) -> None:
+    text = manifest.to_json().replace(f'"format": {FORMAT}', '"format": 99')
     with pytest.raises(ValueError, match="format"):
-        Manifest.from_json(manifest.to_json().replace('"format": 1', '"format": 99'))
+        Manifest.from_json(text)
+
+
+def test_digest_is_over_all_that_is_said_but_the_files(manifest: Manifest) -> None:
+    """Files have digests of their own, and ``generate --target c`` leaves some out."""
+    known = manifest.stated()
+    assert replace(manifest, digest=known, files=()).stated() == known
+    (kernel,) = manifest.kernels
+    (jacobian,) = kernel.outputs
+    turned = replace(kernel, outputs=(replace(jacobian, meaning="Jacobian, transposed"),))
+    others = [
+        replace(manifest, inputs=(("derivation", "4" * 16),)),
+        replace(manifest, kernels=(turned,)),
+    ]
+    assert known not in {other.stated() for other in others}
 
 
 @pytest.mark.parametrize(("there", "shown"), [('"abi": 99, ', "ABI 99"), ("", "ABI 0")])

@@ -136,6 +136,7 @@ def test_what_rounding_leaves_off_the_diagonal_turns_no_axis() -> None:
     ("key", "says", "keys"),
     [
         ("inertia", "no body has these moments", {"inertia": {"xx": 1, "yy": 1, "zz": 3}}),
+        ("inertia", "is 1e-310; wanted", {"inertia": {"xx": 1e-310, "yy": 1e-310, "zz": 1e-310}}),
         ("inertia", "are -1, 1, 1", {"inertia": {"xx": -1, "yy": 1, "zz": 1}}),
         ("inertia", "are -1, 1, 3", {"inertia": {"xx": 1, "yy": 1, "zz": 1, "xy": 2}}),
         (

@@ -49,6 +49,13 @@ def test_names_are_as_long_as_c_promises_to_tell_apart() -> None:
     assert len(problem) < 200
 
 
+@pytest.mark.parametrize("name", ["typing", "queue", "math"])
+def test_scene_cannot_hide_a_module_of_python(name: str) -> None:
+    """Its folder would be found first by whoever starts Python beside it."""
+    assert "is a module of Python" in (scene_name_problem(name) or "")
+    assert name_problem(name) is None
+
+
 @pytest.mark.parametrize("name", ["kinds", "numpy", "con", "NUL", "com1"])
 def test_a_scene_is_not_named_as_a_folder_that_cannot_be(name: str) -> None:
     assert name_problem(name) is None

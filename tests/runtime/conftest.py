@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 _PLAN_TYPE = plan.plan_type
 TINY = Path(__file__).parent / "tiny"
-DIGEST = "3f9a" * 16
 SPHERE = KernelManifest(
     name="sphere",
     title="squared distance",
@@ -38,6 +38,8 @@ SPHERE = KernelManifest(
 )
 
 
+SAID = Manifest("tiny", "Tiny", "kousoku generate tiny", "0", "", (), (), (SPHERE,))
+DIGEST = SAID.stated()
 POINTS: dict[str, list[float]] = {
     "ordinary": [0.1, -1.7, 0.3, 2.3],
     "small": [1e-160, 1e-170, 3.0, 1e-120],
@@ -98,23 +100,22 @@ def write_tiny(
     folder: Path,
     *,
     edit: Callable[[str, str], str] = lambda name, text: text,
-    digest: str = DIGEST,
+    said: Manifest = SAID,
 ) -> Path:
     """Write the package as the generator would; ``edit`` changes a file before it is listed."""
+    said = replace(said, digest=said.stated())
     folder.mkdir(parents=True, exist_ok=True)
     files = []
     texts = {p.name: p.read_text(encoding="utf-8") for p in sorted(TINY.glob("kernels*"))}
     for name, text in texts.items():
-        data = edit(name, text.replace("DIGEST", digest)).encode()
+        data = edit(name, text.replace("=DIGEST=", said.digest)).encode()
         (folder / name).write_bytes(data)
         files.append((name, sha256(data)))
     numbers = json.dumps(reference())
     (folder / REFERENCE_FILE).write_bytes(stored(REFERENCE_FILE, numbers))
     files.append((REFERENCE_FILE, sha256(numbers.encode())))
-    manifest = Manifest(
-        "tiny", "Tiny", "kousoku generate tiny", "0", digest, (), tuple(files), (SPHERE,)
-    )
-    (folder / "manifest.json").write_text(manifest.to_json(), encoding="utf-8")
+    text = replace(said, files=tuple(files)).to_json()
+    (folder / "manifest.json").write_text(text, encoding="utf-8")
     return folder
 
 

@@ -11,9 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.errors import SolveError
 from kousoku.model.families import chain, n_four_bar
+from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.run import Interrupted
 
@@ -23,10 +25,30 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.run import Run
+    from kousoku.runtime.saved import SavedRun
 
 ALL = ("accelerations", "reactions", "energies")
 TIMES = np.sort(np.append(np.linspace(0.0, 0.6, 25), [0.0, 0.31, 0.3100001]))
 Load = Any
+SPRING = """
+name = "spring"
+unit = "m"
+parameters = { k = 3 }
+[bodies.bob]
+position = [2, 0, 0]
+mass = 1
+point = true
+[forces.pull]
+type = "force"
+body = "bob"
+force = ["-k*t", 0, 0]
+"""
+#: Numbers of a state that no run leaves in it.
+DAMAGE = (
+    *(("key", 1.0), ("next_row", np.nan), ("next_row", -1.0), ("next_row", 0.5)),
+    *(("next_row", 1e300), ("time", np.nan), ("time_before", 7.0), ("step_size", np.inf)),
+    *(("y", np.nan), ("low", np.inf), ("f", np.nan)),
+)
 
 
 @pytest.fixture
@@ -106,20 +128,95 @@ def test_state_of_another_solver_is_refused(load: Load) -> None:
         load(chain(2)).resume(empty)
 
 
-def test_state_that_was_damaged_is_not_run(load: Load) -> None:
-    run = load(chain(2)).begin(TIMES)
-    run.state[0] += 1.0
-    assert run.advance() == Status.WRONG_STATE
-    assert run.written == 0
+def changed(solver: DynamicsSolver, saved: SavedRun, name: str, value: float) -> SavedRun:
+    """Return a saved run with another number in its state."""
+    state = saved.state.copy()
+    solver.state[name].view(state).flat[-1] = value
+    return replace(saved, state=state)
 
 
-def test_method_cannot_change_on_the_way(load: Load) -> None:
+@pytest.mark.parametrize(
+    ("damage", "words"),
+    [
+        (lambda s: replace(s, rows=s.rows[:2]), "it has 2 rows, 5 are written"),
+        (lambda s: replace(s, rows=s.rows[:, :3]), "their shape is .*, wanted"),
+        (lambda s: replace(s, rows=s.rows[0]), "the rows belong to another solver"),
+        (lambda s: replace(s, rows=None), "the rows belong to another solver"),
+        (lambda s: replace(s, rows=s.rows[::-1]), "its rows are of other times"),
+        (lambda s: replace(s, rows=s.rows * np.nan), "its rows are of other times"),
+        (lambda s: replace(s, state=s.state[:-1]), "its size differs"),
+        (lambda s: replace(s, state=s.state.reshape(1, -1)), "its size differs"),
+        (lambda s: replace(s, state="abc"), "state 'abc'; wanted a row of numbers"),
+        (lambda s: replace(s, times=s.times[::-1]), "times must ascend"),
+        (lambda s: replace(s, times=s.times[:3]), "5 rows are written, 3 times are asked for"),
+        (lambda s: replace(s, times=s.times * 1.5), "its rows are of other times"),
+        (lambda s: replace(s, options=None), "options None; wanted those of a saved run"),
+        (lambda s: replace(s, options=replace(s.options, tolerance=np.nan)), "tolerance nan"),
+        (lambda s: replace(s, options=replace(s.options, parameters=3)), "parameters 3"),
+        (lambda s: replace(s, options=replace(s.options, initial=3)), "initial 3"),
+        (lambda s: replace(s, options=replace(s.options, method="dopri5")), "method 'dopri5'"),
+    ],
+)
+def test_saved_run_that_does_not_fit_itself_is_refused(
+    load: Load, damage: Callable[[SavedRun], SavedRun], words: str
+) -> None:
     solver = load(chain(2))
-    run = solver.begin(TIMES, method="dopri5")
-    run.advance(2)
-    saved = run.save()
-    with pytest.raises(MotionError, match="out of range"):
-        solver.resume(replace(saved, options=replace(saved.options, method="dop853"))).finish()
+    run = solver.begin(TIMES)
+    run.advance(2, 5)
+    with pytest.raises(SolveError, match=words) as raised:
+        solver.resume(damage(run.save()))
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "words"),
+    [
+        ("next_row", 4.0, "it has 5 rows, 4 are written"),
+        ("next_row", 1e9, "1000000000 rows are written, 28 times are asked for"),
+        ("next_row", -1.0, "next_row in the state is -1.0; wanted a count"),
+        ("next_row", 4.5, "next_row in the state is 4.5; wanted a count"),
+        ("steps", np.nan, "steps in the state is nan; wanted a count"),
+        ("time", np.inf, "time in the state is not finite"),
+        ("time", 0.01, "back to 0.01 s|only 0.01 s is reached"),
+        ("time_before", 0.59, "leads from t = 0.59 s back"),
+        ("y", np.nan, "y in the state is not finite"),
+        ("f", np.inf, "f in the state is not finite"),
+        ("dense", np.nan, "dense in the state is not finite"),
+    ],
+)
+def test_saved_state_that_was_forged_is_refused(
+    load: Load, name: str, value: float, words: str
+) -> None:
+    solver = load(chain(2))
+    run = solver.begin(TIMES)
+    run.advance(2, 5)
+    with pytest.raises(SolveError, match=words):
+        solver.resume(changed(solver, run.save(), name, value))
+
+
+def test_parameters_of_options_and_state_must_agree(load: Load) -> None:
+    solver = load(scene_from_toml(SPRING))
+    saved = solver.begin(TIMES, parameters={"k": 2.0}).save()
+    assert solver.resume(saved).finish().is_complete
+    forged = replace(saved, options=replace(saved.options, parameters=(("k", 3.0),)))
+    with pytest.raises(SolveError, match="other parameters than its state"):
+        solver.resume(forged)
+
+
+@pytest.mark.usefixtures("numpy_solver", "compiler")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_state_that_was_damaged_is_not_run(bodies_folder: Callable[..., Path], target: Any) -> None:
+    solver = load_dynamics(bodies_folder(chain(2), ALL), target=target)
+    run = solver.begin(TIMES)
+    rows = np.full((len(TIMES), solver.target.row_size), 7.0)
+    for name, value in DAMAGE:
+        memory = Memory(run.state.copy(), run._memory.work)
+        solver.state[name].view(memory.state).flat[-1] = value
+        before = memory.state.copy()
+        go = solver.target.runner(run.options.settings(), TIMES, memory)
+        assert go(9, rows) == Status.WRONG_STATE, name
+        np.testing.assert_array_equal(memory.state, before)
+    assert (rows == 7.0).all()
 
 
 @pytest.mark.usefixtures("interrupts")

@@ -8,12 +8,14 @@ import logging
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import pytest
 
 from kousoku.model.errors import CacheError, CompilerError, LoadError, NoCompilerError
+from kousoku.model.manifest import Manifest
 from kousoku.runtime import load
 from kousoku.runtime.toolchain import EXTENSION
 from tests.runtime.conftest import DIGEST, write_tiny
@@ -133,7 +135,7 @@ def test_all_edited_and_missing_files_are_named(tiny: Path) -> None:
 
 @pytest.mark.parametrize(
     "text",
-    ["", "{", "[]", "null", '{"format": 99}', '{"format": 1}', '{"format": 1, "kernels": 3}'],
+    ["", "{", "[]", "null", '{"format": 99}', '{"format": 2}', '{"format": 2, "kernels": 3}'],
 )
 def test_what_is_no_manifest_is_refused(tiny: Path, text: str) -> None:
     (tiny / "manifest.json").write_text(text, encoding="utf-8")
@@ -144,6 +146,39 @@ def test_what_is_no_manifest_is_refused(tiny: Path, text: str) -> None:
 def test_what_is_no_package_is_refused(tmp_path: Path) -> None:
     with pytest.raises(LoadError, match="nowhere is not a generated package"):
         load(tmp_path / "nowhere")
+
+
+def test_every_edit_of_a_manifest_is_caught(tiny: Path) -> None:
+    """What it says is under its digest, what it lists under theirs; blanks that say nothing too."""
+    path = tiny / "manifest.json"
+    text = path.read_text(encoding="utf-8")
+    for k, old in enumerate(text):
+        for new in ("", chr(ord(old) ^ 1)):
+            path.write_bytes((text[:k] + new + text[k + 1 :]).encode())
+            with pytest.raises(LoadError):
+                load(tiny, target="numpy")
+
+
+def test_edited_manifest_is_named_with_the_command_that_makes_it_again(tiny: Path) -> None:
+    path = tiny / "manifest.json"
+    text = path.read_text(encoding="utf-8")
+    path.write_text(text.replace('"unit":"m2"', '"unit":"mm"'), encoding="utf-8")
+    with pytest.raises(LoadError) as raised:
+        load(tiny)
+    assert str(raised.value) == (
+        f"{path} was edited: its digest is not over what it says\n"
+        "generate the package again: kousoku generate tiny"
+    )
+
+
+def test_manifest_of_another_package_does_not_fit_the_sources(tiny: Path) -> None:
+    """One whose own digest is right is still not what the module was emitted with."""
+    path = tiny / "manifest.json"
+    manifest = replace(Manifest.from_json(path.read_text(encoding="utf-8")), title="Other")
+    other = replace(manifest, digest=manifest.stated())
+    path.write_text(other.to_json(), encoding="utf-8")
+    with pytest.raises(LoadError, match=f"has the digest {DIGEST}, the manifest beside it"):
+        load(tiny, target="numpy")
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.families import chain
-from kousoku.runtime import linkage, load, verify
+from kousoku.runtime import given, linkage, load, verify
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.kinematics.rows import request
 from kousoku.runtime.linkage import load_scene
@@ -54,6 +54,18 @@ def test_what_is_no_number_is_refused_by_name(
     solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
     with pytest.raises(SolveError, match=message):
         solver.simulate(**options)
+
+
+def test_more_rows_than_the_machine_holds_are_refused_before_they_are_made(
+    bodies_folder: Callable[..., Path], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A system promises memory that it does not have, and kills whoever uses it."""
+    monkeypatch.setattr(given, "_memory", lambda: 1e9)
+    solver = load_dynamics(bodies_folder(chain(2), ()), target="numpy")
+    with pytest.raises(SolveError, match=r"no room for 1000000000 rows of .* machine has 1 GB"):
+        solver.simulate(1.0, samples=10**9)
+    with pytest.raises(SolveError, match=r"no room for 8000000 rows of .*; ask for fewer times"):
+        solver.begin(np.zeros(8_000_000))
 
 
 @pytest.mark.usefixtures("numpy_solver")
@@ -102,6 +114,10 @@ def test_other_calls_say_what_they_want(bodies_folder: Callable[..., Path]) -> N
         solver.begin([0.0, 0.01]).finish(wrong)
     with pytest.raises(SolveError, match="3 is no name of a file"):
         solver.simulate(0.01, samples=2).save(wrong)
+    with pytest.raises(SolveError, match="not the name of a file: it has a null character"):
+        solver.simulate(0.01, samples=2).save("a\0.csv")
+    with pytest.raises(LoadError, match="not the name of a folder: it has a null character"):
+        load_dynamics("a\0b")
     with pytest.raises(SolveError, match="time 'now'; wanted a number"):
         solver.evaluate(text)
     with pytest.raises(SolveError, match=r"q .*; wanted a row of numbers"):

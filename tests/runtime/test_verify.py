@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -13,11 +13,12 @@ import pytest
 from kousoku.codegen import emit as emission
 from kousoku.codegen.generate import generate_kind, write_tree
 from kousoku.model.errors import VerifyError
+from kousoku.model.manifest import Manifest
 from kousoku.runtime import evaluate as evaluation
 from kousoku.runtime import load, verify
 from kousoku.runtime.library import read_files
 from kousoku.runtime.reference import read_references
-from tests.runtime.conftest import write_tiny
+from tests.runtime.conftest import SAID, write_tiny
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -176,7 +177,8 @@ def test_a_truncated_library_is_named_once_and_built_again(tiny: Path) -> None:
 @pytest.mark.usefixtures("compiler", "cache")
 def test_a_foreign_library_is_named(tiny: Path, tmp_path: Path) -> None:
     place = load(tiny).path
-    foreign = load(write_tiny(tmp_path / "b", digest="0" * 64)).path
+    other = replace(SAID, inputs=(("derivation", "0" * 16),))
+    foreign = load(write_tiny(tmp_path / "b", said=other)).path
     assert place is not None
     assert foreign is not None
     shutil.rmtree(place.parent)
@@ -184,7 +186,8 @@ def test_a_foreign_library_is_named(tiny: Path, tmp_path: Path) -> None:
     report = verify(tiny)
     assert not report.ok
     assert (
-        "is not the library of the package 'tiny': it exports the digest 000" in report.problems[0]
+        f"is not the library of the package 'tiny': it exports the digest {other.stated()}"
+        in report.problems[0]
     )
     assert ways(report) == {"NumPy", "NumPy batch"}
 
@@ -212,9 +215,9 @@ def test_the_compilers_refusal_is_shown_whole(
 
 def test_a_package_without_reference_values_is_not_verified(tiny: Path) -> None:
     manifest = tiny / "manifest.json"
-    data = json.loads(manifest.read_text(encoding="utf-8"))
-    data["files"] = [entry for entry in data["files"] if entry[0] != "reference.json.gz"]
-    manifest.write_text(json.dumps(data), encoding="utf-8")
+    found = Manifest.from_json(manifest.read_text(encoding="utf-8"))
+    files = tuple(entry for entry in found.files if entry[0] != "reference.json.gz")
+    manifest.write_text(replace(found, files=files).to_json(), encoding="utf-8")
     report = verify(tiny)
     assert not report.ok
     assert "lists no reference.json.gz: nothing to verify" in report.problems[0]

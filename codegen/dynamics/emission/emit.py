@@ -10,7 +10,7 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
-from kousoku.codegen.emit import along, digest, environment, hashed, manifest, template
+from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
 from kousoku.runtime.integrate.methods import METHODS
@@ -72,26 +72,26 @@ def emit_dynamics(
         templates="".join(map(template, PARTS)),
         runtime=repr(integrator),
     )
-    signature = digest(inputs)
+    package = Package(
+        system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()
+    )
+    promised = promise(package, inputs)
     given = {
         "view": view,
         "python": numpy_view(program, system, length, parts),
         "methods": tuple(map(method_text, METHODS)),
         "version": __version__,
-        "digest": signature,
-        "key": key_of(signature),
+        "digest": promised.digest,
+        "key": key_of(promised.digest),
     }
     templates = environment()
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
     files |= integrator
     files[MOTION_FILE] = to_text(motion_data(program, system, parts, view.state, about))
     files |= more or {}
-    package = Package(
-        system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()
-    )
-    return files | {"manifest.json": manifest(package, inputs, files).to_json()}
+    return with_manifest(files, promised)
 
 
-def key_of(signature: str) -> str:
+def key_of(digest: str) -> str:
     """Return the number that a state of a package begins with: never 0, and exact in a double."""
-    return f"{int(signature[:13], 16) | 1}.0"
+    return f"{int(digest[:13], 16) | 1}.0"

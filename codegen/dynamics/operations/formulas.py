@@ -70,7 +70,9 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
     leaves = {
         name: trace.graph.div(value, unit) for name, (value, unit) in zip(names, pairs, strict=True)
     }
-    return to_graph(parse_expression(formula, names), trace.graph, leaves)
+    # It was read before, and the names of :func:`scaled` may be longer than those it had then.
+    expression = parse_expression(formula, names, longest=len(formula))
+    return to_graph(expression, trace.graph, leaves)
 
 
 @dataclass(frozen=True, slots=True)

@@ -316,6 +316,8 @@ class Result:
         if not isinstance(path, str | os.PathLike):
             raise refusal(f"{shown(path)} is no name of a file; wanted one")
         path = Path(path)
+        if "\0" in str(path):
+            raise refusal(f"{shown(str(path))} is not the name of a file: it has a null character")
         if path.suffix not in SUFFIXES:
             suffixes = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
             raise refusal(f"{path}: results go to a file that ends in {suffixes}")

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+DIGEST = "=DIGEST="
+
 
 def sphere(
     r: Any, length: Any, *, out: Any = None, outputs: tuple[str, ...] = ("C", "C_q")

@@ -10,7 +10,11 @@ import pytest
 
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.model.errors import SceneError
+from kousoku.model.expression import LONGEST
 from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.read import scene_from_toml
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -19,6 +23,29 @@ if TYPE_CHECKING:
 
 S_I, S_J, LOAD = (0.3, -0.2, 0.4), (-0.1, 0.5, 0.2), (1.5, -2.5, 0.7)
 LAW = (("stiffness", (70.0,)), ("damping", (6.0,)), ("free_length", (0.8,)))
+
+
+LONG = """
+name = "lengthy"
+unit = "m"
+[bodies.bob]
+position = [2, 0, 0]
+mass = 1
+point = true
+[forces.pull]
+type = "force"
+body = "bob"
+force = ["{}", 0, 0]
+"""
+
+
+def test_formula_of_the_longest_that_is_read_is_generated() -> None:
+    """Its names get other ones on the way, and it more characters."""
+    formula = "t" + "+t" * 998
+    assert len(formula) == 1997 < LONGEST
+    assert "solver.c" in generate_dynamics(scene_from_toml(LONG.format(formula)))
+    with pytest.raises(SceneError, match=f"has 2001 characters; wanted at most {LONGEST}"):
+        scene_from_toml(LONG.format("t" + "+t" * 1000))
 
 
 def spring(name: str, i: int, j: int) -> ForceElement:

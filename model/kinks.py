@@ -1,0 +1,137 @@
+"""Kinks of a formula of time: whether two derivatives go through them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from kousoku.model.derivative import derivative
+from kousoku.model.terms import Apply, Function, Name, Number, add, apply, names_of, neg, ordered
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from kousoku.model.terms import Expression
+
+KINKS = (Function.ABS, Function.SIGN, Function.MIN, Function.MAX)
+"""Functions that do not have two derivatives everywhere."""
+
+DEEPEST = 6
+"""Kinks in the arguments of one, at most: each doubles what is looked at."""
+
+DIGITS = 1e-30
+"""Parts of their size by which both sides of a kink may differ: of 50 digits, and of π."""
+
+NEAR = ("1", "1.0625", "0.921875")
+"""Factors of the parameters, one power more for each: a run may change them."""
+
+
+def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Apply | None:
+    """Return the first part of a formula at which its first two derivatives may jump.
+
+    Both sides of a kink are looked at in 50 digits where its arguments are equal. It must be known
+    when that is: their difference is linear in time.
+
+    Parameters
+    ----------
+    law : Expression
+        A formula of time and parameters.
+    time : str
+        The name of time.
+    parameters : mapping of str to float
+        Those of the scene; others near them are looked at, too.
+    """
+    parts = [part for part in ordered(law) if isinstance(part, Apply) and part.function in KINKS]
+    if not parts:
+        return None
+    from kousoku.model.traced import CONTEXT  # noqa: PLC0415 (mpmath is for kinks only)
+
+    for part in parts:
+        if time not in names_of(part):
+            continue
+        sides = (*part.args, neg(part.args[0]))[:2]
+        for factor in NEAR:
+            values: dict[str, Any] = {
+                name: CONTEXT.mpf(value) * CONTEXT.mpf(factor) ** place
+                for place, (name, value) in enumerate(parameters.items(), 1)
+            }
+            if (
+                part.function is Function.SIGN
+                or _count(part) > DEEPEST
+                or not _is_smooth(law, part, sides, time, values)
+            ):
+                return part
+    return None
+
+
+def _is_smooth(
+    law: Expression,
+    part: Apply,
+    sides: tuple[Expression, ...],
+    time: str,
+    values: Mapping[str, Any],
+) -> bool:
+    """Return whether both sides have the same value and derivatives where they meet."""
+    from kousoku.model.traced import CONTEXT, traced  # noqa: PLC0415
+
+    def at(expression: Expression, when: Any) -> Any:
+        return traced(expression, {**values, time: when})
+
+    gap = add(sides[0], neg(sides[1]))
+    meetings = []
+    for branch in _branches(gap):
+        start, one, two = (at(branch, CONTEXT.mpf(k)) for k in range(3))
+        rate, size = one - start, abs(start) + abs(one) + abs(two)
+        if not abs(two - one - rate) <= DIGITS * size or (rate == 0 and start == 0):
+            return False
+        if rate != 0 and abs(at(gap, -start / rate)) <= DIGITS * size:
+            meetings.append(-start / rate)
+    first, second = (_with_side(law, part, side) for side in sides)
+    size = CONTEXT.mpf(0)
+    for _ in range(3):
+        for meeting in meetings:
+            a, b = at(first, meeting), at(second, meeting)
+            size = max(size, *(abs(at(_sizes(side), meeting)) for side in (first, second)))
+            if not abs(a - b) <= DIGITS * size:
+                return False
+        first, second = derivative(first, time), derivative(second, time)
+    return True
+
+
+def _count(expression: Expression) -> int:
+    return sum(isinstance(one, Apply) and one.function in KINKS for one in ordered(expression))
+
+
+def _branches(gap: Expression) -> list[Expression]:
+    """Return what a formula can be, with either side of each kink in it."""
+    for part in ordered(gap):
+        if isinstance(part, Apply) and part.function in KINKS:
+            sides = (*part.args, neg(part.args[0]))[:2]
+            return [one for side in sides for one in _branches(_with_side(gap, part, side))]
+    return [gap]
+
+
+def _with_side(law: Expression, part: Apply, side: Expression) -> Expression:
+    """Return a formula with one side of a kink in place of it."""
+    known: dict[int, Expression] = {}
+    for one in ordered(law):
+        if one == part:
+            known[id(one)] = side
+        elif isinstance(one, Apply):
+            known[id(one)] = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
+        else:
+            known[id(one)] = one
+    return known[id(law)]
+
+
+def _sizes(expression: Expression) -> Expression:
+    """Return a formula with all its sums over absolute values: what its terms are like."""
+    known: dict[int, Expression] = {}
+    for one in ordered(expression):
+        if isinstance(one, Name | Number):
+            known[id(one)] = one
+        elif one.function is Function.ADD:
+            terms = (apply(Function.ABS, known[id(arg)]) for arg in one.args)
+            known[id(one)] = add(*terms)
+        else:
+            known[id(one)] = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
+    return known[id(expression)]

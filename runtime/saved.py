@@ -1,0 +1,161 @@
+"""A run in numbers, as it is saved: looked at before another run goes on from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.model.errors import SolveError
+from kousoku.runtime.given import numbers_of, shown, times_of
+from kousoku.runtime.initial import Initial
+from kousoku.runtime.options import METHODS, Options, options_of
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    import numpy.typing as npt
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+
+    Array = npt.NDArray[np.float64]
+
+#: Numbers of a state that count something.
+COUNTS = (
+    *("next_row", "steps", "rejected", "derivatives", "factorisations"),
+    *("corrections", "passed", "fallbacks", "refinements"),
+)
+#: What a step goes on from.
+FINITE = (
+    *("time", "time_before", "step_size", "y", "low", "f", "y_before", "dense"),
+    *("parameters", "momenta"),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class SavedRun:
+    """All that a run is, in numbers: it can be pickled, copied, and resumed elsewhere.
+
+    Parameters
+    ----------
+    options : Options
+        How it is made.
+    times : array [s]
+        The times that are asked for.
+    state : array
+        The state of the solver.
+    rows : array
+        The rows that were written.
+    """
+
+    options: Options
+    times: Array
+    state: Array
+    rows: Array
+
+    def __repr__(self) -> str:
+        last = self.times[-1] if len(self.times) else 0.0
+        return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
+
+
+def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
+    """Return a saved run whose numbers fit the solver and each other.
+
+    Raises
+    ------
+    SolveError
+        It is no saved run, or belongs to another solver, or was cut, forged or damaged; the message
+        says in what.
+    """
+    if not isinstance(saved, SavedRun):
+        raise SolveError(
+            f"{solver.name}: a run is resumed from {shown(saved)}; wanted what save() of a run"
+            " returned"
+        )
+    found = SavedRun(
+        options=_options(solver, saved.options),
+        times=times_of(solver.name, None, saved.times, 0),
+        state=numbers_of(solver.name, "state", saved.state),
+        rows=numbers_of(solver.name, "rows", saved.rows),
+    )
+    problem = next(_problems(solver, found), "")
+    if problem:
+        raise SolveError(f"{solver.name}: the run cannot be resumed: {problem}")
+    return found
+
+
+def _options(solver: DynamicsSolver, given: object) -> Options:
+    if not isinstance(given, Options):
+        raise SolveError(f"{solver.name}: options {shown(given)}; wanted those of a saved run")
+    names = set(Options.__slots__) - {"parameters", "initial"}
+    if not isinstance(given.initial, Initial):
+        raise SolveError(
+            f"{solver.name}: initial {shown(given.initial)}; wanted that of a saved run"
+        )
+    try:
+        parameters = dict(given.parameters)
+    except (TypeError, ValueError):
+        raise SolveError(
+            f"{solver.name}: parameters {shown(given.parameters)}; wanted names and numbers"
+        ) from None
+    own = {name: getattr(given, name) for name in names}
+    return replace(options_of(solver, **own, parameters=parameters), initial=given.initial)
+
+
+def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
+    """Yield what does not fit; what follows the first may rest on it."""
+    target, fields = solver.target, solver.state
+    if saved.state.shape != (target.state_size,):
+        yield (
+            f"the state belongs to another solver: its size differs, {saved.state.size} numbers"
+            f" instead of {target.state_size}"
+        )
+        return
+    if saved.rows.shape[1:] != (target.row_size,):
+        yield (
+            f"the rows belong to another solver: their shape is {saved.rows.shape}, wanted"
+            f" {target.row_size} numbers in each"
+        )
+        return
+    number = {name: float(fields[name].view(saved.state)) for name in (*COUNTS, "method")}
+    yield from (
+        f"{name} in the state is {value!r}; wanted a count"
+        for name, value in number.items()
+        if not (0.0 <= value < 2.0**53 and value.is_integer())
+    )
+    yield from (
+        f"{name} in the state is not finite"
+        for name in FINITE
+        if not np.isfinite(fields[name].view(saved.state)).all()
+    )
+    yield from _disagreements(solver, saved, int(number["next_row"]), number["method"])
+
+
+def _disagreements(
+    solver: DynamicsSolver, saved: SavedRun, written: int, method: float
+) -> Iterator[str]:
+    """Yield where the parts of a saved run say different things."""
+    fields, rows, times = solver.state, saved.rows, saved.times
+    if written > len(times):
+        yield f"{written} rows are written, {len(times)} times are asked for"
+        return
+    if len(rows) != written:
+        yield f"it has {len(rows)} rows, {written} are written: rows were cut or added"
+        return
+    if not np.array_equal(rows[:, 0], times[:written]):
+        yield "its rows are of other times than those that are asked for"
+    if not np.isfinite(rows[:, : 1 + len(solver.q) + len(solver.v)]).all():
+        yield "a position or velocity in its rows is not finite"
+    before, reached = (float(fields[name].view(saved.state)) for name in ("time_before", "time"))
+    if before > reached:
+        yield f"its last step leads from t = {before!r} s back to {reached!r} s"
+    if written and times[written - 1] > reached:
+        yield f"rows are written to t = {times[written - 1]!r} s, but only {reached!r} s is reached"
+    if written < len(times) and times[written] < before:
+        yield f"its next row, t = {times[written]!r} s, is before its last step, {before!r} s"
+    if method not in {0.0, 1.0 + METHODS.index(saved.options.method)}:
+        yield f"it was not begun with the method {saved.options.method!r}"
+    values = [value for _, value in saved.options.parameters]
+    if not np.array_equal(fields["parameters"].view(saved.state), values):
+        yield "its options have other parameters than its state"
