@@ -32,7 +32,7 @@ METHODS = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run.
 OPTIONS = (
     *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
-    *("initial", "q0", "v0"),
+    *("initial", "q0", "v0", "estimate_error"),
 )
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
@@ -51,6 +51,7 @@ class RunOptions(TypedDict, total=False):
     initial: Mapping[str, float | str] | None
     q0: Sequence[float] | None
     v0: Sequence[float] | None
+    estimate_error: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +76,8 @@ class Options:
         All of the scene, in its order.
     initial : Initial
         Where the run starts, if not where the scene does.
+    estimate_error : bool
+        Whether a second run by another method tells how exact the rows are.
     """
 
     tolerance: float
@@ -85,6 +88,7 @@ class Options:
     most_steps: int
     parameters: tuple[tuple[str, float], ...]
     initial: Initial
+    estimate_error: bool = False
 
     def settings(self) -> Settings:
         """Return what a solver takes."""
@@ -106,6 +110,7 @@ def options_of(
     initial: Mapping[str, float | str] | None = None,
     q0: Sequence[float] | Array | None = None,
     v0: Sequence[float] | Array | None = None,
+    estimate_error: bool = False,
 ) -> Options:
     """Return the options of a run.
 
@@ -135,6 +140,9 @@ def options_of(
     q0, v0 : sequence of float, optional
         Instead of them position and velocity of all bodies, in the scene's order and unit: r of the
         body frame's origin and its Euler parameters; its velocity and ω′. Points have three each.
+    estimate_error : bool
+        Make a second run, by the other method of Runge-Kutta with a hundredth of the tolerance, or
+        with shorter steps; the ledger tells the largest difference. It takes a few times as long.
 
     Raises
     ------
@@ -143,8 +151,9 @@ def options_of(
     """
     require_numbers(solver.name, tolerance=tolerance, largest_step=largest_step)
     require_numbers(solver.name, is_whole=True, most_steps=most_steps)
-    if not isinstance(checks, bool | np.bool_):
-        raise SolveError(f"{solver.name}: checks {shown(checks)}; wanted True or False")
+    for option, given in (("checks", checks), ("estimate_error", estimate_error)):
+        if not isinstance(given, bool | np.bool_):
+            raise SolveError(f"{solver.name}: {option} {shown(given)}; wanted True or False")
     if step is not None:
         require_numbers(solver.name, step=step)
         step = float(step)
@@ -161,7 +170,8 @@ def options_of(
     values = with_values(solver, parameters)
     numbers = float(tolerance), float(largest_step), step
     started = initial_of(solver, initial, q0, v0)
-    return Options(*numbers, bool(checks), name, int(most_steps), values, started)
+    flags = bool(checks), name, int(most_steps)
+    return Options(*numbers, *flags, values, started, bool(estimate_error))
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:

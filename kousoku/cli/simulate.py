@@ -76,6 +76,13 @@ def simulate(
     most_steps: Annotated[
         int | None, typer.Option(help="A run that needs more steps is stopped; 1000000.")
     ] = None,
+    estimate_error: Annotated[
+        bool,
+        typer.Option(
+            "--estimate-error",
+            help="Make a second run by another method, and say how far its rows are away.",
+        ),
+    ] = False,
     given: Set = None,
     initial: Initial = None,
     output: Annotated[
@@ -92,7 +99,8 @@ def simulate(
     """Move a mechanism in time: bodies are integrated, a linkage follows its inputs.
 
     When the motion cannot go on, or Ctrl-C is pressed, what was computed before is written; the
-    exit code is 3, or 130.
+    exit code is 3, or 130. It is 3, too, when energy, drift or rows tell that the result is not to
+    be trusted.
     """
     options: dict[str, Any] = {
         "tolerance": tolerance,
@@ -100,6 +108,7 @@ def simulate(
         "step": step,
         "largest_step": largest_step,
         "most_steps": most_steps,
+        "estimate_error": estimate_error or None,
         "parameters": parameters_of(given) or None,
         "initial": numbers_of("--initial", initial) or None,
     }

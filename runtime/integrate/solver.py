@@ -105,6 +105,7 @@ class Solver:
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work, s)
+        s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
         s.key = self.scene.key

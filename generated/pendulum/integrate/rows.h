@@ -9,6 +9,14 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
+/* kinetic energy, change of potential energy since the start, and all works */
+static double energy_moved(const double *w, const State *s)
+{
+    double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
+    for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(w[W_Q + k]);
+    return moved;
+}
+
 /* notes what is left of the constraints, and what of energy and momenta is not as at the start */
 static void note_checks(double *w, State *s)
 {
@@ -20,6 +28,7 @@ static void note_checks(double *w, State *s)
         for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
     }
     s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
+    s->energy_moved = larger(s->energy_moved, energy_moved(w, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {
         const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);
@@ -70,10 +79,12 @@ static int write_row(
     } else {
         interpolate(m, x, s, y);
         const double vague = (is_driven ? WEAK : VAGUE) * s->largest_pivot_ratio;
-        const int can = project(t, 0.0, y, NULL, NULL, work, s, NULL);
+        double drift = 0.0;
+        const int can = project(t, 0.0, y, NULL, NULL, work, s, &drift);
         is_passed = !can || pivot_ratio(work, s) < vague;
         if (is_passed && !interpolate_position(m, t, x, y, work, s) && !can) return NOT_PROJECTED;
         if (is_passed) interpolate_accelerations(m, t, x, h, work, s);
+        else s->row_drift = larger(s->row_drift, drift);
     }
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
@@ -84,12 +95,18 @@ static int write_row(
         reaction(w);
     }
     coordinate(w);
+    int is_finite = are_finite(y, NY);
     *row++ = t;
     memcpy(row, y, NY * sizeof *row);
     row += NY;
     for (size_t k = 0; k != PARTS; ++k) {
         memcpy(row, w + parts[k][0], parts[k][1] * sizeof *row);
+        is_finite &= are_finite(row, parts[k][1]);
         row += parts[k][1];
+    }
+    if (!is_passed && !is_finite) {
+        if (s->not_finite == 0.0) s->not_finite_time = t;
+        s->not_finite += 1;
     }
     return GOOD;
 }
