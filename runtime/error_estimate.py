@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.errors import MotionError
 from kousoku.runtime.integrate.result import shortly
 from kousoku.runtime.options import KINEMATICS
 
@@ -118,5 +117,5 @@ def error_estimate(first: Motion, second: Motion, size: float) -> ErrorEstimate:
     apart = np.flatnonzero(~((lengths <= APART * size) & (angles <= APART)))
     known = int(apart[0]) if len(apart) else count
     unknown_from = float(first.time[known]) if known < len(first) else None
-    largest = (float(part[:known].max(initial=0.0)) for part in (lengths, angles))
-    return ErrorEstimate(*largest, first.unit, second.method, unknown_from)
+    length, angle = (float(part[:known].max(initial=0.0)) for part in (lengths, angles))
+    return ErrorEstimate(length, angle, first.unit, second.method, unknown_from)

@@ -316,8 +316,8 @@ class Run:
         again = Run(self.solver, times, options).restart(q=self._q, v=self._v)
         try:
             second = again.finish(progress)
-        except MotionError as error:
-            second = error.result
+        except MotionError:
+            second = again.motion()
         every = 2 if len(times) > len(self.times) else 1
         second = Motion(second.layout, second.rows[::every], target="", method=second.method)
         self.seconds["error"] = perf_counter() - begin

@@ -188,9 +188,9 @@ class RunLedger:
             )
         if self.released:
             yield (
-                f"came open: {_listed(self.released)}; a constraint that was left out, because it depends on others"
-                " where it was looked at, does not depend on them here: this is not the motion of"
-                " the scene"
+                f"came open: {_listed(self.released)}; a constraint that was left out, because it"
+                " depends on others where it was looked at, does not depend on them here: this is"
+                " not the motion of the scene"
             )
         if self.factorisations:
             yield (

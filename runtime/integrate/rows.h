@@ -62,6 +62,14 @@ static void interpolate_accelerations(
     s->passed_time = t;
 }
 
+/* notes that a row has numbers that are not finite, and when the first such row is */
+static void note_not_finite(const double *row, size_t n, State *s)
+{
+    if (are_finite(row, n)) return;
+    if (s->not_finite == 0.0) s->not_finite_time = row[0];
+    s->not_finite += 1;
+}
+
 /* writes the state at a time of the last step: on the manifold, as at every time that is asked
  * for */
 static int write_row(
@@ -95,18 +103,14 @@ static int write_row(
         reaction(w);
     }
     coordinate(w);
-    int is_finite = are_finite(y, NY);
-    *row++ = t;
-    memcpy(row, y, NY * sizeof *row);
-    row += NY;
+    double *next = row;
+    *next++ = t;
+    memcpy(next, y, NY * sizeof *next);
+    next += NY;
     for (size_t k = 0; k != PARTS; ++k) {
-        memcpy(row, w + parts[k][0], parts[k][1] * sizeof *row);
-        is_finite &= are_finite(row, parts[k][1]);
-        row += parts[k][1];
+        memcpy(next, w + parts[k][0], parts[k][1] * sizeof *next);
+        next += parts[k][1];
     }
-    if (!is_passed && !is_finite) {
-        if (s->not_finite == 0.0) s->not_finite_time = t;
-        s->not_finite += 1;
-    }
+    if (!is_passed) note_not_finite(row, (size_t)(next - row), s);
     return GOOD;
 }

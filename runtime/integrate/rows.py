@@ -81,6 +81,15 @@ def interpolate_accelerations(
     state.passed_time = t
 
 
+def note_not_finite(row: Array, state: State) -> None:
+    """Note that a row has numbers that are not finite, and when the first such row is."""
+    if bool(np.isfinite(row).all()):
+        return
+    if state.not_finite == 0.0:
+        state.not_finite_time = float(row[0])
+    state.not_finite += 1
+
+
 def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> Status:
     """Write the state at a time of the last step: on the manifold, as all that is asked for."""
     scene, w, y = work.scene, work.w, work.k[0]
@@ -121,4 +130,6 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
     row[1 + scene.ny :] = np.concatenate(
         [np.empty(0), *(w.slots[base : base + size] for base, size in places)]
     )
+    if not is_passed:
+        note_not_finite(row, state)
     return Status.GOOD
