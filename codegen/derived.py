@@ -14,11 +14,16 @@ from typing import TYPE_CHECKING
 from kousoku import __version__
 from kousoku.codegen.kernel import Package
 from kousoku.codegen.passes.optimise import optimise
-from kousoku.codegen.store import dump, parse
+from kousoku.codegen.store import GRAPH_FILE, dump, parse
 from kousoku.model.cache import cache_folder, write_atomically
+from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
+from kousoku.model.jsontext import to_text
+from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from kousoku.symbolic.derivation import Derivation
 
 #: The sources that decide what is derived, relative to the folder of the package kousoku.
@@ -42,6 +47,10 @@ SOURCES = (
     "model/quantity.py",
     "model/rows.py",
 )
+#: File beside the committed kinds that says of which sources they were derived.
+RECORD_FILE = "derived.json"
+#: Versions of SymPy that derive the same bytes: tests/release/test_reproducibility.py runs them.
+SAME_BYTES = ("1.13.", "1.14.")
 _LOG = logging.getLogger(__name__)
 
 
@@ -134,6 +143,47 @@ def recall_or_derive(name: str) -> Derived:
     return found
 
 
+def record_of(trees: Mapping[str, Mapping[str, str]]) -> str:
+    """Return the text of ``derived.json``: the digest of the sources, and of what they gave.
+
+    Parameters
+    ----------
+    trees : mapping of str to mapping of str to str
+        Of each kind that is shipped, its files.
+    """
+    kinds = {n: _digest(tree[GRAPH_FILE], tree[REFERENCE_FILE]) for n, tree in trees.items()}
+    return to_text({"format": 1, "sources": source_key(), "kinds": kinds})
+
+
+def recall_committed(folder: Path, name: str) -> Derived | None:
+    """Return what is committed of a kind, where deriving it again would give the same.
+
+    That is so where version and sources are those of ``derived.json``, graph and references in the
+    folder of the kind are those that it tells, and this SymPy is known to derive the same bytes.
+
+    Parameters
+    ----------
+    folder : Path
+        Where the kinds are, each in a folder of its name.
+    name : str
+        A kind.
+    """
+    try:
+        record = json.loads((folder / RECORD_FILE).read_text(encoding="utf-8"))
+        if record["sources"] != source_key() or not metadata.version("sympy").startswith(
+            SAME_BYTES
+        ):
+            return None
+        graph, references = (
+            content(file, (folder / name / file).read_bytes()).decode()
+            for file in (GRAPH_FILE, REFERENCE_FILE)
+        )
+        is_same = record["kinds"][name] == _digest(graph, references)
+        return Derived(parse(graph), references) if is_same else None
+    except (OSError, ValueError, KeyError, TypeError, LoadError):
+        return None  # then it is derived
+
+
 @cache
 def content_key() -> str:
     """Return the SHA-256 over all that decides what deriving gives: sources and versions.
@@ -144,11 +194,17 @@ def content_key() -> str:
     return _hash_sources()
 
 
-def _hash_sources() -> str:
+@cache
+def source_key() -> str:
+    """Return the SHA-256 over the sources that deriving runs, whatever runs them."""
+    return _hash_sources(())
+
+
+def _hash_sources(libraries: Sequence[str] = ("mpmath", "sympy")) -> str:
     root = Path(__file__).parents[1]
     total = hashlib.sha256()
     versions = [("kousoku", __version__)]
-    versions += [(name, metadata.version(name)) for name in ("mpmath", "sympy")]
+    versions += [(name, metadata.version(name)) for name in libraries]
     total.update(repr(versions).encode())
     for pattern in SOURCES:
         for path in sorted(root.glob(pattern)):

@@ -12,13 +12,15 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from kousoku import __version__
 from kousoku.codegen.view import package_view
 from kousoku.codegen.view_lines import c_call, python_lines
-from kousoku.model.manifest import KernelManifest, Manifest
+from kousoku.model.manifest import ABI, KernelManifest, Manifest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.view_records import PackageView
+
+    Inputs = tuple[tuple[str, str], ...]
 
 #: File of the generated folder, and its template.
 FILES = {
@@ -48,7 +50,7 @@ def environment() -> Environment:
         keep_trailing_newline=True,
         autoescape=False,
     )
-    filled.globals.update(c_call=c_call, python_lines=python_lines)
+    filled.globals.update(c_call=c_call, python_lines=python_lines, abi=ABI)
     return filled
 
 
@@ -76,6 +78,12 @@ def along(*names: str) -> dict[str, str]:
     return found
 
 
+def along_file(name: str) -> str | None:
+    """Return the text of a file that :func:`along` gives, None where the runtime has none."""
+    path = _RUNTIME / name
+    return path.read_text(encoding="utf-8") if path.is_file() else None
+
+
 def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     """Return the folder of a package.
 
@@ -97,11 +105,12 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
         A name is no identifier, or an operation cannot be printed.
     """
     templates = environment()
-    signature = digest(package)
+    inputs = inputs_of(package)
+    signature = digest(inputs)
     view = package_view(package, __version__, signature)
     files = {name: render(templates, path, view) for name, path in FILES.items()}
     files |= along(*LIBRARIES) | dict(sorted(data.items()))
-    return files | {"manifest.json": manifest(package, signature, files).to_json()}
+    return files | {"manifest.json": manifest(package, inputs, files).to_json()}
 
 
 def render(templates: Environment, path: str, view: PackageView) -> str:
@@ -109,19 +118,41 @@ def render(templates: Environment, path: str, view: PackageView) -> str:
     return templates.get_template(path).render(package=view)
 
 
-def digest(package: Package, solver: object = None) -> str:
-    """Return the SHA-256 over signatures, graphs, templates and version, and a scene's solver."""
-    total = hashlib.sha256(__version__.encode())
-    total.update(repr(astuple(package)).encode())
-    if solver is not None:
-        total.update(repr(solver).encode())
-    for name in sorted(_TEMPLATES.list_templates()):
-        if name.startswith("dynamics/") or (name.startswith("linkage/") and solver is None):
-            continue  # not what this package is made of
-        total.update(template(name).encode())
-    for name, text in along(*LIBRARIES).items():
-        total.update(f"\n{name}\n{text}".encode())
-    return total.hexdigest()
+def inputs_of(
+    package: Package, solver: object = None, libraries: Mapping[str, str] | None = None
+) -> Inputs:
+    """Return the SHA-256 of all that a package is made of: graphs, templates, plain source.
+
+    Parameters
+    ----------
+    package : Package
+        The kernels.
+    solver : object, optional
+        What the solver of a linkage is made of beside them.
+    libraries : mapping of str to str, optional
+        Plain source that goes along with that.
+    """
+    templates = [
+        name
+        for name in sorted(_TEMPLATES.list_templates())
+        if not name.startswith("dynamics/")
+        and (solver is not None or not name.startswith("linkage/"))
+    ]
+    return hashed(
+        **{"derivation" if solver is None else "scene": repr((astuple(package), solver))},
+        templates="".join(map(template, templates)),
+        runtime=repr(along(*LIBRARIES) | dict(libraries or {})),
+    )
+
+
+def hashed(**parts: str) -> Inputs:
+    """Return the beginning of the SHA-256 of each of the parts that a package is made of."""
+    return tuple((name, sha256(text)[:16]) for name, text in parts.items())
+
+
+def digest(inputs: Inputs) -> str:
+    """Return the SHA-256 over the version of kousoku and what a package is made of."""
+    return sha256(repr((__version__, ABI, inputs)))
 
 
 def template(name: str) -> str:
@@ -130,15 +161,16 @@ def template(name: str) -> str:
     return f"\n{name}\n{text}"
 
 
-def manifest(package: Package, signature: str, files: Mapping[str, str]) -> Manifest:
+def manifest(package: Package, inputs: Inputs, files: Mapping[str, str]) -> Manifest:
     """Return what ``manifest.json`` promises of a folder."""
     return Manifest(
         package=package.name,
         title=package.title,
         regenerate=package.regenerate,
         version=__version__,
-        digest=signature,
-        files=tuple((name, _sha256(text)) for name, text in files.items()),
+        digest=digest(inputs),
+        inputs=inputs,
+        files=tuple((name, sha256(text)) for name, text in files.items()),
         kernels=tuple(_kernel_manifest(kernel) for kernel in package.kernels),
     )
 
@@ -157,5 +189,6 @@ def _kernel_manifest(kernel: Kernel) -> KernelManifest:
     )
 
 
-def _sha256(text: str) -> str:
+def sha256(text: str) -> str:
+    """Return the SHA-256 of a text."""
     return hashlib.sha256(text.encode()).hexdigest()

@@ -4,10 +4,15 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.derived import Derived, freeze_derivation, recall_or_derive
-from kousoku.codegen.emit import emit
+from kousoku.codegen.derived import (
+    Derived,
+    freeze_derivation,
+    recall_committed,
+    recall_or_derive,
+)
+from kousoku.codegen.emit import along_file, emit, sha256
 from kousoku.codegen.kernel import Package
 from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
@@ -17,7 +22,7 @@ from kousoku.model.manifest import REFERENCE_FILE, Manifest
 from kousoku.symbolic.kinds import KINDS, packages_of
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from pathlib import Path
 
     from kousoku.codegen.kernel import Kernel
@@ -48,13 +53,16 @@ def package_of(name: str) -> str:
     return next(kind for kind, entry in KINDS.items() if packages[0] in entry.packages)
 
 
-def generate_kind(name: str) -> SourceTree:
+def generate_kind(name: str, committed: Path | None = None) -> SourceTree:
     """Derive, freeze, optimise and emit one package of a kind.
 
     Parameters
     ----------
     name : str
         A package, such as ``p2``, or a choice of its rows, ``p2_z``; see :func:`package_of`.
+    committed : Path, optional
+        Folder of the kinds that are committed: what was derived from these sources is taken from
+        there.
 
     Returns
     -------
@@ -67,6 +75,8 @@ def generate_kind(name: str) -> SourceTree:
         No kind has this package.
     """
     package = package_of(name)
+    if committed is not None and (known := recall_committed(committed, package)):
+        return _emitted(known)
     found = [recall_or_derive(choice) for choice in KINDS[package].packages]
     return _emitted(found[0] if len(found) == 1 else _together(package, found))
 
@@ -167,17 +177,22 @@ def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
 def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     """Return how a folder differs from what would be written, a line for each file; empty if not.
 
-    Files that Python or an operating system puts beside them (hidden ones, ``__pycache__``) do not
-    count.
+    Each line says where the file differs, and what it is made of that changed: it was edited by
+    hand, or the plain source that it copies, or inputs of the package that manifests know by their
+    digests. Files that Python or an operating system puts beside them (hidden ones,
+    ``__pycache__``) do not count.
     """
     differences = []
+    cause = causes(folder, tree)
     for name, text in tree.items():
         found = _read(folder / name)
         if found is None:
             is_there = (folder / name).exists()
             differences.append(f"{folder / name} {'is damaged' if is_there else 'is missing'}")
         elif found != text:
-            differences.append(f"{folder / name} differs {_where(found, text)}")
+            differences.append(
+                f"{folder / name} differs {_where(found, text)}; {cause(name, found)}"
+            )
     beside = {name.partition("/")[0] for name in tree if "/" in name}
     extra = [*folder.glob("*"), *(path for part in beside for path in (folder / part).glob("*"))]
     differences += [
@@ -190,6 +205,40 @@ def check_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:
     return differences
 
 
+#: What is said of an input of a package that changed.
+INPUTS = {
+    "derivation": "the derivation (symbolic/)",
+    "scene": "the scene",
+    "composition": "how the scene is composed (codegen/)",
+    "templates": "the templates (codegen/templates/)",
+    "runtime": "the plain source that goes along (runtime/)",
+}
+
+
+def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
+    """Return what says of a file that differs, by its name and its text, why it does."""
+    new = json.loads(tree[MANIFEST_FILE])
+    old = _listed(folder)
+    listed, wanted = (dict(manifest.get("inputs", ())) for manifest in (old, new))
+    changed = [
+        f"{label}, {old.get(key, 'unknown')}, is {new.get(key)} now"
+        for key, label in (("version", "the version of kousoku"), ("abi", "the ABI"))
+        if old.get(key) != new.get(key)
+    ]
+    changed += [INPUTS[name] for name in wanted if listed.get(name) != wanted[name]]
+    made = "changed: " + ", ".join(changed) if changed else "changed: what emits it (codegen/)"
+    digests = dict(old.get("files", ()))
+
+    def cause(name: str, found: str) -> str:
+        if name != MANIFEST_FILE and sha256(found) != digests.get(name):
+            return "it was edited after it was generated"
+        if tree[name] == along_file(name):
+            return f"changed: runtime/{name}"
+        return made
+
+    return cause
+
+
 def _read(path: Path) -> str | None:
     """Return what a file holds, None where it is missing or damaged."""
     try:
@@ -200,11 +249,18 @@ def _read(path: Path) -> str | None:
 
 def _listed_files(folder: Path) -> list[str]:
     """Return the files that an older manifest lists, those outside the folder left out."""
+    names = dict(_listed(folder)["files"])
+    return [name for name in names if ".." not in name and _is_inside(folder, folder / name)]
+
+
+def _listed(folder: Path) -> dict[str, Any]:
+    """Return what the manifest of a folder holds, of whatever version; its files and inputs."""
     try:
-        files = json.loads(_read(folder / MANIFEST_FILE) or "{}").get("files", [])
-        return [name for name, _ in files if ".." not in name and _is_inside(folder, folder / name)]
-    except (ValueError, TypeError, AttributeError):
-        return []
+        data = dict(json.loads(_read(folder / MANIFEST_FILE) or "{}"))
+        pairs = {key: list(dict(data.get(key, ())).items()) for key in ("files", "inputs")}
+    except (ValueError, TypeError):
+        return {"files": [], "inputs": []}
+    return data | pairs
 
 
 def _is_inside(folder: Path, path: Path) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.emit import FILES, LIBRARIES, along, digest, environment, manifest
+from kousoku.codegen.emit import FILES, LIBRARIES, along, digest, environment, inputs_of, manifest
 from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
@@ -46,11 +46,11 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
     """
     templates = environment()
     analysis = along(LIBRARY, *RESULT)
-    signature = digest(package, (solver, analysis))
-    view = package_view(package, __version__, signature)
+    inputs = inputs_of(package, solver, analysis)
+    view = package_view(package, __version__, digest(inputs))
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()
     }
     files |= along(*LIBRARIES) | analysis | dict(sorted(data.items()))
-    return files | {"manifest.json": manifest(package, signature, files).to_json()}
+    return files | {"manifest.json": manifest(package, inputs, files).to_json()}

@@ -11,6 +11,7 @@ lists what scenes may have, ``verify`` recomputes 50-digit references on this ma
 """
 
 from importlib import import_module
+from pathlib import Path as _Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -35,6 +36,11 @@ if TYPE_CHECKING:
     from kousoku.saved import open_run
 
 __version__ = "0.1.0"
+
+# A checkout without links (core.symlinks=false) has text files in their place, and the folders of
+# the sub-packages beside this one.
+if _Path(__file__).with_name("model").is_file():
+    __path__.append(str(_Path(__file__).parents[1]))
 
 #: The public names, and the modules that have them: each is imported when it is asked for.
 _MODULES = {

@@ -27,6 +27,9 @@ class Kinds:
         return [*object.__dir__(self), *_packages()]
 
     def __repr__(self) -> str:
+        return f"<kinds: {', '.join(_packages())}; print() shows what they are>"
+
+    def __str__(self) -> str:
         from kousoku.cataloging import catalog
 
         return repr(catalog()["kinds"])

@@ -12,7 +12,7 @@ from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
-from kousoku import __version__
+from kousoku import __path__, __version__
 from kousoku.mechanism import Mechanism
 from kousoku.model.cache import cache_folder, shrink, touch, write_atomically
 from kousoku.model.errors import (
@@ -120,7 +120,7 @@ class Given:
             scene = scene.build()
         if isinstance(scene, Scene):
             return cls("", _text(scene).encode(), lambda: scene)
-        if isinstance(scene, str) and ("\n" in scene or "=" in scene):
+        if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
             from kousoku.model.read import scene_from_toml
 
             return cls("", scene.encode(), partial(scene_from_toml, scene))
@@ -140,10 +140,18 @@ class Given:
     def _of_file(cls, path: Path) -> Given:
         from kousoku.model.read import scene_from_toml, text_of
 
-        if path.is_dir():
-            raise SceneError("is a folder; wanted a scene file", file=str(path))
+        with suppress(OSError):  # a name that is too long is refused where it is read
+            if path.is_dir():
+                raise SceneError("is a folder; wanted a scene file", file=str(path))
         text = text_of(path)
         return cls(str(path), text.encode(), partial(scene_from_toml, text, file=str(path)))
+
+
+def _is_path(line: str) -> bool:
+    """Return whether a line names a file, such as ``mass=2.toml``, and is not TOML itself."""
+    with suppress(OSError, ValueError):
+        return line.endswith(".toml") or Path(line).exists()
+    return False
 
 
 def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple[Solver, str]:
@@ -289,8 +297,8 @@ def stamp() -> str:
     In a checkout the version stays while the generator changes.
     """
     listed = [__version__]
-    for part in SOURCES:
-        for folder, folders, names in os.walk(Path(__file__).parent / part):
+    for place in (Path(root) / part for root in __path__ for part in SOURCES):
+        for folder, folders, names in os.walk(place):
             folders[:] = sorted(name for name in folders if name != "__pycache__")
             for name in sorted(names):
                 with suppress(OSError):

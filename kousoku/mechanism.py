@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
-from kousoku.model.errors import SolveError
+from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.given import require_options
+from kousoku.runtime.integrate.result import Coordinates
+from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Literal, Unpack
 
     import numpy as np
@@ -93,8 +96,22 @@ class Mechanism:
             return self.solver.target.name
         return self.solver.target
 
+    @property
+    def files(self) -> dict[str, str]:
+        """The emitted files by name: C and NumPy of its solver, to be read."""
+        solver = self.solver
+        owner = solver.target.sources if isinstance(solver, DynamicsSolver) else solver.library
+        return {name: data.decode() for name, data in owner.files.items()}
+
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        from kousoku.view import still
+
+        return f"{still(self.scene)}<pre>{escape(repr(self))}</pre>"
 
     def _facts(self) -> list[str]:
         """Return what a line says of it."""
@@ -157,10 +174,12 @@ class Mechanism:
             end = self._duration()
         when: dict[str, Any] = {"end": end, "times": times, "samples": samples}
         if isinstance(self.solver, DynamicsSolver):
-            return self.result_of(self.solver.simulate(**when, progress=progress, **options))
+            with self._passed_on():
+                return self.result_of(self.solver.simulate(**when, progress=progress, **options))
         given: dict[str, Any] = {**options}
         require_options(self.name, given, ("method", "limit"), *when)
-        return self.result_of(self.solver.simulate(**when, **given))
+        with self._passed_on():
+            return self.result_of(self.solver.simulate(**when, **given))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)
@@ -216,12 +235,14 @@ class Mechanism:
         if not isinstance(self.solver, DynamicsSolver):
             if parameters:
                 raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
-            return self.result_of(self.solver.solve(**options))
+            with self._passed_on():
+                return self.result_of(self.solver.solve(**options))
         require_options(self.name, options, ("divisions",), "parameters")
         times = self._times_of_inputs(divisions)
-        return self.result_of(
-            self.solver.simulate(times=times, method="kinematics", parameters=parameters)
-        )
+        with self._passed_on():
+            return self.result_of(
+                self.solver.simulate(times=times, method="kinematics", parameters=parameters)
+            )
 
     def _times_of_inputs(self, divisions: int | None) -> list[float]:
         """Return when the inputs of a scene of bodies take their values."""
@@ -262,7 +283,7 @@ class Mechanism:
         SolveError
             An option is not possible, or the start is not.
         """
-        return self._bodies("a run that goes on").begin(times, **options)
+        return self._knowing(self._bodies("a run that goes on").begin(times, **options))
 
     def resume(self, saved: SavedRun) -> Run:
         """Return a run that goes on where another one was saved, with the same bits.
@@ -272,7 +293,12 @@ class Mechanism:
         SolveError
             It belongs to another solver, or is no saved run.
         """
-        return self._bodies("a run that goes on").resume(saved)
+        return self._knowing(self._bodies("a run that goes on").resume(saved))
+
+    def _knowing(self, run: Run) -> Run:
+        """Return a run whose results know what moved."""
+        run.mechanism = self
+        return run
 
     def matrices(
         self,
@@ -285,10 +311,12 @@ class Mechanism:
     ) -> Matrices:
         """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
 
-        ``loop.matrices(*run.state(k))`` has those of a row of a run.
+        ``loop.matrices(*run.state(k), run.parameters)`` has those of a row of a run; without them
+        they are of the parameters of the scene. Turns are in ``angles``.
         """
         from kousoku.matrices import matrices
 
+        parameters, angles = self._known(q, parameters, angles)
         return matrices(self.scene, t, q, v, parameters, angles=angles)
 
     def evaluate(
@@ -304,7 +332,23 @@ class Mechanism:
         from kousoku.matrices import evaluate
 
         solver = self._bodies("accelerations")
+        parameters, angles = self._known(q, parameters, angles)
         return evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
+
+    def _known(
+        self, q: object, parameters: Mapping[str, float] | None, angles: Mapping[str, float] | None
+    ) -> tuple[Mapping[str, float] | None, Mapping[str, float] | None]:
+        """Return parameters and counted angles: those of the run where a row of one is given."""
+        if not (isinstance(q, Coordinates) and isinstance(self.solver, DynamicsSolver)):
+            return parameters, angles
+        if parameters is None:
+            parameters = q.parameters
+        if angles is None and q.counted is not None:
+            from kousoku.equations import equations_of
+
+            first, names = equations_of(self.scene).turning(self.solver)
+            angles = dict(zip(names, q.counted[first:].tolist(), strict=False))
+        return parameters, angles
 
     def plot(self, parameters: Mapping[str, float] | None = None) -> Figure:
         """Draw the mechanism where the scene puts it; needs matplotlib."""
@@ -326,6 +370,17 @@ class Mechanism:
             f"{self.name}: {what}: of scenes of bodies; this one is a linkage of nodes, which"
             " solve() and simulate(end) move"
         )
+
+    @contextmanager
+    def _passed_on(self) -> Iterator[None]:
+        """Let what was computed until a motion stopped know what moved."""
+        try:
+            yield
+        except (MotionError, Interrupted) as error:
+            self.result_of(error.result)
+            if isinstance(error, Interrupted):
+                self._knowing(error.run)
+            raise
 
     def result_of(self, result: Any) -> Result:
         """Return a result that knows what moved."""

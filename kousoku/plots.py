@@ -35,6 +35,13 @@ _LINK = "#b0b0b0"
 _TURN = "viridis"  # ordered, and readable without colour vision
 
 
+class Drawing(Figure):
+    """A figure that a notebook shows as SVG, at the end of a cell, without ``pyplot``."""
+
+    def _repr_svg_(self) -> str:
+        return to_svg(self)
+
+
 def draw_motion(
     alpha: Array,
     curves: Sequence[tuple[str, Array]],
@@ -59,7 +66,7 @@ def draw_motion(
         Which of x and y to draw.
     """
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(5.5, 1.9 * len(curves)), layout="constrained")
+        figure = Drawing(figsize=(5.5, 1.9 * len(curves)), layout="constrained")
         panels = figure.subplots(len(curves), 1, sharex=True, squeeze=False)[:, 0]
         for panel, (label, values) in zip(panels, curves, strict=True):
             for name in components:
@@ -103,7 +110,7 @@ def draw_vectors(
     """
     scale = _scale(path, vectors, links)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 4.2), layout="constrained")
+        figure = Drawing(figsize=(6.0, 4.2), layout="constrained")
         axes = figure.subplots()
         for ends in links:
             axes.plot(ends[:, 0], ends[:, 1], "o-", color=_LINK, linewidth=2.5, markersize=4)

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.figure import Figure
 
-from kousoku.plots import STYLE, draw_linkage, save
+from kousoku.plots import STYLE, Drawing, draw_linkage, save
 from kousoku.runtime.integrate.motion import BODY, COORDINATE, JOINT, Motion
 from kousoku.runtime.integrate.result import NotInResultError
 
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
     from kousoku.runtime.integrate.result import Result
@@ -88,7 +88,9 @@ def plot(result: Result, *columns: str) -> Figure:
     """
     main = (x for x in result.main_columns() if result.places[x].table != "inputs")
     names = list(columns) or [*main, *_efforts(result)]
-    return _figure(result, list(_panels(result, [x for name in names for x in _all(result, name)])))
+    return _figure(
+        result, list(_panels(result, [x for name in names for x in result.columns_of(name)]))
+    )
 
 
 def draw_into(
@@ -143,8 +145,8 @@ def figures_of(
     drivers = result.drivers if result.force else []
     joints = [name for name in result.force if name not in drivers]
     for name in (*bodies[:MOST_PARTS], *(joints[:MOST_PARTS] if of is None else [])):
-        groups[name] = _all(result, name)
-    groups["drivers"] = [x for name in drivers for x in _all(result, name)]
+        groups[name] = result.columns_of(name)
+    groups["drivers"] = [x for name in drivers for x in result.columns_of(name)]
     groups["energies"] = [x for x, it in result.places.items() if it.table in {"energy", "work"}]
     found = {}
     for name, own in groups.items():
@@ -158,18 +160,7 @@ def _efforts(result: Result) -> list[str]:
     """Return the columns of what drivers do, where that is known."""
     if not (isinstance(result, Motion) and result.force):
         return []
-    return [x for name in result.drivers for x in _all(result, name)]
-
-
-def _all(result: Result, name: str) -> list[str]:
-    """Return a column, or those of a body, joint, driver, node or link."""
-    if name in result.places:
-        return [name]
-    own = [x for x, place in result.places.items() if place.owner == name and x != name]
-    if own:
-        return own
-    result[name]  # says what there is
-    raise NotInResultError(f"{result.name}: no column {name!r}")
+    return [x for name in result.drivers for x in result.columns_of(name)]
 
 
 def _panels(result: Result, columns: Iterable[str], title: str = "") -> Iterator[Panel]:
@@ -251,7 +242,7 @@ def _figure(result: Result, panels: Sequence[Panel], title: str = "") -> Figure:
     """Draw panels one above the other."""
     x, below = _over(result)
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.0, 1.2 + 1.7 * len(panels)), layout="constrained")
+        figure = Drawing(figsize=(6.0, 1.2 + 1.7 * len(panels)), layout="constrained")
         rows = figure.subplots(max(1, len(panels)), 1, sharex=True, squeeze=False)[:, 0]
         for axes, panel in zip(rows, panels, strict=False):
             for name, values in panel.curves.items():

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-import json
 import zipfile
+from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -11,11 +12,11 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.motion import Layout, Motion
-from kousoku.runtime.integrate.result import Named
-from kousoku.runtime.kinematics.trajectory import Trajectory
+from kousoku.runtime.integrate.result import Named, not_generated
+from kousoku.runtime.kinematics.trajectory import LINK, NODE, Trajectory
 
 if TYPE_CHECKING:
-    from pathlib import Path
+    from collections.abc import Iterable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -24,14 +25,80 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: The arrays beside the columns: what they belong to as JSON, and the rows of a solver.
-ABOUT, ROWS = "kousoku", "kousoku.rows"
+#: Begins the names of arrays that are no columns: no part of a scene has a name with it.
+OWN = "kousoku/"
 FORMAT = 1
-#: Of a linkage, all that is no mapping of columns.
-SCALARS = ("name", "unit", "method", "divisions", "target", "is_in_time", "links", "input_units")
-#: Of a linkage, tables of parts.
-TABLES = ("inputs", "positions", "velocities", "accelerations")
-ANGLES = ("angles", "angular_velocities", "angular_accelerations")
+#: Characters of a reason that a message shows.
+LONGEST = 160
+#: Tables of a linkage, and the output that each comes with.
+TABLES = {"inputs": "positions"} | {table: table for table, *_ in NODE}
+TABLES |= {table: "angles" for table, *_ in LINK}
+
+
+class Kept(msgspec.Struct, kw_only=True):
+    """What a file says first: which format it has.
+
+    Parameters
+    ----------
+    format : int
+        Its number.
+    """
+
+    format: int = FORMAT
+
+
+class KeptMotion(Kept, tag="bodies", kw_only=True):
+    """What a file says of a run of bodies; its rows stand beside it.
+
+    Parameters
+    ----------
+    scene : str
+        As TOML.
+    layout : Layout
+        What stands where in a row.
+    method, target : str
+        How it was integrated, and what computed.
+    is_complete : bool
+        Whether all times are there.
+    parameters : dict of str to float
+        Those of the run.
+    ledger, figures : str, dict
+        What the ledger says, and its numbers by name.
+    """
+
+    scene: str
+    layout: Layout
+    method: str
+    target: str
+    is_complete: bool
+    parameters: dict[str, float]
+    ledger: str
+    figures: dict[str, Any]
+
+
+class KeptTrajectory(Kept, tag="nodes", kw_only=True):
+    """What a file says of a linkage; its tables stand beside it.
+
+    Parameters
+    ----------
+    scene : str
+        As TOML.
+    name, unit, method, divisions, target, is_in_time, links, input_units
+        As in :class:`Trajectory`.
+    parts : dict of str to list of str
+        For each table that there is, what it has columns of.
+    """
+
+    scene: str
+    name: str
+    unit: str
+    method: str
+    divisions: int
+    target: str
+    is_in_time: bool
+    links: tuple[tuple[str, str, str, float], ...]
+    input_units: dict[str, str]
+    parts: dict[str, list[str]]
 
 
 class Moved:
@@ -41,44 +108,98 @@ class Moved:
     ----------
     text : str
         The scene as TOML.
+    parts : sequence of str
+        Bodies or nodes that the run has.
     """
 
-    def __init__(self, text: str) -> None:
-        self.text = text
+    def __init__(self, text: str, parts: Sequence[str]) -> None:
+        self.text, self._parts = text, list(parts)
 
-    @property
+    @cached_property
     def scene(self) -> Scene:
-        """The scene."""
+        """The scene.
+
+        Raises
+        ------
+        SolveError
+            It is not the one that moved.
+        """
         from kousoku.model.read import scene_from_toml
 
-        return scene_from_toml(self.text)
+        scene = scene_from_toml(self.text, file="the scene in the run")
+        if self._parts != [*(scene.bodies if scene.is_spatial else scene.nodes)]:
+            raise SolveError(f"{scene.name}: the scene that was kept is not the one that moved")
+        return scene
 
 
-def arrays_of(result: Result) -> dict[str, Array]:
+class KeptLedger:
+    """Ledger of a run that was opened: what it says, and its numbers by name.
+
+    Parameters
+    ----------
+    text : str
+        What it says.
+    figures : mapping
+        Its numbers by name, those that are not finite None.
+    """
+
+    def __init__(self, text: str, figures: Mapping[str, Any]) -> None:
+        self._text, self._figures = text, dict(figures)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._figures:
+            raise AttributeError(f"the ledger that was kept has no {name!r}")
+        return self._figures[name]
+
+    def __str__(self) -> str:
+        return self._text
+
+    def __repr__(self) -> str:
+        return f"<KeptLedger: {self._text.partition(chr(10))[0]}; print() shows all>"
+
+    def as_data(self) -> dict[str, Any]:
+        """Return its numbers, ready for JSON."""
+        return dict(self._figures)
+
+
+def arrays_of(result: Result) -> dict[str, Any]:
     """Return the arrays that a file of columns holds beside them, so that it can be opened."""
-    about: dict[str, Any] = {
-        "format": FORMAT,
-        "scene": result.mechanism.text,
-        "ledger": str(result.ledger),
-        "parameters": dict(result.parameters),
-    }
+    about: Kept
     arrays: dict[str, Any] = {}
     if isinstance(result, Motion):
-        about |= {"layout": msgspec.to_builtins(result.layout), "method": result.method}
-        about |= {"target": result.target, "is_complete": result.is_complete}
-        arrays[ROWS] = result.rows
-    elif isinstance(result, Trajectory):
-        about |= {name: getattr(result, name) for name in SCALARS}
-        about["input_units"] = dict(result.input_units)
-        arrays |= {f"{ABOUT}.{name}": getattr(result, name) for name in ("iterations", "residual")}
+        arrays["rows"] = result.rows
+        about = KeptMotion(
+            scene=result.mechanism.text,
+            layout=result.layout,
+            method=result.method,
+            target=result.target,
+            is_complete=result.is_complete,
+            parameters=dict(result.parameters),
+            ledger=str(result.ledger),
+            figures=result.ledger.as_data(),
+        )
+    else:
+        assert isinstance(result, Trajectory)
+        arrays |= {"iterations": result.iterations, "residual": result.residual}
         if result.times is not None:
-            arrays[f"{ABOUT}.times"] = result.times
-        for table in (*TABLES, *ANGLES):
-            if getattr(result, table):
-                own = getattr(result, table)
-                about[table] = [*own]
-                arrays[f"{ABOUT}.{table}"] = np.stack([*own.values()], axis=1)
-    return arrays | {ABOUT: np.array(json.dumps(about))}
+            arrays["times"] = result.times
+        parts = {table: [*getattr(result, table)] for table in TABLES if getattr(result, table)}
+        for table in parts:
+            arrays[table] = np.stack([*getattr(result, table).values()], axis=1)
+        about = KeptTrajectory(
+            scene=result.mechanism.text,
+            name=result.name,
+            unit=result.unit,
+            method=result.method,
+            divisions=result.divisions,
+            target=result.target,
+            is_in_time=result.is_in_time,
+            links=result.links,
+            input_units=dict(result.input_units),
+            parts=parts,
+        )
+    arrays["about"] = np.array(msgspec.json.encode(about).decode())
+    return {f"{OWN}{name}": values for name, values in arrays.items()}
 
 
 def open_run(path: str | Path) -> Result:
@@ -92,7 +213,7 @@ def open_run(path: str | Path) -> Result:
     Returns
     -------
     Result
-        As it was; its ledger is text.
+        As it was; its ledger has text and numbers.
 
     Raises
     ------
@@ -100,41 +221,144 @@ def open_run(path: str | Path) -> Result:
         There is no such file, or no run was saved in it.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            found = {name: file[name] for name in file.files if name.startswith(ABOUT)}
-        about = json.loads(str(found[ABOUT]))
-        if about["format"] != FORMAT:
-            raise ValueError(f"format {about['format']} instead of {FORMAT}")
-        return _opened(about, found)
+        arrays = _arrays_in(Path(path))
+        text = str(arrays["about"])
+        number = msgspec.json.decode(text, type=Kept).format
+        if number != FORMAT:
+            raise ValueError(f"its format is {number}, this kousoku reads {FORMAT}")
+        about = msgspec.json.decode(text, type=KeptMotion | KeptTrajectory)
+        if isinstance(about, KeptMotion):
+            return _motion(about, arrays)
+        return _trajectory(about, arrays)
     except OSError as error:
         raise SolveError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except (KeyError, TypeError, ValueError, zipfile.BadZipFile, msgspec.ValidationError) as error:
+    except Exception as error:  # a damaged file makes its readers raise whatever there is
+        reason = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST]
         raise SolveError(
-            f"{path}: holds no run ({type(error).__name__}: {error}); wanted a file that"
-            ' run.save("….npz") wrote'
+            f'{path}: holds no run ({reason}); wanted a file that run.save("….npz") wrote'
         ) from None
 
 
-def _opened(about: dict[str, Any], arrays: dict[str, Any]) -> Result:
-    result: Result
-    if "layout" in about:
-        result = Motion(
-            msgspec.convert(about["layout"], Layout),
-            arrays[ROWS],
-            target=about["target"],
-            method=about["method"],
-            ledger=about["ledger"],
-            is_complete=about["is_complete"],
-        )
-    else:
-        tables = {}
-        for table in (*TABLES, *ANGLES):
-            names = about.get(table, [])
-            own = {name: arrays[f"{ABOUT}.{table}"][:, k] for k, name in enumerate(names)}
-            tables[table] = Named(own, f"{about['name']}: no {table}")
-        given = {name: about[name] for name in SCALARS} | tables
-        given["links"] = tuple(tuple(link) for link in about["links"])
-        rest = {name: arrays[f"{ABOUT}.{name}"] for name in ("iterations", "residual")}
-        result = Trajectory(**given, **rest, times=arrays.get(f"{ABOUT}.times"))
-    result.mechanism = Moved(about["scene"])
-    return result
+def _arrays_in(path: Path) -> dict[str, Any]:
+    """Return the arrays of a file that are no columns; what was cut off is missed."""
+    found = {}
+    with zipfile.ZipFile(path) as archive:
+        for entry in archive.namelist():
+            name = entry.removesuffix(".npy")
+            if name.startswith(OWN):
+                with archive.open(entry) as file:
+                    values = np.lib.format.read_array(file, allow_pickle=False)
+                values.flags.writeable = False  # nobody can write to what others read
+                found[name.removeprefix(OWN)] = values
+    if "about" not in found:
+        raise ValueError("nothing says what its columns belong to")
+    return found
+
+
+def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
+    layout, sizes = about.layout, about.layout.sizes
+    if [*sizes][:3] != ["t", "q", "v"] or sizes["t"] != 1 or min(sizes.values()) < 0:
+        raise ValueError("its rows do not begin with t, q and v")
+    rows = _checked(arrays, "rows", (None, sum(sizes.values())), 1 + sizes["q"] + sizes["v"])
+    if (np.diff(rows[:, 0]) < 0.0).any():
+        raise ValueError("its times do not ascend")
+    _require_places(layout)
+    motion = Motion(
+        layout,
+        rows,
+        target=about.target,
+        method=about.method,
+        ledger=KeptLedger(about.ledger, about.figures),
+        parameters=about.parameters,
+        is_complete=about.is_complete,
+    )
+    motion.mechanism = Moved(about.scene, [body.name for body in layout.bodies])
+    return motion
+
+
+def _require_places(layout: Layout) -> None:
+    """Refuse a layout that leads out of its rows.
+
+    Raises
+    ------
+    ValueError
+        It does.
+    """
+    sizes = {"v_dot": layout.sizes["v"], "energies": 2, "coordinates": 0, "reactions": 0}
+    sizes |= layout.sizes
+    is_right = sizes["v_dot"] == sizes["v"] and sizes["energies"] == 2
+
+    def inside(part: str, places: Iterable[float], *lengths: int, least: int = 0) -> bool:
+        indices = [*places]
+        own = [place for place in indices if isinstance(place, int)]
+        return len(indices) in lengths and all(least <= x < sizes[part] for x in own)
+
+    for body in layout.bodies:
+        turns = 4 * bool(body.p), 3 * bool(body.p)
+        is_right &= inside("q", body.r, 3) and inside("q", body.p, turns[0])
+        is_right &= inside("v", body.v, 3) and inside("v", body.omega_b, turns[1])
+        is_right &= (len(body.origin_b), len(body.axes_b)) == (3, 4)
+    for joint in layout.reactions:
+        is_right &= inside("reactions", joint.columns, 6, least=-1) and len(joint.point_b) == 3
+        is_right &= 0 <= joint.body < len(layout.bodies) and -1 <= joint.j < len(layout.bodies)
+    for _, _, columns in layout.coordinates if sizes["coordinates"] else ():
+        is_right &= inside("coordinates", columns, 2, 3)
+    is_right &= all(inside("q", [place], 1) for _, place in layout.works)
+    if not (is_right and 0.0 < layout.unit < np.inf and 0.0 < layout.length < np.inf):
+        raise ValueError("what it says of its rows is not so")
+
+
+def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
+    rows = len(_checked(arrays, "residual", (None,), None))
+    iterations = arrays["iterations"]
+    if iterations.shape != (rows,) or iterations.dtype.kind != "i" or (iterations < 0).any():
+        raise ValueError(f"iterations: wanted {rows} counts")
+    times = _checked(arrays, "times", (rows,), None) if "times" in arrays else None
+    tables = {}
+    for table, output in TABLES.items():
+        names, own = about.parts.get(table, []), {}
+        if names:
+            shape = (rows, len(names), *(2,) * (table in {one for one, *_ in NODE}))
+            known = None if table in {"inputs", "positions"} else 0
+            found = _checked(arrays, table, shape, known)
+            own = {name: found[:, k] for k, name in enumerate(names)}
+        what = table.replace("_", " ")
+        advice = "" if names else f"{about.name}: {not_generated(what, output)}"
+        tables[table] = Named(own, f"{about.name}: no {what}", advice)
+    trajectory = Trajectory(
+        name=about.name,
+        unit=about.unit,
+        method=about.method,
+        divisions=about.divisions,
+        input_units=about.input_units,
+        times=times,
+        iterations=iterations,
+        residual=arrays["residual"],
+        links=about.links,
+        target=about.target,
+        is_in_time=about.is_in_time,
+        **tables,
+    )
+    trajectory.mechanism = Moved(about.scene, about.parts["positions"])
+    return trajectory
+
+
+def _checked(
+    arrays: Mapping[str, Array], name: str, shape: tuple[int | None, ...], known: int | None
+) -> Array:
+    """Return an array of doubles of a shape; the first columns, or all, have to be finite.
+
+    Raises
+    ------
+    ValueError
+        It is another one.
+    """
+    found = arrays[name]
+    wanted = tuple(
+        own if one is None else one for one, own in zip(shape, found.shape, strict=False)
+    )
+    if found.dtype != np.float64 or found.shape != wanted or found.ndim != len(shape):
+        raise ValueError(f"{name} is {found.dtype} {found.shape}; wanted doubles, {shape}")
+    if not np.isfinite(found[..., :known]).all():
+        raise ValueError(f"{name} has numbers that are not finite")
+    return found

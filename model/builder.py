@@ -102,6 +102,10 @@ class SceneBuilder:
             }
         )
 
+    def __repr__(self) -> str:
+        counts = [f"{len(own)} in {table}" for table, own in self._tree.items() if table in RECORDS]
+        return f"<SceneBuilder {self._tree['name']}: {', '.join(counts) or 'nothing in it'}>"
+
     def node(self, name: str, *, at: Numbers, fixed: bool = False) -> Self:
         """Add a node, see :class:`kousoku.model.planar.Node`."""
         return self._add("nodes", name, at=at, fixed=fixed)

@@ -2,9 +2,10 @@
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
 from collections.abc import Mapping
+from functools import partial
 from math import atan2, hypot
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, Self
 
 import msgspec
 
@@ -12,6 +13,7 @@ from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Joint
+from kousoku.model.text import counted
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
 Output = Literal[
@@ -110,6 +112,18 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         for field in TABLES:
             frozen = MappingProxyType(dict(getattr(self, field)))
             msgspec.structs.force_setattr(self, field, frozen)
+
+    def __repr__(self) -> str:
+        tables = ("bodies", "joints", "drivers", "forces", "nodes", "links", "sliders", "inputs")
+        counts = {table: len(getattr(self, table)) for table in tables}
+        one = {"bodies": "body"}
+        parts = [counted(n, one.get(x, x[:-1]), x) for x, n in counts.items() if n]
+        return f"<Scene {self.name}: {', '.join(parts) or 'nothing in it'}>"
+
+    def __reduce__(self) -> tuple[partial[Self], tuple[()]]:
+        """Return what is pickled: tables as dictionaries."""
+        values = {name: getattr(self, name) for name in self.__struct_fields__}
+        return partial(type(self), **values | {name: dict(values[name]) for name in TABLES}), ()
 
     @property
     def is_spatial(self) -> bool:

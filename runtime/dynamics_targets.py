@@ -51,9 +51,12 @@ class SolverTarget(Protocol):
         What computes.
     state_size, work_size, row_size : int
         Counts of numbers in a state, in the memory for work, and in a row of results.
+    sources : Sources
+        The generated files.
     """
 
     name: str
+    sources: Sources
     state_size: int
     work_size: int
     row_size: int

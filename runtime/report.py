@@ -66,7 +66,7 @@ class Row:
         )
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Report:
     """Whether a package computes what was derived.
 
@@ -94,6 +94,12 @@ class Report:
     def ok(self) -> bool:
         """Whether nothing is wrong."""
         return not self.problems
+
+    def __repr__(self) -> str:
+        worst = self.worst
+        said = f"{len(self.problems)} problems" if self.problems else "computes what was derived"
+        units = f", worst {_units(worst.worst)} units of {LIMIT:g}" if worst else ""
+        return f"<Report of {self.package}: {said}{units}; print() shows each output>"
 
     @property
     def worst(self) -> Row | None:

@@ -76,6 +76,10 @@ class SavedRun:
     state: Array
     rows: Array
 
+    def __repr__(self) -> str:
+        last = self.times[-1] if len(self.times) else 0.0
+        return f"<SavedRun: {len(self.rows)} of {len(self.times)} rows to {last:g} s>"
+
 
 class Interrupted(KeyboardInterrupt):
     """The user stopped a run; ``result`` has what was computed, ``run`` can go on.
@@ -104,6 +108,9 @@ class Run:
         Go on from there.
     """
 
+    #: What moves, where kousoku loaded it; results pass it on.
+    mechanism: Any = None
+
     def __init__(
         self, solver: DynamicsSolver, times: Array, options: Options, saved: SavedRun | None = None
     ) -> None:
@@ -131,12 +138,16 @@ class Run:
             self._check(saved)
             self._rows[: len(saved.rows)] = saved.rows
 
+    def __repr__(self) -> str:
+        rows = f"{self.written} of {len(self.times)} rows"
+        return f"<Run of {self.solver.name}: at {self.time:.6g} s, {self.steps} steps, {rows}>"
+
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.solver, self.times, self.options, self.save())
-        return type(self), given, (self._q, self._v, self._is_elsewhere)
+        return type(self), given, (self._q, self._v, self._is_elsewhere, self.mechanism)
 
-    def __setstate__(self, start: tuple[Array, Array, bool]) -> None:
-        self._q[:], self._v[:], self._is_elsewhere = start
+    def __setstate__(self, start: tuple[Array, Array, bool, Any]) -> None:
+        self._q[:], self._v[:], self._is_elsewhere, self.mechanism = start
 
     def restart(
         self,
@@ -366,14 +377,17 @@ class Run:
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
         solver, error = self.solver, self._error
-        return Motion(
+        motion = Motion(
             self._there.layout,
             rows,
             target=solver.target.name,
             method=options.method,
             ledger=lambda: ledger_of(solver, state, options, seconds, error),
+            parameters=dict(options.parameters),
             is_complete=len(rows) == len(self.times),
         )
+        motion.mechanism = self.mechanism
+        return motion
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""

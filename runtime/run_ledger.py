@@ -141,6 +141,9 @@ class RunLedger:
     seconds: Mapping[str, float]
     trust: Trust
 
+    def __repr__(self) -> str:
+        return f"<RunLedger: {str(self).splitlines()[0]}; print() shows all>"
+
     def worst(self, level: str) -> tuple[float, float]:
         """Return the largest violation of all joints at a level, in metres and in radians."""
         k = LEVELS.index(level)

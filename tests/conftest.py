@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
+from msgspec.structs import astuple
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
@@ -224,7 +225,7 @@ def bodies_folder(shared_tree: Callable[..., Path]) -> Callable[..., Path]:
     """Return the folder of the solver of a scene of bodies, generated once for its outputs."""
 
     def folder(scene: Scene, outputs: tuple[str, ...] = (), **options: Any) -> Path:
-        key = ("bodies", scene, outputs, options)
+        key = ("bodies", astuple(scene), outputs, options)
         return shared_tree(scene.name, key, lambda: generate_dynamics(scene, outputs, **options))
 
     return folder

@@ -175,6 +175,18 @@ def test_the_driven_loop_closes_and_its_motor_lifts_the_bodies() -> None:
     assert torque == pytest.approx([9.81 * (2 / 2 + 3 / 2), 0, 0], abs=1e-9)
 
 
+#: What shows the inside: the stages from a formula to a kernel.
+OF_THE_INSIDE = {"docs/pipeline.md", "notebooks/from_formula_to_verified_kernel.ipynb"}
+TAUGHT = [*PAGES, *ROOT.glob("docs/examples/*.py"), *ROOT.glob("notebooks/*.ipynb")]
+
+
+def test_nothing_that_teaches_imports_the_inside() -> None:
+    deep = re.compile(r"(?:from|import) kousoku\.(?:cli|codegen|model|runtime|symbolic|view)\b")
+    found = {str(path.relative_to(ROOT)) for path in TAUGHT if deep.search(read(path))}
+    assert found <= OF_THE_INSIDE
+    assert found, "the search itself finds nothing"
+
+
 def test_the_table_of_kinds_is_complete() -> None:
     rows = re.findall(r"^\| `(\w+)`", read(DOCS / "kinds.md"), re.MULTILINE)
     assert rows == list(KINDS)
@@ -200,10 +212,19 @@ def test_every_link_inside_the_project_leads_somewhere(path: Path) -> None:
             assert anchor in anchors(page), f"{target}#{anchor}"
 
 
-def test_the_steps_of_ci_are_targets_of_the_makefile() -> None:
+def test_the_steps_of_ci_are_targets_of_the_makefile_and_tasks() -> None:
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     ci = (ROOT / ".ci" / "run").read_text(encoding="utf-8")
     steps = re.search(r"^for step in (.*); do$", ci, re.MULTILINE)
+    targets = [
+        name
+        for _, names in re.findall(r"^(TASKS|TESTED) := (.*)$", makefile, re.MULTILINE)
+        for name in names.split()
+    ]
+    usage = subprocess.run(
+        [sys.executable, ROOT / "tasks.py", "--help"], capture_output=True, text=True, check=True
+    ).stderr
+    tasks = re.findall(r"^  (\S+)", usage, re.MULTILINE)
     assert steps is not None
-    for name in {*steps[1].split(), "demo", "notebooks", "notebook"}:
-        assert re.search(rf"^{name}:", makefile, re.MULTILINE), name
+    assert {*steps[1].split(), "demo", "notebook"} <= set(tasks)
+    assert sorted(targets) == sorted(tasks)

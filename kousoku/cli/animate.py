@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import STOPPED, Target
 from kousoku.cli.moving import (
     Initial,
@@ -27,7 +28,12 @@ RATE, LEAST, MOST = 500, 1001, 20001
 
 def animate(
     file: Annotated[
-        Path, typer.Argument(metavar="SCENE", help="A scene file, *.toml, or a run, *.npz.")
+        Path,
+        typer.Argument(
+            metavar="SCENE",
+            help="A scene file, *.toml, or a run, *.npz.",
+            autocompletion=files(".toml", ".npz"),
+        ),
     ],
     *,
     out: Annotated[

@@ -27,7 +27,6 @@ from kousoku.model.errors import KousokuError
 app = typer.Typer(
     name="kousoku",
     no_args_is_help=True,
-    add_completion=False,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )

@@ -30,7 +30,7 @@ def cache(
             for shelf in SHELVES
         }
         folder = str(cache_folder())
-        print_json({"format": 1, "folder": folder, "removed": len(gone), "shelves": shelves})
+        print_json({"folder": folder, "removed": len(gone), "shelves": shelves})
         return
     if clear:
         typer.echo(f"removed {len(gone)} entries, {_size(sum(entry.size for entry in gone))}")

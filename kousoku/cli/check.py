@@ -6,11 +6,17 @@ from typing import Annotated, Any
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import BAD_INPUT, AsJson, print_json
 
 
 def check(
-    files: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="Scene files, *.toml.")],
+    scene_files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="SCENE...", help="Scene files, *.toml.", autocompletion=files(".toml")
+        ),
+    ],
     *,
     as_json: AsJson = False,
 ) -> None:
@@ -18,9 +24,9 @@ def check(
 
     Nothing is generated. The exit code is 2 where a scene is wrong; notes do not count.
     """
-    found = [checked(path) for path in files]
+    found = [checked(path) for path in scene_files]
     if as_json:
-        print_json({"format": 1, "scenes": found})
+        print_json({"scenes": found})
     else:
         for one in found:
             for line in (*one["problems"], *one["notes"]):

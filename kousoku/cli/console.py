@@ -2,7 +2,7 @@
 
 import json
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from math import isfinite
 from pathlib import Path
@@ -16,6 +16,8 @@ from kousoku.model.errors import DerivationError, LoadError
 from kousoku.model.text import table
 from kousoku.symbolic import KINDS, packages_of
 
+#: Number of the format of what ``--json`` prints, see :mod:`kousoku.cli.answers`.
+FORMAT = 1
 #: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped.
 DISAGREEMENT, BAD_INPUT, STOPPED = 1, 2, 3
 
@@ -35,7 +37,7 @@ def generated_folder() -> Path:
     """Return the folder of the generated packages that came with kousoku."""
     import kousoku.generated
 
-    return Path(kousoku.generated.__path__[0]).resolve()  # past the link of a checkout
+    return Path(str(kousoku.generated.__file__)).resolve().parent  # past the links of a checkout
 
 
 def checkout() -> Path | None:
@@ -80,9 +82,12 @@ def find_packages(name: str = "") -> list[Path]:
         raise LoadError(f"{name}: no such package, kind or folder; known: {names}") from None
 
 
-def print_json(data: Any) -> None:
-    """Print data for a program to read; numbers that are not finite become strings."""
-    print(json.dumps(_finite(data), indent=1, ensure_ascii=False))
+def print_json(data: Mapping[str, Any]) -> None:
+    """Print data for a program to read, with the number of its format.
+
+    Numbers that are not finite become texts.
+    """
+    print(json.dumps(_finite({"format": FORMAT, **data}), indent=1, ensure_ascii=False))
 
 
 def _finite(data: Any) -> Any:

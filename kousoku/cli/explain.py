@@ -1,15 +1,13 @@
 """``kousoku explain``: what a scene does not need, what that saves, and what remains."""
 
-from pathlib import Path
-from typing import Annotated
-
 import typer
 
 from kousoku.cli.console import AsJson, print_json
+from kousoku.cli.moving import SceneFile
 
 
 def explain(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, *.toml.")],
+    scene_file: SceneFile,
     as_json: AsJson = False,
 ) -> None:
     """Say what a solver of a scene leaves out, what that saves, and what it solves.

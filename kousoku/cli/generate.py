@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
@@ -49,7 +50,10 @@ class Order:
 def generate(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Kinds and scene files; all that kousoku ships when left out."),
+        typer.Argument(
+            help="Kinds and scene files; all that kousoku ships when left out.",
+            autocompletion=files(".toml"),
+        ),
     ] = None,
     check: Annotated[
         bool, typer.Option("--check", help="Write nothing; fail where a folder would change.")
@@ -65,27 +69,39 @@ def generate(
     """Derive, freeze, optimise and emit packages of NumPy and C.
 
     Without --out, a kind or scene that kousoku ships goes where it stands in a checkout, and any
-    other into the user's cache.
+    other into the user's cache. Kinds whose sources did not change are not derived again; --check
+    derives all, and says of each file that differs which input changed.
     """
     if out is None and target is not Emitted.ALL:
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
-    orders = [order for name in names or [""] for order in _orders(name, out)]
+    orders = [order for name in names or [""] for order in _orders(name, out, check)]
+    is_all = not names and out is None and checkout() is not None
     with progress() as bar:
         trees = [_files(order, target) for order in bar.track(orders, description="generate")]
     if check:
-        _report_check(orders, trees, _leftovers() if not names and out is None else [], as_json)
+        more = [*_leftovers(), *_record_differs(orders, trees)] if is_all else []
+        _report_check(orders, trees, more, as_json)
         return
     from kousoku.codegen.generate import write_tree
+    from kousoku.model.cache import write_atomically
 
     rows = [
         (order.folder, write_tree(order.folder, tree))
         for order, tree in zip(orders, trees, strict=True)
     ]
+    if is_all:
+        path, text = _record(orders, trees)
+        if not path.is_file() or path.read_text(encoding="utf-8") != text:
+            write_atomically(path, text.encode())
     if as_json:
-        print_json([{"folder": str(folder), "changed": changed} for folder, changed in rows])
+        written = [{"folder": str(folder), "changed": changed} for folder, changed in rows]
+        print_json({"packages": written})
         return
     for folder, changed in rows:
-        typer.echo(f"{_shown(folder)}: {', '.join(changed) if changed else 'unchanged'}")
+        if changed:
+            typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
+    same = sum(not changed for _, changed in rows)
+    typer.echo(f"{same} of {len(rows)} packages unchanged")
 
 
 def _shown(folder: Path) -> Path:
@@ -96,16 +112,17 @@ def _shown(folder: Path) -> Path:
 
 def _files(order: Order, target: Emitted) -> SourceTree:
     """Return a package as it is written into its folder, without sources of the other target."""
-    from kousoku.cli.scenes import as_committed
     from kousoku.codegen.generate import without
+    from kousoku.runtime.library import LANES
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
     tree = without(order.make(), *left_out)
-    is_committed = order.folder.resolve().is_relative_to(generated_folder())
-    return as_committed(tree) if is_committed else tree
+    # Of the kinds that are shipped lanes.h stands once, in the runtime beside them.
+    is_shipped = order.folder.resolve().is_relative_to(generated_folder() / "kinds")
+    return without(tree, LANES.name) if is_shipped else tree
 
 
-def _orders(name: str, out: Path | None) -> list[Order]:
+def _orders(name: str, out: Path | None, check: bool) -> list[Order]:
     """Return the packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names, package_of
@@ -118,7 +135,8 @@ def _orders(name: str, out: Path | None) -> list[Order]:
         return [_scene_order(scenes[name.removesuffix(".toml")], out)]
     packages = (package_of(name),) if name else package_names()
     kinds = _kinds_folder() if out is None else out
-    orders = [Order(kinds / package, partial(generate_kind, package)) for package in packages]
+    known = None if check else generated_folder() / "kinds"
+    orders = [Order(kinds / p, partial(generate_kind, p, known)) for p in packages]
     return orders if name else orders + [_scene_order(path, out) for path in scenes.values()]
 
 
@@ -157,7 +175,25 @@ def _leftovers() -> list[str]:
     found_kinds = sorted(generated_folder().glob("kinds/*/manifest.json"))
     left = [path.parent for path in found if path.parent.name not in scenes]
     left += [path.parent for path in found_kinds if path.parent.name not in kinds]
-    return [f"{folder} is not generated any more" for folder in left] if checkout() else []
+    return [f"{folder} is not generated any more" for folder in left]
+
+
+def _record(orders: Sequence[Order], trees: Sequence[SourceTree]) -> tuple[Path, str]:
+    """Return where it stands of which sources the kinds were derived, and what stands there."""
+    from kousoku.codegen.derived import RECORD_FILE, record_of
+
+    folder = generated_folder() / "kinds"
+    pairs = zip(orders, trees, strict=True)
+    kinds = {order.folder.name: tree for order, tree in pairs if order.folder.parent == folder}
+    return folder / RECORD_FILE, record_of(kinds)
+
+
+def _record_differs(orders: Sequence[Order], trees: Sequence[SourceTree]) -> list[str]:
+    """Return a line if the kinds were derived of other sources, also where that changed nothing."""
+    path, text = _record(orders, trees)
+    if path.is_file() and path.read_text(encoding="utf-8") == text:
+        return []
+    return [f"{path} differs; changed: sources that derive (symbolic/, codegen/) or their results"]
 
 
 def _report_check(

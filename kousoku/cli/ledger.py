@@ -36,7 +36,7 @@ def ledger(
     if as_json:
         from kousoku.ledger.printing import as_data
 
-        print_json([as_data(entry, proofs.get(entry.equation)) for entry in chosen])
+        print_json({"entries": [as_data(entry, proofs.get(entry.equation)) for entry in chosen]})
     elif latex or markdown:
         from kousoku.ledger.page import latex_page, markdown_page
 

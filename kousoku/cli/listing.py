@@ -12,7 +12,7 @@ def list_names(as_json: AsJson = False) -> None:
     """List the generated packages and their kernels."""
     rows = [_row(folder) for folder in generated_packages()]
     if as_json:
-        print_json(rows)
+        print_json({"packages": rows})
         return
     print_table(
         ("name", "what", "other names", "kernels"),

@@ -5,13 +5,14 @@ from __future__ import annotations
 import re
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
 from kousoku.model.errors import MotionError, SolveError
 
@@ -22,14 +23,15 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Output
     from kousoku.runtime.integrate.result import Result
 
-#: Number of the format of ``--json``, told by its schema.
-FORMAT = 1
 #: Columns of the table on the screen.
 MOST_COLUMNS = 8
 #: Formats of a plot that is one file.
 PICTURES = (".png", ".svg", ".pdf")
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file, *.toml.")]
+SceneFile = Annotated[
+    Path,
+    typer.Argument(metavar="SCENE", help="A scene file, *.toml.", autocompletion=files(".toml")),
+]
 Set = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scene, for each."),
@@ -137,6 +139,7 @@ def move(
         raise (
             SolveError(f"{wish.file}: {error}") if str(wish.file) not in str(error) else error
         ) from None
+    wish = replace(wish, columns=_columns(result, wish.columns))
     begin = time.perf_counter()
     files = _write(result, wish)
     seconds |= getattr(result.ledger, "seconds", {})
@@ -212,6 +215,22 @@ def _require_part(mechanism: Mechanism, name: str) -> None:
         raise SolveError(f"{option} {name}: the scene has {', '.join(known)}")
 
 
+def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
+    """Return the columns that names stand for: themselves, or all of a body, joint or node.
+
+    Raises
+    ------
+    SolveError
+        There is no such column.
+    """
+    from kousoku.runtime.integrate.result import NotInResultError
+
+    try:
+        return [column for name in names or () for column in result.columns_of(name)]
+    except NotInResultError as error:
+        raise SolveError(f"--column: {error}") from None
+
+
 def _write(result: Result, wish: Wish) -> list[Path]:
     """Write rows and plots where they are asked for, and return the files: the plots last."""
     files = []
@@ -234,7 +253,7 @@ def _show(
 ) -> None:
     """Print rows, ledger and files."""
     if wish.as_json:
-        data = {"format": FORMAT, **result.summary(), "seconds": dict(seconds), "errors": errors}
+        data = {**result.summary(), "seconds": dict(seconds), "errors": errors}
         print_json({**data, "plots": [str(path) for path in files if path != wish.out]})
         return
     _print_rows(result, wish)
@@ -283,13 +302,15 @@ def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | st
     """
     values: dict[str, float | str] = {}
     for text in given or ():
-        name, is_given, number = (part.strip() for part in text.partition("="))
+        name, _, number = (part.strip() for part in text.partition("="))
+        degrees = re.fullmatch(r"([-+.\deE]*[\d.])[ *]*deg", number)
         try:
-            values[name] = float(number)
+            value = float(degrees[1] if degrees else number)
         except ValueError:
-            if not (is_given and name and re.fullmatch(r"[^=]*\bdeg", number)):
-                raise SolveError(f"{option} {text}: wanted a name, = and a number: k=3.0") from None
-            values[name] = number
+            name = ""
+        if not name:
+            raise SolveError(f"{option} {text}: wanted a name, = and a number: k=3.0")
+        values[name] = f"{value!r} deg" if degrees else value
     return values
 
 

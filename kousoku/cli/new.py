@@ -50,11 +50,12 @@ def new(
     path = Path(f"{sort.value.replace('-', '_')}.toml") if file is None else file
     if path.suffix != ".toml":
         raise SceneError("a scene file ends in .toml; choose another name", file=str(path))
-    if problem := scene_name_problem(path.stem):
+    name = path.stem.replace("-", "_")  # four-bar.toml is what one calls it
+    if problem := scene_name_problem(name):
         raise SceneError(f"names the scene, too: {problem}", file=str(path))
     if path.exists():
         raise SceneError("is there already; choose another name", file=str(path))
-    text = template(sort, path.stem)
+    text = template(sort, name)
     if schema:
         beside = path.parent / SCHEMA
         write_atomically(beside, schema_text().encode())

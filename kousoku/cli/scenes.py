@@ -49,11 +49,3 @@ def scene_folder(name: str) -> Path:
     if checkout() is not None and committed.is_dir():
         return committed
     return cache_folder() / "generated" / name
-
-
-def as_committed(tree: dict[str, str]) -> dict[str, str]:
-    """Return a package as it is committed: ``lanes.h`` stands once, in the runtime beside it."""
-    from kousoku.codegen.generate import without
-    from kousoku.runtime.library import LANES
-
-    return without(tree, LANES.name)

@@ -1,15 +1,24 @@
-"""``kousoku schema``: the JSON schema of scene files, for editors and other programs."""
+"""``kousoku schema``: the JSON schema of scene files, or of what a command prints."""
 
+import json
 import sys
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from kousoku.model.errors import LoadError
+
 
 def schema(
     out: Annotated[
         Path | None, typer.Option(help="Write it to a file, such as scene.schema.json.")
+    ] = None,
+    command: Annotated[
+        str | None,
+        typer.Option(
+            "--json", metavar="COMMAND", help="The schema of what a command prints with --json."
+        ),
     ] = None,
 ) -> None:
     """Print the JSON schema of scene files.
@@ -18,10 +27,25 @@ def schema(
     first line is "#:schema ./scene.schema.json", with that file beside the scene.
     """
     from kousoku.model.cache import write_atomically
+
+    text = _scene_schema() if command is None else _answer_schema(command)
+    if out is None:
+        sys.stdout.write(text)
+        return
+    write_atomically(out, text.encode())
+    typer.echo(f"wrote {out}")
+
+
+def _scene_schema() -> str:
     from kousoku.model.schema import schema_text
 
-    if out is None:
-        sys.stdout.write(schema_text())
-        return
-    write_atomically(out, schema_text().encode())
-    typer.echo(f"wrote {out}")
+    return schema_text()
+
+
+def _answer_schema(command: str) -> str:
+    from kousoku.cli.answers import ANSWERS, answer_schema
+    from kousoku.runtime.given import unknown
+
+    if command not in ANSWERS:
+        raise LoadError(unknown("command with --json", command, [*ANSWERS]))
+    return json.dumps(answer_schema(command), indent=1, ensure_ascii=False) + "\n"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from kousoku.cli.completing import files
 from kousoku.cli.console import (
     DISAGREEMENT,
     AsJson,
@@ -31,7 +32,10 @@ SHOWN = 4
 def verify(
     names: Annotated[
         list[str] | None,
-        typer.Argument(help="Packages, kinds, folders or scene files; all when left out."),
+        typer.Argument(
+            help="Packages, kinds, folders or scene files; all when left out.",
+            autocompletion=files(".toml"),
+        ),
     ] = None,
     target: Annotated[
         Target, typer.Option(help="What to check: all that this machine can run, or one target.")

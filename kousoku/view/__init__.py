@@ -14,7 +14,10 @@ if TYPE_CHECKING:
 
     from kousoku.model.scene import Scene
 
-__all__ = ["Animation", "animate", "draw_mechanism"]
+__all__ = ["Animation", "animate", "draw_mechanism", "still"]
+
+#: Width and height of a still beside a line of text, in the pixels of a page.
+SMALL = (320, 210)
 
 
 def animate(
@@ -77,6 +80,31 @@ def animate(
     if path is not None:
         animation.save(path)
     return animation
+
+
+def still(scene: Scene, result: Any = None, parameters: Mapping[str, float] | None = None) -> str:
+    """Return a small still as HTML: of the first row of a run, or of the mechanism at rest.
+
+    Parameters
+    ----------
+    scene : Scene
+        What is drawn.
+    result : Result, optional
+        The run.
+    parameters : mapping of str to float, optional
+        Values of its parameters; its own unless given.
+    """
+    from base64 import b64encode
+
+    from kousoku.view.picture import picture_at_rest, picture_of
+    from kousoku.view.stills import still_svg
+
+    if result is None:
+        picture = picture_at_rest(scene, parameters)
+    else:
+        picture = picture_of(result, scene, parameters=parameters, paths_of=())
+    data = b64encode(still_svg(picture, size=SMALL).encode()).decode()
+    return f'<img alt="{scene.name}" src="data:image/svg+xml;base64,{data}">'
 
 
 def draw_mechanism(scene: Scene, parameters: Mapping[str, float] | None = None) -> Figure:

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from kousoku.plots import STYLE
+from kousoku.plots import STYLE, Drawing
 from kousoku.view.shapes import LIGHT, METAL
 from kousoku.view.stills import Camera, Face, color_of, drawn, grid_seen, placed
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from kousoku.view.picture import Picture
 
@@ -33,7 +33,7 @@ def draw(picture: Picture) -> Figure:
     """
     camera = Camera(picture, SIZE, 420.0)
     with mpl.rc_context(STYLE | {"axes.grid": False}):
-        figure = Figure(figsize=(6.4, 4.2))
+        figure = Drawing(figsize=(6.4, 4.2))
         axes = figure.add_axes((0.0, 0.0, 1.0, 0.93))
         axes.set(xlim=(0.0, SIZE[0]), ylim=(SIZE[1], 0.0), aspect="equal")
         axes.axis("off")

@@ -118,6 +118,7 @@ class Run:
         self._settings = Settings(tolerance, longest, step or 0.0, int(checks), number)
         self.state, self._work = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
         self._rows, self._layout = np.empty((len(times), solver.scene.row_size)), scene.layout
+        self._parameters = values
         start = np.array([*scene.data["q"], *scene.data["v"]], float)
         nq, given = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
@@ -194,8 +195,14 @@ class Run:
         """Return what was computed so far."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         rows, is_complete = self._rows[:written], written == len(self.times)
-        options = {"target": "numpy", "method": self.method}
-        return Motion(self._layout, rows, is_complete=is_complete, **options)
+        return Motion(
+            self._layout,
+            rows,
+            target="numpy",
+            method=self.method,
+            parameters=self._parameters,
+            is_complete=is_complete,
+        )
 
     def _require(self, status: int) -> None:
         if status != Status.GOOD:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .result import SHOWN, Column, Named, NotInResultError, Result, not_generated
+from .result import SHOWN, Column, Coordinates, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -92,7 +92,7 @@ class Layout:
         Its unit of length.
     bodies : tuple of BodyPlaces
         In the order of the scene.
-    sizes : mapping of str to int
+    sizes : dict of str to int
         How many numbers a row has of each part, in order: t, q, v, then what is wanted.
     reactions : tuple of ReactionPlaces
         Where the forces of joints and drivers stand.
@@ -120,7 +120,7 @@ class Layout:
     unit: float
     unit_name: str
     bodies: tuple[BodyPlaces, ...]
-    sizes: Mapping[str, int]
+    sizes: dict[str, int]  # a saved run is read by these annotations
     reactions: tuple[ReactionPlaces, ...]
     not_unique: tuple[str, ...]
     checked: tuple[str, ...]
@@ -221,6 +221,8 @@ class Motion(Result):
         How it was integrated.
     ledger : callable or RunLedger, optional
         What the run cost, or what returns it when it is read.
+    parameters : mapping of str to float, optional
+        All parameters of the scene, with their values in this run.
     is_complete : bool
         Whether all times are there.
 
@@ -268,9 +270,11 @@ class Motion(Result):
         target: str,
         method: str,
         ledger: Any = None,
+        parameters: Mapping[str, float] | None = None,
         is_complete: bool = True,
     ) -> None:
         self.layout, self.rows, self._ledger = layout, rows, ledger
+        self._parameters = dict(parameters or {})
         self._tables: dict[str, Any] = {}
         self.name, self.unit = layout.name, layout.unit_name
         self.target, self.method, self.is_complete = target, method, is_complete
@@ -301,7 +305,7 @@ class Motion(Result):
     @property
     def parameters(self) -> Mapping[str, float]:
         """The parameters of the run."""
-        return Named(dict(getattr(self._ledger and self.ledger, "parameters", {})))
+        return Named(self._parameters, f"{self.name}: no parameter")
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -463,13 +467,25 @@ class Motion(Result):
     def _state(self, k: int) -> tuple[Array, Array]:
         """Return q and v of a row: of bodies in their own frames."""
         parts = self.layout.parts(self.rows[k : k + 1 or None])
-        return written_state(self.layout.bodies, parts["q"][0], parts["v"][0], self.layout.unit)
+        inner = parts["q"][0]
+        q, v = written_state(self.layout.bodies, inner, parts["v"][0], self.layout.unit)
+        return Coordinates(q, self.parameters, inner), v
+
+    def _first(self) -> Motion:
+        """Return it with its first row alone."""
+        return Motion(self.layout, self.rows[:1], target=self.target, method=self.method)
 
     def with_ledger(self, ledger: Any) -> Motion:
         """Return the same motion with another ledger."""
-        options = dict[str, Any](target=self.target, method=self.method)
-        options["is_complete"] = self.is_complete
-        return Motion(self.layout, self.rows, ledger=ledger, **options)
+        return Motion(
+            self.layout,
+            self.rows,
+            target=self.target,
+            method=self.method,
+            ledger=ledger,
+            parameters=self._parameters,
+            is_complete=self.is_complete,
+        )
 
     def summary(self) -> dict[str, object]:
         """Return what a program may want to know, ready for JSON."""

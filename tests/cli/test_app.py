@@ -37,7 +37,7 @@ def test_an_unknown_command_is_bad_input(run: Run) -> None:
 
 def test_the_list_names_every_kind(run: Run) -> None:
     code, out, _ = run("list", "--json")
-    listed = {row["name"]: row for row in json.loads(out)}
+    listed = {row["name"]: row for row in json.loads(out)["packages"]}
     assert code == 0
     for name, kind in KINDS.items():
         assert listed[name]["kind"] == name

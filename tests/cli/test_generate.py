@@ -64,7 +64,7 @@ def test_what_kousoku_ships_is_what_it_generates(run: Run, name: str) -> None:
 @pytest.mark.parametrize("name", ["p2", "p2_y"])
 def test_a_kind_with_choices_of_rows_is_one_package(run: Run, tmp_path: Path, name: str) -> None:
     answer = json.loads(run("generate", name, "--out", tmp_path, "--json")[1])
-    assert [Path(row["folder"]).name for row in answer] == ["p2"]
+    assert [Path(row["folder"]).name for row in answer["packages"]] == ["p2"]
     manifest = json.loads((tmp_path / "p2" / "manifest.json").read_text(encoding="utf-8"))
     names = [kernel["name"] for kernel in manifest["kernels"]]
     assert names[:3] == ["constraint_x", "rates_x", "reaction_x"] and len(names) == 9

@@ -26,7 +26,7 @@ SCENES = Path(__file__).parents[2] / "scenes"
 def test_a_new_scene_is_right_and_moves_for_its_duration(
     run: Run, tmp_path: Path, sort: Sort, compiler: object
 ) -> None:
-    file = tmp_path / "mine.toml"
+    file = tmp_path / f"{sort.value}.toml"
     code, out, err = run("new", sort.value, file)
     assert (code, err) == (0, "")
     assert f"kousoku simulate {file}" in out
@@ -34,7 +34,7 @@ def test_a_new_scene_is_right_and_moves_for_its_duration(
     assert run("check", file)[0] == 0
     code, out, err = run("simulate", file, "--json")
     data = json.loads(out)
-    assert (code, data["scene"], data["rows"]) == (0, "mine", 1001), err
+    assert (code, data["scene"], data["rows"]) == (0, sort.value.replace("-", "_"), 1001), err
     assert all("moved" not in note and "turned" not in note for note in data.get("notes", []))
 
 

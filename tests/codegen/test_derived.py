@@ -1,5 +1,6 @@
 """What deriving gives is kept by content, and a cache that is ill harms nothing."""
 
+import gzip
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -8,8 +9,20 @@ from pathlib import Path
 import pytest
 
 from kousoku.codegen import derived
-from kousoku.codegen.derived import SOURCES, Derived, content_key, recall_or_derive
+from kousoku.codegen.derived import (
+    RECORD_FILE,
+    SOURCES,
+    Derived,
+    content_key,
+    recall_committed,
+    recall_or_derive,
+    record_of,
+    source_key,
+)
+from kousoku.codegen.generate import write_tree
 from kousoku.codegen.kernel import Package
+from kousoku.codegen.store import GRAPH_FILE, dump
+from kousoku.model.manifest import REFERENCE_FILE
 
 ROOT = Path(__file__).parents[2]
 
@@ -114,6 +127,47 @@ def test_no_home_folder_is_told_and_harms_nothing(
     monkeypatch.setattr(derived, "cache_folder", no_folder)
     assert recall_or_derive("n1").package.name == "n1"
     assert "nothing derived is kept: no cache folder" in caplog.text
+
+
+@pytest.fixture
+def committed(n1_package: Package, tmp_path: Path) -> Iterator[Path]:
+    """Lay out the kind n1 as it is committed, and of which sources it was derived."""
+    source_key.cache_clear()
+    folder = tmp_path / "kinds"
+    tree = {GRAPH_FILE: dump(n1_package), REFERENCE_FILE: '{"format": 1}\n'}
+    write_tree(folder / "n1", tree | {"manifest.json": "{}"})
+    (folder / RECORD_FILE).write_text(record_of({"n1": tree}), encoding="utf-8")
+    yield folder
+    source_key.cache_clear()
+
+
+def test_a_committed_kind_of_the_same_sources_is_not_derived_again(
+    committed: Path, n1_package: Package
+) -> None:
+    known = recall_committed(committed, "n1")
+    assert known == Derived(n1_package, '{"format": 1}\n')
+    assert recall_committed(committed, "n2") is None
+
+
+@pytest.mark.parametrize("change", ["source", "sympy", "graph", "record", "no record"])
+def test_a_committed_kind_is_derived_again_after_any_change(
+    committed: Path, monkeypatch: pytest.MonkeyPatch, change: str
+) -> None:
+    match change:
+        case "source":
+            monkeypatch.setattr(derived, "__version__", "9.9")
+            source_key.cache_clear()
+        case "sympy":
+            monkeypatch.setattr(derived, "SAME_BYTES", ("0.7.",))
+        case "graph":
+            path = committed / "n1" / GRAPH_FILE
+            text = gzip.decompress(path.read_bytes())
+            path.write_bytes(gzip.compress(text.replace(b"*", b"+", 1)))
+        case "record":
+            (committed / RECORD_FILE).write_text("[]", encoding="utf-8")
+        case _:
+            (committed / RECORD_FILE).unlink()
+    assert recall_committed(committed, "n1") is None
 
 
 def test_the_key_covers_every_module_that_deriving_imports() -> None:

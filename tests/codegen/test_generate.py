@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from kousoku.codegen.emit import sha256
 from kousoku.codegen.generate import check_tree, generate_kind, package_names, write_tree
 from kousoku.codegen.store import parse
 from kousoku.model.errors import DerivationError
@@ -26,6 +27,8 @@ FILES = {
     "manifest.json",
     "reference.json.gz",
 }
+
+EDITED = "it was edited after it was generated"
 
 
 @pytest.fixture
@@ -84,9 +87,57 @@ def test_differences_name_the_file_and_the_line(tmp_path: Path) -> None:
     (tmp_path / "b.py").unlink()
     (tmp_path / "c.txt").write_text("mine")
     differs, missing, extra = check_tree(tmp_path, tree)
-    assert differs.endswith("a.c differs from line 2 on: 'TWO' instead of 'two'")
+    assert differs.endswith(f"a.c differs from line 2 on: 'TWO' instead of 'two'; {EDITED}")
     assert missing.endswith("b.py is missing")
     assert extra.endswith("c.txt is not generated any more")
+
+
+@pytest.fixture
+def written(cache: Path, tmp_path: Path) -> dict[str, str]:
+    """Return the package n1, which lies in the folder ``n1``."""
+    tree = generate_kind("n1")
+    write_tree(tmp_path / "n1", tree)
+    return tree
+
+
+@pytest.mark.parametrize(
+    ("key", "cause"),
+    [
+        ("derivation", "changed: the derivation (symbolic/)"),
+        ("templates", "changed: the templates (codegen/templates/)"),
+        ("runtime", "changed: the plain source that goes along (runtime/)"),
+        ("version", "changed: the version of kousoku, 0.0.1, is 0.1.0 now"),
+        ("", "changed: what emits it (codegen/)"),
+    ],
+)
+def test_a_difference_names_the_input_that_changed(
+    written: dict[str, str], tmp_path: Path, key: str, cause: str
+) -> None:
+    """The folder is one that was generated before, of another input, with another kernels.h."""
+    path = tmp_path / "n1" / "manifest.json"
+    before = "/* of before */\n"
+    manifest = json.loads(path.read_text(encoding="utf-8"))
+    inputs = [[name, "0" * 16 if name == key else digest] for name, digest in manifest["inputs"]]
+    digests = dict(manifest["files"]) | {"kernels.h": sha256(before)}
+    manifest |= {"inputs": inputs, "files": list(digests.items())}
+    manifest |= {"version": "0.0.1"} if key == "version" else {}
+    path.write_text(json.dumps(manifest), encoding="utf-8")
+    (tmp_path / "n1" / "kernels.h").write_text(before, encoding="utf-8")
+    header, _ = check_tree(tmp_path / "n1", written)
+    assert "kernels.h differs from line 1 on" in header
+    assert header.endswith(cause)
+
+
+def test_a_difference_names_the_runtime_file_that_changed(
+    written: dict[str, str], tmp_path: Path
+) -> None:
+    path = tmp_path / "n1" / "manifest.json"
+    before = "# of before\n"
+    manifest = json.loads(path.read_text(encoding="utf-8"))
+    digests = dict(manifest["files"]) | {"batch_numpy.py": sha256(before)}
+    path.write_text(json.dumps(manifest | {"files": list(digests.items())}), encoding="utf-8")
+    (tmp_path / "n1" / "batch_numpy.py").write_text(before, encoding="utf-8")
+    assert check_tree(tmp_path / "n1", written)[0].endswith("; changed: runtime/batch_numpy.py")
 
 
 def test_what_is_kept_compressed_counts_as_it_is_before(tmp_path: Path) -> None:
@@ -99,7 +150,7 @@ def test_what_is_kept_compressed_counts_as_it_is_before(tmp_path: Path) -> None:
     assert write_tree(tmp_path, tree) == []
     path.write_bytes(gzip.compress(b"two\n"))
     (differs,) = check_tree(tmp_path, tree)
-    assert differs.endswith("a.json.gz differs from line 1 on: 'two' instead of 'one'")
+    assert differs.endswith(f"a.json.gz differs from line 1 on: 'two' instead of 'one'; {EDITED}")
     path.write_bytes(path.read_bytes()[:-3])
     (damaged,) = check_tree(tmp_path, tree)
     assert damaged.endswith("a.json.gz is damaged")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import multiprocessing
 import os
+import pickle
 import time
 import tomllib
 from pathlib import Path
@@ -129,6 +131,37 @@ def test_what_is_no_scene_is_refused(scene: object) -> None:
         numpy_loaded(scene)
 
 
+@pytest.mark.parametrize(
+    ("data", "says"),
+    [
+        (None, "cannot be read: No such file or directory"),
+        (b"\x89PNG\r\n\x1a\n\0", r"is not UTF-8 text \(at line 1\)"),
+        (b'name = "x"\n\xff\xfe', r"is not UTF-8 text \(at line 2\)"),
+        (b'name = "x"\nunit = "m"\n[bodies\n', "scene.toml:3: is not valid TOML"),
+        (b'name = "x"\nunit = "ell"\n', "scene.toml:2: unit: .*'ell'"),
+    ],
+)
+def test_a_file_that_is_no_scene_is_named(tmp_path: Path, data: bytes | None, says: str) -> None:
+    path = tmp_path / "scene.toml"
+    if data is not None:
+        path.write_bytes(data)
+    for given in (path, str(path)):
+        with pytest.raises(ks.SceneError, match=says) as caught:
+            numpy_loaded(given)
+        assert all(line.startswith(str(path)) for line in str(caught.value).splitlines())
+
+
+def test_names_and_texts_that_are_none_are_refused(tmp_path: Path) -> None:
+    for given, says in (
+        (tmp_path, "is a folder; wanted a scene file"),
+        ("x" * 5000, "too long"),
+        ("a\0b", "null"),
+        ('name = "x"\nunit =\n', "line 2: is not valid TOML"),
+    ):
+        with pytest.raises(ks.SceneError, match=says):
+            numpy_loaded(given)
+
+
 def test_a_wrong_scene_is_refused_with_its_file_and_line(tmp_path: Path) -> None:
     wrong = tmp_path / "wrong.toml"
     wrong.write_text(LOOP.read_text().replace('"hinge"', '"hnige"', 1))
@@ -155,3 +188,24 @@ def test_a_builder_and_a_linkage_load() -> None:
     crank = numpy_loaded(SCENES / "lever_crank.toml")
     assert repr(crank) == "<Mechanism lever_crank: 4 nodes, 4 links, 1 input; in numpy>"
     assert len(crank.solve(divisions=4)) == 5
+
+
+@pytest.mark.parametrize("copied", [copy.deepcopy, lambda x: pickle.loads(pickle.dumps(x))])
+@pytest.mark.parametrize("name", ["pendulum", "lever_crank"])
+def test_a_mechanism_whose_scene_was_read_travels(name: str, copied: Any) -> None:
+    mechanism = numpy_loaded(SCENES / f"{name}.toml")
+    assert mechanism.scene.unit == mechanism.unit  # read: kept from now on
+    other = copied(mechanism)
+    assert other.scene == mechanism.scene
+    with pytest.raises(TypeError):  # as little to be changed as before
+        other.scene.nodes["new"] = None
+
+
+def test_a_path_may_have_an_equals_sign(tmp_path: Path) -> None:
+    path = tmp_path / "mass=2.toml"
+    path.write_text(PENDULUM.read_text())
+    assert numpy_loaded(str(path)).file == str(path)
+    with pytest.raises(ks.SceneError, match=r"length=3.toml: cannot be read"):
+        ks.load("length=3.toml")
+    with pytest.raises(ks.SceneError, match="unit: is missing"):
+        ks.load('name = "bar"')

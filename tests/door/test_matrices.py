@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
+from msgspec.structs import astuple
 
 import kousoku as ks
 from kousoku.codegen.linkage import generate_scene
@@ -43,6 +44,20 @@ FILES = {path.stem: path for folder in (SCENES, SCENES / "adams") for path in fo
 READ = {name: read_scene(path) for name, path in sorted(FILES.items())}
 OF_BODIES = [name for name, scene in READ.items() if scene.is_spatial]
 OF_NODES = [name for name, scene in READ.items() if not scene.is_spatial]
+#: A bar on a hinge with a spring that counts turns.
+WOUND = """
+name = "wound"
+unit = "m"
+outputs = ["coordinates", "accelerations"]
+coordinates = { a = { joint = "h" } }
+[bodies.b]
+position = [0, 0, 0]
+cylinders = [{ mass = 1, radius = 0.1, ends = [[0, 0, 0], [1, 0, 0]] }]
+[joints]
+h = { type = "hinge", bodies = ["ground", "b"], at = [0, 0, 0], axis = [0, 0, 1] }
+[forces]
+s = { type = "along", coordinate = "a", force = "-5*a" }
+"""
 #: Relative to the largest number that a sum is made of.
 ROUNDING = 1e-9
 #: All rows at all of its states, but where these lie in other positions than the rest of the way.
@@ -236,7 +251,7 @@ def test_the_equations_of_linkages_hold_and_they_have_no_masses(
     import msgspec
 
     scene = msgspec.structs.replace(READ[name], outputs=("velocities", "accelerations"))
-    folder = shared_tree(scene.name, ("linkage", scene), lambda: generate_scene(scene))
+    folder = shared_tree(scene.name, ("linkage", astuple(scene)), lambda: generate_scene(scene))
     found = load_scene(folder, target="numpy").solve()
     for k in range(0, len(found.residual), 7):
         t, q, v = found.state(k)
@@ -398,3 +413,19 @@ matrices(read_scene({str(FILES["pendulum"])!r}), 0, [0, 0, 0, 1, 0, 0, 0], [0] *
 assert "sympy" not in sys.modules
 """
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+@pytest.mark.usefixtures("compiler")
+def test_a_row_of_a_run_has_its_parameters_and_its_turns() -> None:
+    engine = ks.load(SCENES / "engine.toml", outputs=["accelerations"])
+    run = engine.simulate(0.01, samples=3, parameters={"crank": 0.055})
+    assert np.abs(engine.matrices(*run.state(-1)).C).max() < 1e-12
+    t, q, v = run.state(-1)
+    assert np.abs(engine.matrices(t, np.array(q), v).C).max() > 1e-3  # numbers of one's own
+    found = engine.evaluate(*run.state(-1))
+    assert dict(zip(found.columns, found.v_dot, strict=True))["piston.x"] == pytest.approx(
+        run.body("piston").acceleration[-1, 0], rel=1e-9
+    )
+    wound = ks.load(WOUND)
+    run = wound.simulate(1, samples=2, initial={"a": "400 deg"})
+    assert wound.evaluate(*run.state(0)).v_dot[-1] == pytest.approx(run["a_ddot"][0], rel=1e-12)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 from mpmath import MPContext
+from msgspec.structs import astuple
 
 from kousoku.codegen.linkage import specialise
 from kousoku.codegen.linkage_emit import emit_scene
@@ -37,7 +38,7 @@ def folder_of(shared_tree: Callable[..., Path]) -> Callable[[Scene], Path]:
         program = specialise(assemble(scene), load_frozen("link"))
         return emit_scene(program.package, program.solver, {})
 
-    return lambda scene: shared_tree(scene.name, ("linkage", scene), lambda: make(scene))
+    return lambda scene: shared_tree(scene.name, ("linkage", astuple(scene)), lambda: make(scene))
 
 
 @pytest.fixture
@@ -75,7 +76,8 @@ def mover(bodies_folder: Callable[..., Path], compiler: Toolchain) -> Mover:
     known: dict[tuple[str, tuple[str, ...]], DynamicsSolver] = {}
 
     def load(scene: str | Scene, outputs: tuple[str, ...] = ()) -> DynamicsSolver:
-        key = repr(scene), outputs
+        name = scene if isinstance(scene, str) else repr(astuple(scene))
+        key = name, outputs
         if key not in known:
             found = read_scene(SCENES / f"{scene}.toml") if isinstance(scene, str) else scene
             known[key] = load_dynamics(bodies_folder(found, outputs))

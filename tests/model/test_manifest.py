@@ -2,7 +2,8 @@
 
 import pytest
 
-from kousoku.model.manifest import KernelManifest, Manifest
+from kousoku.model.errors import LoadError
+from kousoku.model.manifest import ABI, KernelManifest, Manifest
 from kousoku.model.quantity import Quantity
 
 
@@ -27,6 +28,7 @@ def manifest() -> Manifest:
         regenerate="kousoku generate p2",
         version="0.1.0",
         digest="0" * 64,
+        inputs=(("derivation", "2" * 16), ("templates", "3" * 16)),
         files=(("kernels.c", "1" * 64),),
         kernels=(kernel,),
     )
@@ -39,6 +41,14 @@ def test_manifest_reads_back_equal(manifest: Manifest) -> None:
 def test_another_format_is_refused(manifest: Manifest) -> None:
     with pytest.raises(ValueError, match="format"):
         Manifest.from_json(manifest.to_json().replace('"format": 1', '"format": 99'))
+
+
+@pytest.mark.parametrize(("there", "shown"), [('"abi": 99, ', "ABI 99"), ("", "ABI 0")])
+def test_another_abi_is_refused_in_one_line(manifest: Manifest, there: str, shown: str) -> None:
+    text = manifest.to_json()
+    assert f'"abi": {ABI}, ' in text
+    with pytest.raises(LoadError, match=f"p2_z was generated .*{shown}.*: kousoku generate p2$"):
+        Manifest.from_json(text.replace(f'"abi": {ABI}, ', there))
 
 
 def test_sizes_are_products_of_shapes(manifest: Manifest) -> None:

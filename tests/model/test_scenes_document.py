@@ -55,6 +55,7 @@ def test_every_shown_part_stands_in_a_committed_scene() -> None:
                     assert any(element.items() <= of.items() for of in found), f"{table}.{name}"
 
 
+@pytest.mark.usefixtures("compiler")
 def test_the_shown_python_builds_a_scene(capsys: pytest.CaptureFixture[str]) -> None:
     planar, spatial = blocks("python")
     exec(compile(planar, "docs/scenes.md", "exec"), {})

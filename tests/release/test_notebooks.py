@@ -78,9 +78,8 @@ def joined(outputs: list[Any]) -> list[Any]:
 def test_notebook_shows_what_is_committed(
     path: Path, request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setenv(
-        "KOUSOKU_STILLS", "1"
-    )  # the kernel gets it: a page would be no output to keep
+    # The kernel gets it: a page would be no output to keep.
+    monkeypatch.setenv("KOUSOKU_STILLS", "1")
     committed = nbformat.read(path, as_version=4)
     notebook = nbformat.read(path, as_version=4)
     with warnings.catch_warnings():
@@ -117,6 +116,20 @@ def names_used(path: Path) -> list[str]:
             case ast.Import(names=aliases):
                 names += [part for alias in aliases for part in alias.name.split(".")]
     return names
+
+
+@pytest.mark.parametrize("path", sorted(FOLDER.glob("*_ja.ipynb")), ids=lambda path: path.stem)
+def test_a_japanese_notebook_has_the_cells_of_its_english_twin(path: Path) -> None:
+    """The same code, and a text for each text, with as many exercises."""
+    twin = path.with_stem(path.stem.removesuffix("_ja"))
+    here, there = (nbformat.read(one, as_version=4).cells for one in (path, twin))
+    assert [cell.cell_type for cell in here] == [cell.cell_type for cell in there]
+    for own, other in zip(here, there, strict=True):
+        if own.cell_type == "code":
+            assert own.source == other.source
+        else:
+            assert re.search("[ぁ-ん]", own.source)
+            assert own.source.count("**") == other.source.count("**")
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -54,7 +54,7 @@ def test_every_hash_seed_gives_the_same_bytes(tmp_path: Path) -> None:
         )
         assert result.returncode == 0, result.stderr
         found.append(contents(out))
-    assert len(found[0]) == 10 * len(KINDS)
+    assert len(found[0]) == 11 * len(KINDS)
     assert found[0] == found[1] == found[2]
 
 

@@ -112,7 +112,7 @@ def write_tiny(
     (folder / REFERENCE_FILE).write_bytes(stored(REFERENCE_FILE, numbers))
     files.append((REFERENCE_FILE, sha256(numbers.encode())))
     manifest = Manifest(
-        "tiny", "Tiny", "kousoku generate tiny", "0", digest, tuple(files), (SPHERE,)
+        "tiny", "Tiny", "kousoku generate tiny", "0", digest, (), tuple(files), (SPHERE,)
     )
     (folder / "manifest.json").write_text(manifest.to_json(), encoding="utf-8")
     return folder

@@ -223,3 +223,13 @@ def test_a_run_starts_over_in_its_memory(solver: DynamicsSolver) -> None:
     assert third.ledger.steps == first.ledger.steps
     with pytest.raises(SolveError, match=r"q has the shape \(1,\), wanted"):
         run.restart(q=[0.0])
+
+
+def test_a_run_says_how_far_it_is_and_a_result_its_parameters(solver: DynamicsSolver) -> None:
+    run = solver.begin([0.0, 0.2, 0.4], parameters={"speed": 3})
+    assert repr(run) == "<Run of arm: at 0 s, 0 steps, 0 of 3 rows>"
+    assert repr(run.finish() and run).endswith("3 of 3 rows>")
+    assert dict(run.motion().parameters) == {"speed": 3.0}
+    with pytest.raises(TypeError, match=r"arm: row 1\.5; wanted a whole number"):
+        motion: Any = run.motion()
+        motion.state(1.5)

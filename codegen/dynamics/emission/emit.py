@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import astuple
 from typing import TYPE_CHECKING
 
@@ -11,7 +10,7 @@ from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
-from kousoku.codegen.emit import along, environment, manifest, template
+from kousoku.codegen.emit import along, digest, environment, hashed, manifest, template
 from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
 from kousoku.runtime.integrate.methods import METHODS
@@ -67,10 +66,13 @@ def emit_dynamics(
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     view = dynamics_view(program, system, length, parts)
     integrator = along("integrate")
-    total = hashlib.sha256(f"{__version__}\n{view!r}\n{astuple(system)!r}".encode())
-    for text in (*integrator.values(), *map(template, PARTS)):
-        total.update(text.encode())
-    signature = total.hexdigest()
+    inputs = hashed(
+        scene=repr(astuple(system)),
+        composition=repr(view),
+        templates="".join(map(template, PARTS)),
+        runtime=repr(integrator),
+    )
+    signature = digest(inputs)
     given = {
         "view": view,
         "python": numpy_view(program, system, length, parts),
@@ -87,7 +89,7 @@ def emit_dynamics(
     package = Package(
         system.name, f"the motion of {system.name}", f"kousoku generate {system.name}.toml", ()
     )
-    return files | {"manifest.json": manifest(package, signature, files).to_json()}
+    return files | {"manifest.json": manifest(package, inputs, files).to_json()}
 
 
 def key_of(signature: str) -> str:

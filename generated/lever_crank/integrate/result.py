@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import os
+import zipfile
 from collections.abc import Mapping
 from functools import cached_property
 from importlib import import_module
@@ -77,6 +78,34 @@ class Column(NamedTuple):
     unit: str
 
 
+class Coordinates(np.ndarray):
+    """Coordinates q of a row, which know of their run what the numbers do not tell.
+
+    Parameters
+    ----------
+    values : array
+        The numbers.
+    parameters : mapping of str to float
+        Those of the run.
+    counted : array
+        q as the solver has it: its angles count turns.
+    """
+
+    parameters: Mapping[str, float] | None
+    counted: Array | None
+
+    def __new__(cls, values: Array, parameters: Mapping[str, float], counted: Array) -> Coordinates:
+        """Return the numbers with what belongs to them."""
+        found = np.asarray(values).view(cls)
+        found.parameters, found.counted = parameters, counted
+        return found
+
+    def __array_finalize__(self, other: Any) -> None:
+        """Hand on what belongs to them to what is computed from them."""
+        self.parameters = getattr(other, "parameters", None)
+        self.counted = getattr(other, "counted", None)
+
+
 class Part:
     """A body, joint, driver, node or link in a result: its tables are attributes."""
 
@@ -135,6 +164,7 @@ class Result:
         q : array
             For each body of the scene r of the origin of its frame in frame O [unit], then its
             Euler parameters, scalar first, unless it is a point; of a linkage x and y of each node.
+            Of bodies it also knows the parameters of the run and the turns of its angles.
         v : array
             For each body ṙ [unit/s], then ω′ in its frame [rad/s] unless it is a point; of a
             linkage the rates of x and y.
@@ -143,7 +173,11 @@ class Result:
         ------
         IndexError
             There is no such row.
+        TypeError
+            A row is no whole number.
         """
+        if not hasattr(k, "__index__"):
+            raise TypeError(f"{self.name}: row {shown(k)}; wanted a whole number")
         if not -len(self) <= k < len(self):
             raise IndexError(f"{self.name}: no row {shown(k)}: there are {len(self)}")
         q, v = self._state(k)
@@ -212,6 +246,21 @@ class Result:
         """Return all columns by name."""
         return {name: self[name] for name in self.places}
 
+    def columns_of(self, name: str) -> list[str]:
+        """Return a column, or those of a body, joint, driver, node or link.
+
+        Raises
+        ------
+        NotInResultError
+            There is none.
+        """
+        if name in self.places:
+            return [name]
+        own = [column for column, place in self.places.items() if place.owner == name]
+        if not own:
+            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+        return own
+
     def body(self, name: str) -> Part:
         """Return position, velocity, orientation … of a body."""
         return self._part("body", name)
@@ -278,7 +327,7 @@ class Result:
         elif path.suffix == ".npz":
             if self.mechanism is not None:
                 table |= import_module("kousoku.saved").arrays_of(self)
-            np.savez(buffer, **table)
+            _write_arrays(buffer, table)
         else:
             self._late("pyarrow", "table")
             self.to_pandas().to_parquet(buffer)
@@ -310,7 +359,19 @@ class Result:
     def _repr_html_(self) -> str:
         from html import escape
 
-        return f"<pre>{escape(repr(self))}</pre>"
+        return f"{self._still()}<pre>{escape(repr(self))}</pre>"
+
+    def _still(self) -> str:
+        """Return a picture of the first row, empty where nothing knows what moved."""
+        if self.mechanism is None or not len(self):
+            return ""
+        view = import_module("kousoku.view")
+        still: str = view.still(self.mechanism.scene, self._first(), self.parameters)
+        return still
+
+    def _first(self) -> Result:
+        """Return it with its first row, or with more where that is no less work."""
+        return self
 
     def __repr__(self) -> str:
         lines = [*self._verdict(), f"{type(self).__name__} of {self.name}: {self._extent()}"]
@@ -375,6 +436,14 @@ def refusal(text: str, kind: str = "SolveError") -> Exception:
 def _listed(names: Sequence[str]) -> str:
     more = len(names) - SHOWN
     return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
+def _write_arrays(buffer: io.BytesIO, arrays: Mapping[str, Any]) -> None:
+    """Write what ``numpy.load`` reads by name; ``numpy.savez`` has arguments of its own."""
+    with zipfile.ZipFile(buffer, "w") as archive:
+        for name, values in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
+                np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
 
 
 def _write(path: Path, data: bytes) -> None:

@@ -1,0 +1,394 @@
+"""What each command prints with ``--json``: records, from which ``kousoku schema --json`` is made.
+
+A key is never taken away, and never means something else, without another number of the format;
+keys may be added. A number that is not finite is the text ``"inf"``, ``"-inf"`` or ``"nan"``.
+"""
+
+# Annotations are evaluated: msgspec makes the schemas of them.
+from typing import Any, Literal, TypedDict
+
+import msgspec
+
+from kousoku.cli.console import FORMAT
+
+Number = float | Literal["inf", "-inf", "nan"]
+
+
+class Shelf(TypedDict):
+    """How much of one sort the cache holds."""
+
+    entries: int
+    bytes: int
+
+
+class Cache(TypedDict):
+    """What ``kousoku cache`` found: its folder, how many entries it removed, and what is left."""
+
+    format: int
+    folder: str
+    removed: int
+    shelves: dict[str, Shelf]
+
+
+class Remark(TypedDict):
+    """A problem or a note: line of the file, 0 where there is none, key, what, and all as text."""
+
+    line: int
+    key: str
+    problem: str
+    text: str
+
+
+class CheckedScene(TypedDict):
+    """What was found of a scene file; ``what`` is empty where it is not valid."""
+
+    file: str
+    is_valid: bool
+    what: str
+    problems: list[Remark]
+    notes: list[Remark]
+
+
+class Check(TypedDict):
+    """What ``kousoku check`` found."""
+
+    format: int
+    scenes: list[CheckedScene]
+
+
+class DerivationStep(TypedDict):
+    """An equation, the rule that gives it, and the number of the equation where it has one."""
+
+    left: str
+    right: str
+    latex: str
+    rule: str
+    equation: str
+
+
+class DerivedFunction(TypedDict):
+    """A function that a derivation ends in."""
+
+    name: str
+    formula: str
+    source: str
+    inputs: list[str]
+    outputs: list[str]
+
+
+class Derive(TypedDict):
+    """What ``kousoku derive`` derived."""
+
+    format: int
+    name: str
+    kind: str
+    title: str
+    source: str
+    steps: list[DerivationStep]
+    functions: list[DerivedFunction]
+
+
+class ExplainedStep(TypedDict):
+    """What a step leaves out of a solver: rows, columns, operations, bytes of the workspace."""
+
+    name: str
+    detail: str
+    rows: int
+    columns: int
+    operations: int
+    bytes: int
+
+
+class Structure(TypedDict):
+    """What remains to be solved; dense, schur and fill_in are counts of elements."""
+
+    positions: int
+    velocities: int
+    dependent: int
+    rows: int
+    elements: int
+    dense: int
+    schur: int
+    fill_in: int
+    parts: int
+
+
+class DependentRows(TypedDict):
+    """Rows that depend on each other, and how many of them are too many."""
+
+    joints: list[str]
+    rows: int
+    dimension: int
+    is_everywhere: bool
+
+
+class DroppedRow(TypedDict):
+    """A row that is left out."""
+
+    joint: str
+    instance: int
+    row: int
+
+
+class Freedom(TypedDict):
+    """Degrees of freedom, and the rows of constraints that depend on others."""
+
+    columns: int
+    rows: int
+    rank: int
+    dependent: list[DependentRows]
+    dropped: list[DroppedRow]
+    worst: Number
+    positions: int
+    unknown: list[str]
+    drivers: int
+    degrees: int
+    not_unique: list[str]
+
+
+class ExplainBodies(TypedDict):
+    """What ``kousoku explain`` says of a scene of bodies; segments have operations."""
+
+    format: int
+    name: str
+    is_planar: bool
+    steps: list[ExplainedStep]
+    segments: dict[str, int]
+    structure: Structure
+    freedom: Freedom
+    removed: list[str]
+    drivers: list[str]
+
+
+class Block(TypedDict):
+    """Unknowns that are solved together, and the rows that hold them."""
+
+    unknowns: int
+    rows: int
+
+
+class ExplainLinkage(TypedDict):
+    """What ``kousoku explain`` says of a linkage of nodes; kernels have operations."""
+
+    format: int
+    name: str
+    inputs: int
+    blocks: list[Block]
+    kernels: dict[str, int]
+
+
+class WrittenPackage(TypedDict):
+    """A folder, and the files in it that are others than before."""
+
+    folder: str
+    changed: list[str]
+
+
+class Generate(TypedDict):
+    """What ``kousoku generate`` wrote."""
+
+    format: int
+    packages: list[WrittenPackage]
+
+
+class GenerateCheck(TypedDict):
+    """What ``kousoku generate --check`` found; each difference is a line."""
+
+    format: int
+    ok: bool
+    differences: list[str]
+
+
+class LedgerEntry(TypedDict):
+    """An equation of the documents; the proof is empty where it failed."""
+
+    document: str
+    title: str
+    equation: str
+    aliases: list[str]
+    kind: Literal["sentence", "equation"]
+    verdict: Literal["holds", "notation", "misprint"]
+    printed: str
+    corrected: str
+    reason: str
+    proof: str
+
+
+class Ledger(TypedDict):
+    """What ``kousoku ledger`` proved."""
+
+    format: int
+    entries: list[LedgerEntry]
+
+
+class Package(TypedDict):
+    """A generated package; kind is null where it is none."""
+
+    name: str
+    kind: str | None
+    title: str
+    aliases: list[str]
+    kernels: list[str]
+
+
+class Listing(TypedDict):
+    """What ``kousoku list`` lists."""
+
+    format: int
+    packages: list[Package]
+
+
+class Violation(TypedDict):
+    """What is left of a joint's constraints: positions, velocities [1/s], accelerations [1/s²]."""
+
+    metres: list[Number]
+    radians: list[Number]
+
+
+class Momentum(TypedDict):
+    """Largest change of a momentum that nothing should change [kg m/s, kg m²/s]."""
+
+    bodies: list[str]
+    linear: Number | None
+    angular: Number | None
+    about: str
+
+
+class RunLedger(TypedDict):
+    """What a run cost, and how far it can be trusted; in metres, joules, seconds."""
+
+    method: str
+    tolerance: Number
+    fixed_step: Number | None
+    parameters: dict[str, Number]
+    steps: int
+    rejected: int
+    derivatives: int
+    factorisations: int
+    corrections: int
+    drift: Number
+    avoided: int
+    growth: Number
+    growth_time: Number
+    passed: int
+    passed_time: Number | None
+    fallbacks: int
+    fallback_time: Number | None
+    refinements: int
+    energy: Number | None
+    energy_error: Number | None
+    works: dict[str, Number]
+    momenta: list[Momentum]
+    violations: dict[str, Violation]
+    released: list[str]
+    seconds: dict[str, Number]
+
+
+class MovedBodies(TypedDict):
+    """What ``simulate`` and ``solve`` say of a run of bodies; errors are null there."""
+
+    format: int
+    scene: str
+    target: str
+    rows: int
+    bodies: list[str]
+    is_complete: bool
+    not_unique: list[str]
+    reaction_length: Number
+    notes: list[str]
+    ledger: RunLedger
+    seconds: dict[str, Number]
+    errors: dict[str, Number] | None
+    plots: list[str]
+
+
+class Iterations(TypedDict):
+    """Corrections in a step, and in all of them."""
+
+    min: int
+    max: int
+    total: int
+
+
+class MovedLinkage(TypedDict):
+    """What ``simulate`` and ``solve`` say of a linkage; errors are those of the closed form."""
+
+    format: int
+    scene: str
+    unit: str
+    target: str
+    method: str
+    divisions: int
+    rows: int
+    iterations: Iterations
+    residual_max: Number
+    seconds: dict[str, Number]
+    errors: dict[str, Number] | None
+    plots: list[str]
+
+
+class VerifiedRow(TypedDict):
+    """The worst error of an output in one way of calling, in units of rounding."""
+
+    kernel: str
+    output: str
+    way: str
+    worst: Number
+    element: list[int]
+    point: int
+    label: str
+    inputs: dict[str, str]
+    got: Number
+    wanted: Number
+    ok: bool
+
+
+class VerifiedPackage(TypedDict):
+    """Whether a package computes what was derived."""
+
+    package: str
+    folder: str
+    ok: bool
+    limit: Number
+    rows: list[VerifiedRow]
+    problems: list[str]
+    notes: list[str]
+
+
+class Verify(TypedDict):
+    """What ``kousoku verify`` found."""
+
+    format: int
+    ok: bool
+    limit: Number
+    packages: list[VerifiedPackage]
+
+
+MOVED = MovedBodies | MovedLinkage
+#: What each command prints.
+ANSWERS: dict[str, Any] = {
+    "cache": Cache,
+    "check": Check,
+    "derive": Derive,
+    "explain": ExplainBodies | ExplainLinkage,
+    "generate": Generate | GenerateCheck,
+    "ledger": Ledger,
+    "list": Listing,
+    "simulate": MOVED,
+    "solve": MOVED,
+    "verify": Verify,
+}
+
+
+def answer_schema(command: str) -> dict[str, Any]:
+    """Return the JSON schema of what a command prints with ``--json``."""
+    records = getattr(ANSWERS[command], "__args__", (ANSWERS[command],))
+    refs, parts = msgspec.json.schema_components(records, ref_template="#/$defs/{name}")
+    for name in {record.__name__ for record in records}:
+        parts[name]["properties"]["format"] = {"const": FORMAT}
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": f"kousoku {command} --json",
+        "anyOf": [*refs],
+        "$defs": parts,
+    }

@@ -1,0 +1,191 @@
+"""Options of a run: where it starts, how long and in which steps, what is shown; completion."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.cli.completing import files
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    Run = Callable[..., tuple[int, str, str]]
+
+SCENES = Path(__file__).parents[2] / "scenes"
+LOOP = SCENES / "loop_free.toml"
+PNG = b"\x89PNG\r\n\x1a\n"
+
+
+@pytest.fixture
+def rows(run: Run, tmp_path: Path, compiler: object) -> Callable[..., Any]:
+    """Return the rows of a run of the loop, by name."""
+
+    def moved(*options: object, scene: Path = LOOP) -> Any:
+        out = tmp_path / "rows.csv"
+        code, _, err = run("simulate", scene, *options, "--out", out)
+        assert (code, err) == (0, "")
+        return np.genfromtxt(out, delimiter=",", names=True, deletechars="")
+
+    return moved
+
+
+@pytest.mark.parametrize("given", ["30deg", "30 deg", "3e1deg", "30*deg", str(math.pi / 6)])
+def test_a_run_starts_where_it_is_told(rows: Callable[..., Any], given: str) -> None:
+    options = ("--initial", f"crank_angle={given}", "--initial", "crank_angle_dot=-0.5")
+    found = rows("--end", 1, "--samples", 3, *options)
+    assert found["crank_angle"][0] == pytest.approx(math.pi / 6, rel=1e-12)
+    assert found["crank_angle_dot"][0] == pytest.approx(-0.5, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ("crank_angle", "--initial crank_angle: wanted a name, = and a number"),
+        ("crank_angle=deg", "wanted a name, = and a number"),
+        ("crank_angle=30 degrees", "wanted a name, = and a number"),
+        ("=3", "--initial =3: wanted a name, = and a number"),
+        ("crank_angel=3", "no coordinate 'crank_angel'"),
+        ("crank_angle=nan", "initial crank_angle is nan; wanted a finite number"),
+    ],
+)
+def test_a_start_that_is_none_is_one_line(
+    run: Run, compiler: object, given: str, says: str
+) -> None:
+    code, out, err = run("simulate", LOOP, "--end", 1, "--initial", given)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1 and says in err
+
+
+def test_steps_are_no_longer_than_the_longest(run: Run, compiler: object) -> None:
+    options = ("simulate", LOOP, "--end", 1, "--samples", 2, "--json")
+    free, bound = (
+        json.loads(run(*options, *more)[1])["ledger"]["steps"]
+        for more in ((), ("--largest-step", 0.001))
+    )
+    assert free < 100
+    assert bound >= 1000
+    code, _, err = run(*options, "--largest-step", -1)
+    assert code == 2 and "largest step" in err.replace("_", " ")
+
+
+def test_too_many_steps_stop_the_run(run: Run, compiler: object, tmp_path: Path) -> None:
+    out = tmp_path / "part.npz"
+    code, _, err = run("simulate", LOOP, "--end", 9, "--most-steps", 10, "--out", out)
+    assert code == 3
+    assert "10 steps are made" in err and f"what was computed before is in {out}" in err
+    with np.load(out) as columns:
+        assert 1 < len(columns["time"]) < 1001
+
+
+def test_a_scene_has_a_duration_of_its_own(rows: Callable[..., Any], tmp_path: Path) -> None:
+    scene = tmp_path / "loop_free.toml"
+    scene.write_text(f"duration = 0.75\n{LOOP.read_text(encoding='utf-8')}", encoding="utf-8")
+    assert rows("--samples", 4, scene=scene)["time"].tolist() == [0.0, 0.25, 0.5, 0.75]
+    assert rows("--samples", 2, "--end", 0.5, scene=scene)["time"][-1] == 0.5
+
+
+def test_the_columns_that_are_named_are_printed(run: Run, compiler: object) -> None:
+    options = ("simulate", LOOP, "--end", 1, "--samples", 2)
+    _, out, _ = run(*options, "--column", "rocking", "--column", "a.fz")
+    head = ["time", "[s]", "rocking", "[rad]", "a.fz", "[N]"]
+    assert out.splitlines()[1].split() == head
+    _, out, _ = run(*options, "--column", "a")
+    assert all(f"a.{x}" in out for x in ("fx", "fy", "fz", "mx", "my", "mz"))
+
+
+@pytest.mark.parametrize("more", [(), ("--json",), ("--plot", "x.png"), ("--out", "x.csv")])
+def test_a_column_that_there_is_not_is_one_line(
+    run: Run, compiler: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: Any
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    code, out, err = run("simulate", LOOP, "--end", 1, "--column", "rockin", *more)
+    assert (code, out) == (2, "")
+    assert err.count("\n") == 1
+    assert "--column: loop_free: no column 'rockin'" in err and "mean 'rocking'" in err
+    assert not list(tmp_path.iterdir())
+
+
+def test_plots_go_into_one_picture(run: Run, compiler: object, tmp_path: Path) -> None:
+    pytest.importorskip("matplotlib")
+    for name, begin in (("x.png", PNG), ("x.svg", b"<?xml")):
+        place = tmp_path / name
+        code, out, err = run(
+            *("simulate", LOOP, "--end", 1, "--column", "rocking", "--plot", place)
+        )
+        assert (code, err) == (0, "")
+        assert place.read_bytes().startswith(begin)
+        assert f"wrote {place}" in out
+
+
+def test_a_run_that_was_kept_is_animated(run: Run, compiler: object, tmp_path: Path) -> None:
+    kept, page, other = (tmp_path / name for name in ("run.npz", "kept.html", "moved.html"))
+    options = ("--end", 2, "--set", "mass=1.5", "--initial", "crank_angle=20deg")
+    assert run("simulate", LOOP, *options, "--out", kept, "--samples", 1001)[0] == 0
+    code, out, err = run("animate", kept, "--out", page)
+    assert (code, err) == (0, "")
+    assert out.startswith(f"wrote {page}, ")
+    assert run("animate", LOOP, *options, "--out", other)[0] == 0
+    assert page.read_bytes() == other.read_bytes()
+    kept.write_bytes(kept.read_bytes()[:-100])
+    code, out, err = run("animate", kept, "--out", page)
+    assert (code, out) == (2, "")
+    assert err.startswith(f"kousoku: {kept}: holds no run") and err.count("\n") == 1
+
+
+# ---- completion ---------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scenes" / "more").mkdir(parents=True)
+    (tmp_path / ".hidden").mkdir()
+    for name in ("loop.toml", "lever.toml", "notes.txt", "run.npz"):
+        (tmp_path / "scenes" / name).touch()
+    return tmp_path
+
+
+def test_scene_files_and_folders_are_completed(tree: Path) -> None:
+    complete = files(".toml")
+    inside = [f"scenes/{name}" for name in ("lever.toml", "loop.toml", "more/")]
+    assert complete("") == complete("sc") == complete("scenes/") == inside
+    assert complete("scenes/l") == inside[:2]
+    assert complete("scenes/lo") == ["scenes/loop.toml"]
+    assert complete(f"{tree}/scenes/lo") == [f"{tree}/scenes/loop.toml"]
+    assert complete("nowhere/") == complete("scenes/n") == complete("scenes/more/") == []
+    assert files(".toml", ".npz")("scenes/r") == ["scenes/run.npz"]
+
+
+@pytest.mark.usefixtures("tree")
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_is_told(shell: str) -> None:
+    words = "kousoku simulate scenes/l"
+    name = "_KOUSOKU_COMPLETE"
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            "import sys; sys.argv = ['kousoku']; import kousoku.cli as c; c.main()",
+        ],
+        capture_output=True,
+        text=True,
+        env={
+            **os.environ,
+            **{name: f"complete_{shell}", "COMP_WORDS": words, "COMP_CWORD": "2"},
+            **{"_TYPER_COMPLETE_ARGS": words, "_TYPER_COMPLETE_FISH_ACTION": "get-args"},
+        },
+        check=False,
+    )
+    assert [x for x in ("lever", "loop", "notes") if f"scenes/{x}.t" in done.stdout] == [
+        "lever",
+        "loop",
+    ]
