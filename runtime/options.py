@@ -32,7 +32,7 @@ METHODS = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run.
 OPTIONS = (
     *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
-    *("initial", "q0", "v0", "strict"),
+    *("initial", "q0", "v0", "strict", "estimate_error"),
 )
 #: A run that needs more steps is stopped, unless it is told otherwise.
 MOST_STEPS = 1_000_000
@@ -52,6 +52,7 @@ class RunOptions(TypedDict, total=False):
     q0: Sequence[float] | None
     v0: Sequence[float] | None
     strict: bool
+    estimate_error: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +77,8 @@ class Options:
         All of the scene, in its order.
     initial : Initial
         Where the run starts, if not where the scene does.
+    estimate_error : bool
+        Whether a second run by another method tells how exact the rows are.
     """
 
     tolerance: float
@@ -86,6 +89,7 @@ class Options:
     most_steps: int
     parameters: tuple[tuple[str, float], ...]
     initial: Initial
+    estimate_error: bool = False
 
     def settings(self) -> Settings:
         """Return what a solver takes."""
@@ -108,6 +112,7 @@ def options_of(
     q0: Sequence[float] | Array | None = None,
     v0: Sequence[float] | Array | None = None,
     strict: bool = False,
+    estimate_error: bool = False,
 ) -> Options:
     """Return the options of a run.
 
@@ -139,6 +144,9 @@ def options_of(
         body frame's origin and its Euler parameters; its velocity and ω′. Points have three each.
     strict : bool
         Whether a start is refused that assembly changed, by more than 1e-6 of length and speed.
+    estimate_error : bool
+        Make a second run, by the other method of Runge-Kutta with a hundredth of the tolerance, or
+        with shorter steps; the ledger tells the largest difference. It takes a few times as long.
 
     Raises
     ------
@@ -147,9 +155,13 @@ def options_of(
     """
     require_numbers(solver.name, tolerance=tolerance, largest_step=largest_step)
     require_numbers(solver.name, is_whole=True, most_steps=most_steps)
-    for option, value in (("checks", checks), ("strict", strict)):
-        if not isinstance(value, bool | np.bool_):
-            raise SolveError(f"{solver.name}: {option} {shown(value)}; wanted True or False")
+    for option, given in (
+        ("checks", checks),
+        ("strict", strict),
+        ("estimate_error", estimate_error),
+    ):
+        if not isinstance(given, bool | np.bool_):
+            raise SolveError(f"{solver.name}: {option} {shown(given)}; wanted True or False")
     if strict and solver.moved:
         changed = "; ".join(f"bodies.{body} by {one}" for body, one in solver.moved.items())
         raise SolveError(
@@ -172,7 +184,8 @@ def options_of(
     values = with_values(solver, parameters)
     numbers = float(tolerance), float(largest_step), step
     started = initial_of(solver, initial, q0, v0)
-    return Options(*numbers, bool(checks), name, int(most_steps), values, started)
+    flags = bool(checks), name, int(most_steps)
+    return Options(*numbers, *flags, values, started, bool(estimate_error))
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:

@@ -12,6 +12,7 @@ import numpy as np
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
+from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import (
     numbers_of,
     require_callable,
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.error_estimate import ErrorEstimate
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
@@ -100,6 +102,7 @@ class Run:
         self.options = options
         self.seconds = {"start": 0.0, "run": 0.0}
         self._status: int = Status.PAUSED
+        self._error: ErrorEstimate | None = None
         target = solver.target
         self._values = np.array([value for _, value in options.parameters], dtype=np.float64)
         self._there = with_parameters(solver, self._values)
@@ -174,7 +177,7 @@ class Run:
         if self._is_shown:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
-        self._status = Status.PAUSED
+        self._status, self._error = Status.PAUSED, None
         self._start()
         return self
 
@@ -296,7 +299,23 @@ class Run:
             raise Interrupted(self) from None
         if self._status != Status.GOOD:
             raise MotionError(self._stop(), self.motion())
+        if self.options.estimate_error and self._error is None:
+            self._error = self._estimate(progress)
         return self.motion()
+
+    def _estimate(self, progress: Callable[[float, float], object] | None) -> ErrorEstimate:
+        """Return the error of all rows, from a second run by another method."""
+        begin = perf_counter()
+        times, options = second_times(self.times, self.options), second_options(self.options)
+        again = Run(self.solver, times, options).restart(q=self._q, v=self._v)
+        try:
+            second = again.finish(progress)
+        except MotionError:
+            second = again.motion()
+        every = 2 if len(times) > len(self.times) else 1
+        second = Motion(second.layout, second.rows[::every], target="", method=second.method)
+        self.seconds["error"] = perf_counter() - begin
+        return error_estimate(self.motion(), second, self.solver.length / self.solver.unit)
 
     def _steps_left(self) -> int:
         return max(0, self.options.most_steps - self.steps)
@@ -344,13 +363,13 @@ class Run:
         rows.flags.writeable = False
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
-        solver = self.solver
+        solver, error = self.solver, self._error
         motion = Motion(
             self._there.layout,
             rows,
             target=solver.target.name,
             method=options.method,
-            ledger=lambda: ledger_of(solver, state, options, seconds),
+            ledger=lambda: ledger_of(solver, state, options, seconds, error),
             parameters=dict(options.parameters),
             is_complete=len(rows) == len(self.times),
         )

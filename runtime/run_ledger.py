@@ -12,6 +12,7 @@ from kousoku.runtime.integrate.settings import COMES_OPEN
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_stop import SHOWN, key_of
+from kousoku.runtime.trust import trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -19,8 +20,10 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.error_estimate import ErrorEstimate
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options
+    from kousoku.runtime.trust import Trust
 
     Array = npt.NDArray[np.float64]
 
@@ -132,6 +135,8 @@ class RunLedger:
         speed: bodies, the one that changed most first.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
+    trust : Trust
+        The verdict.
     """
 
     method: str
@@ -160,6 +165,7 @@ class RunLedger:
     released: tuple[str, ...]
     moved: Mapping[str, Moved]
     seconds: Mapping[str, float]
+    trust: Trust
 
     def __repr__(self) -> str:
         return f"<RunLedger: {str(self).splitlines()[0]}; print() shows all>"
@@ -187,8 +193,8 @@ class RunLedger:
         return f"tolerance {self.tolerance:g}"
 
     def as_data(self) -> dict[str, object]:
-        """Return it ready for JSON."""
-        named = {name: getattr(self, name) for name in self.__slots__}
+        """Return it ready for JSON, without the verdict."""
+        named = {name: getattr(self, name) for name in self.__slots__ if name != "trust"}
         named["violations"] = {
             joint: {"metres": list(one.metres), "radians": list(one.radians)}
             for joint, one in self.violations.items()
@@ -211,12 +217,10 @@ class RunLedger:
                 f" most at {key_of(self.worst_joint(level))}"
             )
         if self.released:
-            names = ", ".join(f"joints.{name}" for name in self.released[:SHOWN])
-            names += ", …" if len(self.released) > SHOWN else ""
             yield (
-                f"came open: {names}; a constraint that was left out, because it depends on others"
-                " where it was looked at, does not depend on them here: this is not the motion of"
-                " the scene"
+                f"came open: {_listed(self.released)}; a constraint that was left out, because it"
+                " depends on others where it was looked at, does not depend on them here: this is"
+                " not the motion of the scene"
             )
         if self.factorisations:
             yield (
@@ -227,10 +231,11 @@ class RunLedger:
 
     def __str__(self) -> str:
         lines = [
+            str(self.trust),
             f"{self.method}, {self._control()}: {self.steps} steps, {self.rejected}"
             f" rejected, {self.derivatives} accelerations, {self.factorisations} factorisations,"
             f" {self.corrections} corrections of positions;"
-            f" a step left the constraints by {self.drift:.1e} at most before it was brought back"
+            f" a step left the constraints by {self.drift:.1e} at most before it was brought back",
         ]
         if self.moved:
             body, changed = next(iter(self.moved.items()))
@@ -261,8 +266,17 @@ class RunLedger:
         return "\n".join(lines)
 
 
+def _listed(joints: Sequence[str]) -> str:
+    names = ", ".join(f"joints.{name}" for name in joints[:SHOWN])
+    return names + ", …" * (len(joints) > SHOWN)
+
+
 def ledger_of(
-    solver: DynamicsSolver, numbers: Array, options: Options, seconds: Mapping[str, float]
+    solver: DynamicsSolver,
+    numbers: Array,
+    options: Options,
+    seconds: Mapping[str, float],
+    error: ErrorEstimate | None = None,
 ) -> RunLedger:
     """Return the ledger of a run.
 
@@ -276,6 +290,8 @@ def ledger_of(
         How the run is made.
     seconds : mapping of str to float
         Time that each phase took.
+    error : ErrorEstimate, optional
+        Of its rows.
     """
     state = {name: field.view(numbers) for name, field in solver.state.items()}
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
@@ -289,6 +305,7 @@ def ledger_of(
         works = _works(state["y"], layout.works, options)
     if options.checks:
         violations = _violations(worst, checked, layout.checked)
+    released = _released(worst[0], first, checked[first:], layout.length) if options.checks else ()
     changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
@@ -305,11 +322,17 @@ def ledger_of(
         works=Named(works),
         momenta=momenta_of(solver.kept, changes) if options.checks else (),
         violations=Named(violations),
-        released=_released(worst[0], first, checked[first:], layout.length)
-        if options.checks
-        else (),
+        released=released,
         moved=Named(solver.moved),
         seconds=Named(seconds),
+        trust=trust_of(
+            single,
+            options,
+            constraints=_relative(worst[0], checked, layout.length) if options.checks else None,
+            is_weighed=solver.is_weighed,
+            released=_listed(released),
+            error=error,
+        ),
         **counts,
     )
 
@@ -333,6 +356,12 @@ def _violations(
         joint: Violation(*(tuple(own[unit].tolist()) for unit in UNITS))
         for joint, own in sizes.items()
     }
+
+
+def _relative(worst: Array, rows: Sequence[tuple[str, str]], length: float) -> float:
+    """Return the largest residual in position, relative to a length where it is one."""
+    sizes = [length if unit == "m" else 1.0 for _, unit in rows]
+    return float(np.max(worst / sizes, initial=0.0))
 
 
 def _released(

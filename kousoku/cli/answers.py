@@ -264,6 +264,31 @@ class Momentum(TypedDict):
     about: str
 
 
+class ErrorEstimate(TypedDict):
+    """How far the rows of a second run by another method are away."""
+
+    length: Number
+    angle: Number
+    unit: str
+    method: str
+    unknown_from: Number | None
+
+
+class Trust(TypedDict):
+    """How far a run can be trusted, and what speaks against it."""
+
+    is_trusted: bool
+    energy_error: Number | None
+    energy_moved: Number | None
+    constraints: Number | None
+    drift: Number | None
+    row_drift: Number | None
+    pivot_ratio: Number | None
+    error: ErrorEstimate | None
+    limit: Number
+    problems: list[str]
+
+
 class RunLedger(TypedDict):
     """What a run cost, and how far it can be trusted; in metres, joules, seconds."""
 
@@ -307,6 +332,7 @@ class MovedBodies(TypedDict):
     not_unique: list[str]
     reaction_length: Number
     notes: list[str]
+    trust: Trust
     ledger: RunLedger
     seconds: dict[str, Number]
     errors: dict[str, Number] | None

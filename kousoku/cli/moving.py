@@ -115,7 +115,8 @@ def move(
     SolveError
         An option is not possible, or the start is not.
     typer.Exit
-        The motion stopped; rows before that are written.
+        The motion stopped, rows before that are written; or its ledger says why it is not to be
+        trusted.
     """
     from kousoku.loading import naming
     from kousoku.runtime.run import Interrupted
@@ -152,6 +153,10 @@ def move(
             _show(result, wish, files, seconds, errors)
         raise typer.Exit(stop[0])
     _show(result, wish, files, seconds, errors)
+    trust = getattr(result.ledger, "trust", None)
+    if trust is not None and not trust.is_trusted:
+        typer.echo(f"kousoku: {wish.file}: not trusted: {trust.why}", err=True)
+        raise typer.Exit(STOPPED)
 
 
 def loaded(wish: Wish) -> Mechanism:

@@ -79,6 +79,13 @@ def simulate(
     strict: Annotated[
         bool, typer.Option(help="Refuse a start that assembly moved, turned or sped up.")
     ] = False,
+    estimate_error: Annotated[
+        bool,
+        typer.Option(
+            "--estimate-error",
+            help="Make a second run by another method, and say how far its rows are away.",
+        ),
+    ] = False,
     given: Set = None,
     initial: Initial = None,
     output: Annotated[
@@ -95,7 +102,8 @@ def simulate(
     """Move a mechanism in time: bodies are integrated, a linkage follows its inputs.
 
     When the motion cannot go on, or Ctrl-C is pressed, what was computed before is written; the
-    exit code is 3, or 130.
+    exit code is 3, or 130. It is 3, too, when energy, drift or rows tell that the result is not to
+    be trusted.
     """
     options: dict[str, Any] = {
         "tolerance": tolerance,
@@ -104,6 +112,7 @@ def simulate(
         "largest_step": largest_step,
         "most_steps": most_steps,
         "strict": strict or None,
+        "estimate_error": estimate_error or None,
         "parameters": parameters_of(given) or None,
         "initial": numbers_of("--initial", initial) or None,
     }

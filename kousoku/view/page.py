@@ -62,6 +62,7 @@ def page_of(picture: Picture) -> str:
             " style-src 'unsafe-inline'; img-src data:"
         ),
         "TITLE": html.escape(picture.title),
+        "VERDICT": html.escape(picture.verdict),
         "STYLE": style,
         "SCENE": safe_json(data_of(picture)),
         "SCRIPT": script,

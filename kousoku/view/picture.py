@@ -77,6 +77,8 @@ class Picture:
         Seconds of motion in a second of showing.
     is_chosen : bool
         Whether who asks named the joints whose forces are drawn.
+    verdict : str
+        How far the run can be trusted, empty where that is not known.
     """
 
     name: str
@@ -91,6 +93,7 @@ class Picture:
     normal: Array | None
     speed: float
     is_chosen: bool = False
+    verdict: str = ""
 
     def directions(self) -> Array:
         """Return east, north and up in frame O, (3, 3): a planar motion is seen looking north."""
@@ -200,6 +203,7 @@ def picture_of(
         normal=normal_of(shapes, position, turn),
         speed=shown,
         is_chosen=not isinstance(forces, bool),
+        verdict=getattr(result, "verdict", ""),
     )
 
 

@@ -39,6 +39,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
     energy(work->w);
     s->energy = energy_balance(work->w, s);
+    s->potential = work->w[W_ENERGIES + 1];
     if (MOMENTA > 0) {
         momentum(work->w);
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);

@@ -19,6 +19,14 @@ static int are_closed(const double *w, double limit)
     return 1;
 }
 
+/* kinetic energy, change of potential energy since the start, and all works */
+static double energy_moved(const double *w, const State *s)
+{
+    double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
+    for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(w[W_Q + k]);
+    return moved;
+}
+
 /* notes what is left of the constraints, and what of energy and momenta is not as at the start */
 static void note_checks(double *w, State *s)
 {
@@ -30,6 +38,7 @@ static void note_checks(double *w, State *s)
         for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
     }
     s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
+    s->energy_moved = larger(s->energy_moved, energy_moved(w, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {
         const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);
@@ -63,6 +72,14 @@ static void interpolate_accelerations(
     s->passed_time = t;
 }
 
+/* notes that a row has numbers that are not finite, and when the first such row is */
+static void note_not_finite(const double *row, size_t n, State *s)
+{
+    if (are_finite(row, n)) return;
+    if (s->not_finite == 0.0) s->not_finite_time = row[0];
+    s->not_finite += 1;
+}
+
 /* writes the state at a time of the last step: on the manifold, as at every time that is asked
  * for */
 static int write_row(
@@ -80,10 +97,12 @@ static int write_row(
     } else {
         interpolate(m, x, s, y);
         const double vague = (is_driven ? WEAK : VAGUE) * s->largest_pivot_ratio;
-        const int can = project(t, 0.0, y, NULL, NULL, work, s, NULL);
+        double drift = 0.0;
+        const int can = project(t, 0.0, y, NULL, NULL, work, s, &drift);
         is_passed = !can || pivot_ratio(work, s) < vague;
         if (is_passed && !interpolate_position(m, t, x, y, work, s) && !can) return NOT_PROJECTED;
         if (is_passed) interpolate_accelerations(m, t, x, h, work, s);
+        else s->row_drift = larger(s->row_drift, drift);
     }
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
@@ -95,12 +114,14 @@ static int write_row(
         reaction(w);
     }
     coordinate(w);
-    *row++ = t;
-    memcpy(row, y, NY * sizeof *row);
-    row += NY;
+    double *next = row;
+    *next++ = t;
+    memcpy(next, y, NY * sizeof *next);
+    next += NY;
     for (size_t k = 0; k != PARTS; ++k) {
-        memcpy(row, w + parts[k][0], parts[k][1] * sizeof *row);
-        row += parts[k][1];
+        memcpy(next, w + parts[k][0], parts[k][1] * sizeof *next);
+        next += parts[k][1];
     }
+    if (!is_passed) note_not_finite(row, (size_t)(next - row), s);
     return GOOD;
 }

@@ -108,6 +108,7 @@ class Solver:
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work, s)
+        s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
         may_open = len(work.w.C_left_out) > 0 and (s.parameters != self.scene.parameters).any()

@@ -259,3 +259,17 @@ def test_an_output_of_what_there_is_none_of_is_refused(run: Run, output: str, sa
     code, out, err = run("simulate", FREE, "--end", 1, "--output", output)
     assert (code, out) == (2, "")
     assert f"outputs: {output}: the scene has {says}; leave it out" in err
+
+
+def test_run_that_is_not_trusted_exits_with_3_in_one_line(run: Run) -> None:
+    code, out, err = run("simulate", PENDULUM, "--end", 2, "--step", 0.2)
+    assert code == 3
+    assert len(err.splitlines()) == 1
+    assert "not trusted: energy is off by" in err
+    assert "not trusted: energy is off by" in out
+
+
+def test_estimated_error_is_on_the_screen(run: Run) -> None:
+    code, out, err = run("simulate", PENDULUM, "--end", 1, "--samples", 5, "--estimate-error")
+    assert (code, err) == (0, "")
+    assert re.search(r"trust: energy .* · error \S+e-\d+ m, \S+e-\d+ rad", out)

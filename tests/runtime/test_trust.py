@@ -1,0 +1,140 @@
+"""The verdict on a run: it speaks against motions that are wrong, and not against healthy ones."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import pytest
+
+import kousoku
+from kousoku.runtime.error_estimate import error_estimate
+
+if TYPE_CHECKING:
+    from kousoku.mechanism import Mechanism
+    from kousoku.runtime.motion import Motion
+
+SCENES = Path(__file__).parents[2] / "scenes"
+CART: dict[str, Any] = {
+    "name": "cart",
+    "unit": "m",
+    "bodies": {
+        "cart": {
+            "position": [0, 0, 0],
+            "velocity": [10, 0, 0],
+            "mass": 1,
+            "inertia": {"xx": 0.1, "yy": 0.1, "zz": 0.1},
+        }
+    },
+    "joints": {
+        "rail": {
+            "type": "prismatic",
+            "bodies": ["ground", "cart"],
+            "at": [0, 0, 0],
+            "axis": [1, 0, 0],
+        }
+    },
+    "coordinates": {"x": {"joint": "rail"}},
+    "outputs": ["energies", "accelerations"],
+}
+
+pytestmark = pytest.mark.usefixtures("numpy_solver")
+
+
+def cart(force: str, *, target: Any = "numpy") -> Mechanism:
+    loads = {"load": {"type": "along", "coordinate": "x", "force": force}}
+    return kousoku.load({**CART, "forces": loads}, target=target)
+
+
+def double_pendulum() -> Mechanism:
+    return kousoku.load(SCENES / "pendulum_on_a_rod.toml", target="numpy")
+
+
+def test_healthy_run_is_trusted_and_says_so_first() -> None:
+    run = cart("-3*x").simulate(2, samples=21)
+    trust = run.ledger.trust
+    assert trust.is_trusted
+    assert str(trust).startswith("trust: energy ")
+    assert "constraints at rounding" in str(trust)
+    assert str(trust).endswith("error not estimated")
+    assert str(run.ledger).splitlines()[0] == repr(run).splitlines()[0] == str(trust)
+    assert trust.energy_moved == pytest.approx(50, rel=1e-3)
+
+
+def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
+    run = cart("-3*x").simulate(20, samples=21, step=1.0)
+    trust = run.ledger.trust
+    assert not trust.is_trusted
+    assert trust.energy_error > trust.limit * trust.energy_moved
+    assert trust.limit == pytest.approx(1e-7)  # a fixed step has no tolerance
+    assert str(trust).startswith("not trusted: energy is off by ")
+    assert "try a smaller step" in str(trust)
+
+
+def test_rows_between_steps_that_are_off_the_constraints_are_told() -> None:
+    run = double_pendulum().simulate(2, samples=101, step=0.5)
+    trust = run.ledger.trust
+    assert trust.row_drift > trust.limit
+    assert "rows between steps are off the constraints by" in trust.why
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("target", ["numpy", "c"])
+def test_rows_that_are_not_finite_are_told_with_their_time(target: str) -> None:
+    run = cart("sin(t - 0.5)/(t - 0.5)", target=target).simulate(1, samples=101)
+    assert np.isnan(run["cart.ax"]).tolist() == (run.time == 0.5).tolist()
+    assert "first at t = 0.5 s" in run.ledger.trust.why
+    assert not run.ledger.trust.is_trusted
+
+
+def test_rest_is_trusted() -> None:
+    tree = {**CART, "bodies": {"cart": {**CART["bodies"]["cart"], "velocity": [0, 0, 0]}}}
+    run = kousoku.load(tree, target="numpy").simulate(1, samples=3)
+    assert run.ledger.trust.is_trusted
+
+
+def test_without_checks_energy_is_not_known() -> None:
+    trust = cart("-3*x").simulate(1, samples=3, checks=False).ledger.trust
+    assert trust.energy_error is None
+    assert "rows not checked" in str(trust)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-6, 1e-8, 1e-10])
+def test_estimated_error_is_near_the_true_one(tolerance: float) -> None:
+    mechanism, times = cart("-3*x"), np.linspace(0.0, 5.0, 51)
+    run = mechanism.simulate(times=times, tolerance=tolerance, estimate_error=True)
+    error, omega = run.ledger.trust.error, np.sqrt(3.0)
+    true = np.abs(run["cart.x"] - 10.0 / omega * np.sin(omega * times)).max()
+    assert true / 3 < error.length < 30 * true
+    assert f"error {error.length:.0g}"[:7] in str(run.ledger.trust)
+
+
+@pytest.mark.parametrize("options", [{"step": 0.05}, {"step": 0.05, "method": "dopri5"}])
+def test_error_of_fixed_steps_is_near_the_true_one(options: dict[str, Any]) -> None:
+    times = np.linspace(0.0, 5.0, 51)
+    run = cart("-3*x").simulate(times=times, estimate_error=True, **options)
+    omega = np.sqrt(3.0)
+    true = np.abs(run["cart.x"] - 10.0 / omega * np.sin(omega * times)).max()
+    assert true / 3 < run.ledger.trust.error.length < 30 * true
+
+
+def test_it_says_from_when_on_nothing_is_known() -> None:
+    mechanism = cart("-3*x")
+    first = cast("Motion", mechanism.simulate(1, samples=11))
+    second = cast("Motion", mechanism.simulate(1, samples=11))
+    second.rows = second.rows.copy()
+    second.rows[7:, 1:4] += 0.5
+    error = error_estimate(first, second, 1.0)
+    assert error.unknown_from == pytest.approx(0.7)
+    assert error.length == 0.0
+    assert "before t = 0.7 s" in str(error)
+    assert error_estimate(first, first, 1.0).unknown_from is None
+
+
+def test_driven_motion_is_compared_at_its_rows_by_other_steps() -> None:
+    loop = kousoku.load(SCENES / "oldham_coupling.toml", target="numpy")
+    error = loop.simulate(1, samples=6, estimate_error=True).ledger.trust.error
+    assert error.unknown_from is None
+    assert 0.0 <= error.length < 1e-12
+    assert error.angle < 1e-12
