@@ -80,6 +80,16 @@ static void note_not_finite(const double *row, size_t n, State *s)
     s->not_finite += 1;
 }
 
+/* finds the forces and torques of joints, those of least norm where rows are dependent */
+static void find_reactions(Work *work, int is_passed)
+{
+    if (HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0 && !is_passed) {
+        least_norm_reactions(work);
+    } else {
+        reaction(work->w);
+    }
+}
+
 /* writes the state at a time of the last step: on the manifold, as at every time that is asked
  * for */
 static int write_row(
@@ -108,11 +118,7 @@ static int write_row(
     if (HAS_ENERGIES || settings->checks) energy(w);
     if (settings->checks) note_checks(w, s);
     if (settings->checks && !is_passed && !are_closed(w, COMES_OPEN)) return NOT_CLOSED;
-    if (HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0 && !is_passed) {
-        least_norm_reactions(work);
-    } else {
-        reaction(w);
-    }
+    find_reactions(work, is_passed);
     coordinate(w);
     double *next = row;
     *next++ = t;

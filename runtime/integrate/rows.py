@@ -98,6 +98,15 @@ def note_not_finite(row: Array, state: State) -> None:
     state.not_finite += 1
 
 
+def find_reactions(work: Work, *, is_passed: bool) -> None:
+    """Find the forces and torques of joints, those of least norm where rows are dependent."""
+    is_asked = "reactions" in work.scene.parts and not is_passed
+    if is_asked and work.all is not None and work.all.is_on:
+        least_norm_reactions(work.all, work)
+    else:
+        work.w.run("reaction")
+
+
 def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> Status:
     """Write the state at a time of the last step: on the manifold, as all that is asked for."""
     scene, w, y = work.scene, work.w, work.k[0]
@@ -129,10 +138,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         note_checks(work, state)
     if s.checks and not is_passed and not are_closed(work, COMES_OPEN):
         return Status.NOT_CLOSED
-    if "reactions" in scene.parts and work.all is not None and work.all.is_on and not is_passed:
-        least_norm_reactions(work.all, work)
-    else:
-        w.run("reaction")
+    find_reactions(work, is_passed=is_passed)
     w.run("coordinate")
     places = [scene.regions[part] for part in scene.parts]
     row[0] = t
