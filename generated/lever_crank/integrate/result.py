@@ -376,12 +376,16 @@ class Result:
         return self
 
     def __repr__(self) -> str:
-        lines = [f"{type(self).__name__} of {self.name}: {self._extent()}"]
+        lines = [*self._verdict(), f"{type(self).__name__} of {self.name}: {self._extent()}"]
         for sort in self.PARTS:
             if names := self._names(sort):
                 plural = sort.replace("body", "bodie") + "s"
                 lines.append(f"  {plural}: {_listed(names)}")
         return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
+
+    def _verdict(self) -> list[str]:
+        """Return the line on how far it can be trusted, where it is known."""
+        return []
 
     def _extent(self) -> str:
         return f"{len(self)} rows, {self.unit}, {self.target}"
@@ -414,6 +418,12 @@ def shown(value: object) -> str:
     except ValueError:  # a whole number of thousands of digits
         text = "a number of very many digits"
     return text if len(text) <= LONGEST else f"{text[:LONGEST]}…"
+
+
+def shortly(number: float, digits: int = 1) -> str:
+    """Return a number with so many digits, as in 6e-9."""
+    mantissa, e, exponent = f"{number:.{digits}g}".partition("e")
+    return f"{mantissa}e{int(exponent)}" if e else mantissa
 
 
 def refusal(text: str, kind: str = "SolveError") -> Exception:

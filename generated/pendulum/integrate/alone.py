@@ -153,20 +153,13 @@ class Run:
                 raise ValueError(f"{layout.name}: {unknown('coordinate', one, names)}")
         if initial and (q0 is not None or v0 is not None):
             raise ValueError(f"{layout.name}: give either initial, or q0 and v0")
-        written = []
-        for name, value, turning in (("q0", q0, 4), ("v0", v0, 3)):
-            size = sum(3 + turning * bool(body.p) for body in layout.bodies)
-            array = None if value is None else np.array(value, float)
-            if array is not None and (array.shape != (size,) or not np.isfinite(array).all()):
-                raise ValueError(f"{layout.name}: {name}: wanted {size} finite numbers")
-            written.append(array)
-
         size = solver.scene.work_size
         evaluate = evaluated(solver.evaluate, parameters, size, data["places"])
         rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
         try:
             numbers = {name: float(value) for name, value in initial.items()}
-            return started(layout, rows, evaluate, y, (numbers, written[0], written[1]))
+            q, v = (None if given is None else np.array(given, float) for given in (q0, v0))
+            return started(layout, rows, evaluate, y, (numbers, q, v))
         except ValueError as error:
             raise ValueError(f"{layout.name}: {error}") from None
 

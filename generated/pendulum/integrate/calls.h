@@ -39,6 +39,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
     energy(work->w);
     s->energy = energy_balance(work->w, s);
+    s->potential = work->w[W_ENERGIES + 1];
     if (MOMENTA > 0) {
         momentum(work->w);
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
@@ -46,6 +47,16 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
     s->key = KEY;
     return GOOD;
+}
+
+/* whether a state is one that a run goes on from: none that was cut, forged or damaged */
+static int is_sound(const State *s, size_t n_times)
+{
+    if (!(s->next_row >= 0.0 && s->next_row <= (double)n_times)) return 0;
+    if (s->next_row != floor(s->next_row)) return 0;
+    if (!(isfinite(s->time_before) && s->time_before <= s->time && isfinite(s->time))) return 0;
+    return isfinite(s->step_size) && are_finite(s->y, NY) && are_finite(s->low, NY) &&
+           are_finite(s->f, NY) && are_finite(s->parameters, N_PARAMETERS);
 }
 
 /* whether a run may be made so, and goes on with the method that it began with */
@@ -94,7 +105,7 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
     State *s = (State *)state;
     Work *work = (Work *)workspace;
     *n_rows = 0;
-    if (!(s->key == KEY)) return WRONG_STATE;
+    if (!(s->key == KEY) || !is_sound(s, n_times)) return WRONG_STATE;
     if (!are_possible(settings, s)) return BAD_ARGUMENT;
     prepare(s->parameters, work->w);
     const Method *m = methods + settings->method % METHODS;

@@ -486,6 +486,7 @@ class Motion(Result):
             "not_unique": list(self.not_unique),
             "reaction_length": self.reaction_length,
             "notes": list(self.notes),
+            "trust": self.ledger.trust.as_data(),
             "ledger": self.ledger.as_data(),
         }
 
@@ -500,6 +501,15 @@ class Motion(Result):
             f"not unique: force and torque of {names}; those with the least Σ|F|² + |M|²/ℓ² are"
             f" given, ℓ = {self.reaction_length:.6g} in the unit of the scene"
         )
+
+    @property
+    def verdict(self) -> str:
+        """How far the run can be trusted, in a line: the first of its ledger; empty without one."""
+        return "" if self._ledger is None else str(self.ledger).partition("\n")[0]
+
+    def _verdict(self) -> list[str]:
+        """Return the line on how far it can be trusted, where it is known."""
+        return [self.verdict] if self.verdict else []
 
     def _extent(self) -> str:
         if not len(self):

@@ -19,6 +19,14 @@ static int are_closed(const double *w, double limit)
     return 1;
 }
 
+/* kinetic energy, change of potential energy since the start, and all works */
+static double energy_moved(const double *w, const State *s)
+{
+    double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
+    for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(w[W_Q + k]);
+    return moved;
+}
+
 /* notes what is left of the constraints, and what of energy and momenta is not as at the start */
 static void note_checks(double *w, State *s)
 {
@@ -30,6 +38,7 @@ static void note_checks(double *w, State *s)
         for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
     }
     s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
+    s->energy_moved = larger(s->energy_moved, energy_moved(w, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {
         const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);
@@ -63,6 +72,24 @@ static void interpolate_accelerations(
     s->passed_time = t;
 }
 
+/* notes that a row has numbers that are not finite, and when the first such row is */
+static void note_not_finite(const double *row, size_t n, State *s)
+{
+    if (are_finite(row, n)) return;
+    if (s->not_finite == 0.0) s->not_finite_time = row[0];
+    s->not_finite += 1;
+}
+
+/* finds the forces and torques of joints, those of least norm where rows are dependent */
+static void find_reactions(Work *work, int is_passed)
+{
+    if (HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0 && !is_passed) {
+        least_norm_reactions(work);
+    } else {
+        reaction(work->w);
+    }
+}
+
 /* writes the state at a time of the last step: on the manifold, as at every time that is asked
  * for */
 static int write_row(
@@ -80,27 +107,27 @@ static int write_row(
     } else {
         interpolate(m, x, s, y);
         const double vague = (is_driven ? WEAK : VAGUE) * s->largest_pivot_ratio;
-        const int can = project(t, 0.0, y, NULL, NULL, work, s, NULL);
+        double drift = 0.0;
+        const int can = project(t, 0.0, y, NULL, NULL, work, s, &drift);
         is_passed = !can || pivot_ratio(work, s) < vague;
         if (is_passed && !interpolate_position(m, t, x, y, work, s) && !can) return NOT_PROJECTED;
         if (is_passed) interpolate_accelerations(m, t, x, h, work, s);
+        else s->row_drift = larger(s->row_drift, drift);
     }
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
     if (settings->checks) note_checks(w, s);
     if (settings->checks && !is_passed && !are_closed(w, COMES_OPEN)) return NOT_CLOSED;
-    if (HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0 && !is_passed) {
-        least_norm_reactions(work);
-    } else {
-        reaction(w);
-    }
+    find_reactions(work, is_passed);
     coordinate(w);
-    *row++ = t;
-    memcpy(row, y, NY * sizeof *row);
-    row += NY;
+    double *next = row;
+    *next++ = t;
+    memcpy(next, y, NY * sizeof *next);
+    next += NY;
     for (size_t k = 0; k != PARTS; ++k) {
-        memcpy(row, w + parts[k][0], parts[k][1] * sizeof *row);
-        row += parts[k][1];
+        memcpy(next, w + parts[k][0], parts[k][1] * sizeof *next);
+        next += parts[k][1];
     }
+    if (!is_passed) note_not_finite(row, (size_t)(next - row), s);
     return GOOD;
 }

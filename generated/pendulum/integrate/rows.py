@@ -43,6 +43,15 @@ def are_closed(work: Work, limit: float) -> bool:
     return bool((np.abs(work.w.C_left_out) <= limits).all())
 
 
+def energy_moved(work: Work, state: State) -> float:
+    """Return kinetic energy, change of potential energy since the start, and all works."""
+    w, scene = work.w, work.scene
+    moved = w.energies[0] + abs(w.energies[1] - state.potential)
+    for done in w.q[scene.nq - scene.works :]:
+        moved += abs(done)
+    return float(moved)
+
+
 def note_checks(work: Work, state: State) -> None:
     """Note what is left of the constraints, and what of energy and momenta is not as it was."""
     w = work.w
@@ -50,6 +59,7 @@ def note_checks(work: Work, state: State) -> None:
     for worst, left in zip(state.violations, (w.all_C, w.C_dot, w.C_ddot), strict=True):
         np.fmax(worst, np.abs(left), out=worst)
     state.energy_error = larger(state.energy_error, abs(energy_balance(work, state)))
+    state.energy_moved = larger(state.energy_moved, energy_moved(work, state))
     w.run("momentum")
     changes = np.abs(w.momenta - state.momenta)
     np.fmax(state.momentum_errors, changes, out=state.momentum_errors)
@@ -79,6 +89,24 @@ def interpolate_accelerations(
     state.passed_time = t
 
 
+def note_not_finite(row: Array, state: State) -> None:
+    """Note that a row has numbers that are not finite, and when the first such row is."""
+    if bool(np.isfinite(row).all()):
+        return
+    if state.not_finite == 0.0:
+        state.not_finite_time = float(row[0])
+    state.not_finite += 1
+
+
+def find_reactions(work: Work, *, is_passed: bool) -> None:
+    """Find the forces and torques of joints, those of least norm where rows are dependent."""
+    is_asked = "reactions" in work.scene.parts and not is_passed
+    if is_asked and work.all is not None and work.all.is_on:
+        least_norm_reactions(work.all, work)
+    else:
+        work.w.run("reaction")
+
+
 def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> Status:
     """Write the state at a time of the last step: on the manifold, as all that is asked for."""
     scene, w, y = work.scene, work.w, work.k[0]
@@ -93,12 +121,15 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         x = (t - state.time_before) / h
         interpolate(m, x, state, y)
         vague = (VAGUE if s.method < len(METHODS) else WEAK) * state.largest_pivot_ratio
-        can = project(t, 0.0, y, None, None, work, state) >= 0.0
+        drift = project(t, 0.0, y, None, None, work, state)
+        can = drift >= 0.0
         is_passed = not can or pivot_ratio(work, state) < vague
         if is_passed and not interpolate_position(m, t, x, y, work, state) and not can:
             return Status.NOT_PROJECTED
         if is_passed:
             interpolate_accelerations(m, t, x, h, work, state)
+        else:
+            state.row_drift = larger(state.row_drift, drift)
     if (scene.accelerates or s.checks) and not is_passed:
         accelerate(work, state)
     if "energies" in scene.parts or s.checks:
@@ -107,10 +138,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         note_checks(work, state)
     if s.checks and not is_passed and not are_closed(work, COMES_OPEN):
         return Status.NOT_CLOSED
-    if "reactions" in scene.parts and work.all is not None and work.all.is_on and not is_passed:
-        least_norm_reactions(work.all, work)
-    else:
-        w.run("reaction")
+    find_reactions(work, is_passed=is_passed)
     w.run("coordinate")
     places = [scene.regions[part] for part in scene.parts]
     row[0] = t
@@ -118,4 +146,6 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
     row[1 + scene.ny :] = np.concatenate(
         [np.empty(0), *(w.slots[base : base + size] for base, size in places)]
     )
+    if not is_passed:
+        note_not_finite(row, state)
     return Status.GOOD

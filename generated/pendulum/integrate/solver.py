@@ -108,6 +108,7 @@ class Solver:
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work, s)
+        s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
         may_open = len(work.w.C_left_out) > 0 and (s.parameters != self.scene.parameters).any()
@@ -151,7 +152,7 @@ class Solver:
             How many rows were written.
         """
         s = state_of(self.scene, state)
-        if s.key != self.scene.key:
+        if s.key != self.scene.key or not _is_sound(s, len(times)):
             return Status.WRONG_STATE, 0
         if not self._are_possible(settings, s):
             return Status.BAD_ARGUMENT, 0
@@ -265,6 +266,15 @@ class Solver:
             w.run("geometry")
             found[: self.scene.nc] = 1.0 / w.pivots
         return Status.GOOD
+
+
+def _is_sound(s: State, n_times: int) -> bool:
+    """Return whether a state is one that a run goes on from: none that was cut or damaged."""
+    if not 0.0 <= s.next_row <= n_times or s.next_row != math.floor(s.next_row):
+        return False
+    if not s.time_before <= s.time or not math.isfinite(s.step_size):
+        return False
+    return _are_numbers(s.time_before, s.y, s.low, s.f, s.parameters) and math.isfinite(s.time)
 
 
 def _are_numbers(time: float, *arrays: Array) -> bool:
