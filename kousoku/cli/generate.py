@@ -1,7 +1,7 @@
 """``kousoku generate``: from kinds and scenes to folders of NumPy and C."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from functools import partial
 from pathlib import Path
@@ -59,7 +59,11 @@ def generate(
         bool, typer.Option("--check", help="Write nothing; fail where a folder would change.")
     ] = False,
     out: Annotated[
-        Path | None, typer.Option(help="Write each package into a folder of its name in here.")
+        Path | None,
+        typer.Option(
+            help="The folder of one package, new or its own; in any other folder each package gets"
+            " one of its name."
+        ),
     ] = None,
     target: Annotated[
         Emitted, typer.Option(help="With --out: leave out the sources of the other target.")
@@ -75,6 +79,8 @@ def generate(
     if out is None and target is not Emitted.ALL:
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
     orders = [order for name in names or [""] for order in _orders(name, out, check)]
+    if out is not None and len(orders) == 1 and _is_own(out):
+        orders = [replace(orders[0], folder=out)]
     is_all = not names and out is None and checkout() is not None
     with progress() as bar:
         trees = [_files(order, target) for order in bar.track(orders, description="generate")]
@@ -102,6 +108,13 @@ def generate(
             typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
     same = sum(not changed for _, changed in rows)
     typer.echo(f"{same} of {len(rows)} packages unchanged")
+
+
+def _is_own(folder: Path) -> bool:
+    """Return whether a folder is there for one package: it is new, or a package already."""
+    from kousoku.runtime.library import MANIFEST
+
+    return not folder.exists() or (folder / MANIFEST).is_file()
 
 
 def _shown(folder: Path) -> Path:

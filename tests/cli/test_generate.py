@@ -6,6 +6,7 @@ import gzip
 import json
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,6 +45,20 @@ def test_kinds_and_scenes_go_into_folders_of_their_names(run: Run, tmp_path: Pat
     assert names_in(tmp_path / "lever_crank") > FILES
     assert "kernels.c" in out
     assert "unchanged" in run("generate", "n2", "--out", tmp_path)[1]
+
+
+def test_a_new_folder_is_that_of_one_package(run: Run, tmp_path: Path) -> None:
+    made = tmp_path / "made"
+    for changed in ("manifest.json", "1 of 1 packages unchanged"):
+        code, out, _ = run("generate", LEVER, "--out", made)
+        assert code == 0 and changed in out
+        assert names_in(made) > FILES
+    assert run("generate", LEVER, "--out", made, "--check")[0] == 0
+    code = "import made; made.solve(); print(made.__name__)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=tmp_path, check=True, capture_output=True, text=True
+    )
+    assert done.stdout == "made\n"
 
 
 def test_batches_of_a_copied_folder_compile_by_hand(
