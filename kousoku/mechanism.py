@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
-from kousoku.runtime.given import require_options
+from kousoku.runtime.integrate.given import require_options
 from kousoku.runtime.integrate.result import Coordinates
 from kousoku.runtime.run import Interrupted
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from kousoku.model.errors import CacheError, NoCompilerError, TargetError
+from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -39,17 +40,15 @@ def choose(
 
     Raises
     ------
-    ValueError
-        There is no such target.
     TargetError
-        The folder was generated without this target.
+        There is no such target, or the folder was generated without this target.
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
         With ``target="c"``: the library cannot be kept.
     """
     if target not in ("auto", "c", "numpy"):
-        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
+        raise TargetError(f"target: got {shown(target)}, wanted 'auto', 'c' or 'numpy'")
     c_source, numpy_source = in_c[0], in_numpy[0]
     if target == "numpy" or (target == "auto" and c_source not in files):
         if numpy_source not in files:

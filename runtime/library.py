@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kousoku.model.compressed import content
-from kousoku.model.errors import LoadError
+from kousoku.model.errors import LoadError, NotInResultError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.choice import choose
@@ -73,7 +73,7 @@ class Library:
             return self.kernels[name]
         except KeyError:
             known = ", ".join(self.kernels)
-            raise KeyError(
+            raise NotInResultError(
                 f"{self.manifest.package} has no kernel {name!r}; it has {known}"
             ) from None
 

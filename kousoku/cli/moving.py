@@ -14,7 +14,7 @@ import typer
 
 from kousoku.cli.completing import files
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
-from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.errors import MotionError, NotInResultError, SolveError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -223,8 +223,6 @@ def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
     SolveError
         There is no such column.
     """
-    from kousoku.runtime.integrate.result import NotInResultError
-
     try:
         return [column for name in names or () for column in result.columns_of(name)]
     except NotInResultError as error:

@@ -14,7 +14,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import pytest
 
-from kousoku.model.errors import CacheError, CompilerError, LoadError, NoCompilerError
+from kousoku.model.errors import (
+    CacheError,
+    CompilerError,
+    LoadError,
+    NoCompilerError,
+    TargetError,
+)
 from kousoku.model.manifest import Manifest
 from kousoku.runtime import load
 from kousoku.runtime.toolchain import EXTENSION
@@ -75,7 +81,7 @@ def test_the_message_is_one_line_on_stderr_even_where_warnings_are_errors(tiny: 
 
 def test_an_unknown_target_is_refused(tiny: Path) -> None:
     wrong: Any = "fortran"
-    with pytest.raises(ValueError, match="got 'fortran', wanted 'auto', 'c' or 'numpy'"):
+    with pytest.raises(TargetError, match="got 'fortran', wanted 'auto', 'c' or 'numpy'"):
         load(tiny, target=wrong)
 
 

@@ -9,7 +9,8 @@ import pytest
 
 from kousoku.cli import simulate
 from kousoku.runtime.integrate.methods import DOP853, METHODS, Method
-from kousoku.runtime.options import KINEMATICS, RUNGE_KUTTA
+from kousoku.runtime.integrate.settings import KINEMATICS
+from kousoku.runtime.options import RUNGE_KUTTA
 
 methods = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
 
