@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import numpy as np
 import pytest
@@ -318,14 +318,22 @@ def test_the_numpy_target_has_no_c_functions(tiny: Path) -> None:
 
 
 @pytest.mark.usefixtures("compiler")
-def test_a_cache_that_cannot_be_written_means_numpy_or_an_error(
-    tiny: Path, cache: Path, caplog: pytest.LogCaptureFixture
+def test_a_cache_that_cannot_be_written_means_a_temporary_folder_or_numpy(
+    tiny: Path, cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cache.write_text("a file in its place", encoding="utf-8")
-    assert [load(tiny).target for _ in range(2)] == ["numpy"] * 2
+    assert [load(tiny).target for _ in range(2)] == ["c"] * 2
     assert len(caplog.messages) == 1
-    assert caplog.messages[0].startswith(
+    assert caplog.messages[0].startswith(f"cannot write the cache {cache}")
+
+    def refuse() -> NoReturn:
+        raise OSError("no room")
+
+    monkeypatch.setattr("kousoku.runtime.build._own_shelf", refuse)
+    assert [load(tiny).target for _ in range(2)] == ["numpy"] * 2
+    assert len(caplog.messages) == 2
+    assert caplog.messages[1].startswith(
         f"kousoku uses the NumPy kernels: cannot write the cache {cache}"
     )
-    with pytest.raises(CacheError, match="KOUSOKU_CACHE"):
+    with pytest.raises(CacheError, match=r"nor a temporary folder: no room; .*KOUSOKU_CACHE"):
         load(tiny, target="c")

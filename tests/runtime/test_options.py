@@ -13,8 +13,9 @@ import pytest
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.families import chain
-from kousoku.runtime import given, linkage, load, verify
+from kousoku.runtime import linkage, load, verify
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate import given
 from kousoku.runtime.kinematics.rows import request
 from kousoku.runtime.linkage import load_scene
 from kousoku.runtime.options import ALL_OPTIONS, options_of
