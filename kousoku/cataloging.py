@@ -12,7 +12,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from kousoku.model.errors import NotInResultError
-from kousoku.model.text import listed, table
+from kousoku.model.text import table
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.interpret import ARRAY
 from kousoku.codegen.interpret import evaluate as evaluated
-from kousoku.labels import columns_of, is_turn, listed, rows_of
+from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
@@ -40,7 +40,7 @@ from kousoku.runtime.integrate.body_tables import (
     written_sizes,
 )
 from kousoku.runtime.integrate.given import numbers_of, require_numbers, values_of
-from kousoku.runtime.integrate.result import unknown
+from kousoku.runtime.integrate.result import listed, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

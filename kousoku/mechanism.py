@@ -312,8 +312,7 @@ class Mechanism:
     ) -> Matrices:
         """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
 
-        ``loop.matrices(*run.state(k), run.parameters)`` has those of a row of a run; without them
-        they are of the parameters of the scene. Turns are in ``angles``.
+        ``loop.matrices(*run.state(k))`` has those of a row of a run, with its parameters and turns.
         """
         from kousoku.matrices import matrices
 

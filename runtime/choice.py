@@ -27,7 +27,7 @@ def choose(
     Parameters
     ----------
     target : {"auto", "c", "numpy"}
-        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy.
+        ``"auto"`` takes C where a compiler can be had, and else NumPy.
     folder : Path
         Where the files lie.
     files : collection of str
@@ -45,7 +45,7 @@ def choose(
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
-        With ``target="c"``: the library cannot be kept.
+        With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
     if target not in ("auto", "c", "numpy"):
         raise TargetError(f"target: got {shown(target)}, wanted 'auto', 'c' or 'numpy'")

@@ -270,7 +270,7 @@ def load_dynamics(
     folder : path
         A folder that the generator wrote.
     target : {"auto", "c", "numpy"}
-        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
+        ``"auto"`` takes C where a compiler can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
 
     Raises
@@ -280,7 +280,7 @@ def load_dynamics(
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
-        With ``target="c"``: the library cannot be kept.
+        With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
     from kousoku.runtime.dynamics_targets import open_solver
 

@@ -22,6 +22,7 @@ from kousoku.runtime.integrate.given import (
     require_shape,
 )
 from kousoku.runtime.integrate.motion import Motion
+from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import COMES_OPEN, KINEMATICS, STAYS_OPEN, Status
 from kousoku.runtime.options import with_values
 from kousoku.runtime.run_ledger import ledger_of
@@ -341,9 +342,8 @@ class Run:
         jumps = self.solver.layout.jumps
         if not jumps:
             return ""
-        more = f" and {len(jumps) - SHOWN} more" if len(jumps) > SHOWN else ""
         return (
-            f"; the sign in {', '.join(jumps[:SHOWN])}{more} jumps, and where what it is taken of"
+            f"; the sign in {listed(jumps, SHOWN)} jumps, and where what it is taken of"
             " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 

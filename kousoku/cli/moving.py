@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 
@@ -28,6 +28,8 @@ MOST_COLUMNS = 8
 #: Formats of a plot that is one file.
 PICTURES = (".png", ".svg", ".pdf")
 
+#: How positions of linkages of nodes are found.
+OfLinkages = Literal["newton", "paper"]
 SceneFile = Annotated[
     Path,
     typer.Argument(metavar="SCENE", help="A scene file, *.toml.", autocompletion=files(".toml")),
