@@ -327,19 +327,21 @@ class Leader:
         return v
 
     def drivers(self, q: Array, slopes: Array) -> str:
-        """Return the drivers that a coordinate follows from: its rates are theirs, and of joints."""
+        """Return the drivers that a coordinate follows from, all where they leave nothing free."""
         still = self.evaluate(q, self.rest)["C_dot"]
         rows = np.array([self.evaluate(q, u)["C_dot"] - still for u in np.diag(self.sizes)])
         wanted = slopes * self.sizes
-        shares = np.linalg.lstsq(rows, wanted, rcond=DEPENDENT)[0]
+        shares, _, rank, _ = np.linalg.lstsq(rows, wanted, rcond=DEPENDENT)
         size = NEAR * float(np.linalg.norm(wanted))
         if not np.linalg.norm(rows @ shares - wanted) <= size:
             return ""  # it is free
         parts = np.abs(shares) * np.linalg.norm(rows, axis=0)
-        names = [
-            name for (name, _), part in zip(self.start.rows, parts, strict=True) if part > size
-        ]
-        return ", ".join(dict.fromkeys(name for name in names if name.startswith("drivers.")))
+        names = [name for name, _ in self.start.rows]
+        led = [name for name, part in zip(names, parts, strict=True) if part > size]
+        found = [name for name in led if name.startswith("drivers.")]
+        if not found and rank == len(rows):  # a dead centre of what drivers determine
+            found = [name for name in names if name.startswith("drivers.")]
+        return ", ".join(dict.fromkeys(found))
 
 
 def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:

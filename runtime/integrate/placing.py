@@ -122,15 +122,15 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
         if body.p and not abs(size - 1.0) <= MISSES:
             problems.append(f"Euler parameters of body {body.name} have not the norm 1")
         part[3:] /= size or 1.0
-    here = start.q, start.v
-    q, v = solver_state(start.bodies, wanted[0], wanted[1], start.unit, here)
-    found = written_state(start.bodies, q, v, start.unit)
-    if q0 is None:
-        q = start.q.copy()
-    elif not problems:
-        problems += _misses(start, wanted[0], found[0], 4)
-    if v0 is not None:
-        problems += _misses(start, wanted[1], found[1], 3)
+    q, v = start.q.copy(), start.v.copy()
+    if not problems:
+        placed = solver_state(start.bodies, wanted[0], wanted[1], start.unit, (q, v))
+        found = written_state(start.bodies, *placed, start.unit)
+        if q0 is not None:
+            q, problems = placed[0], [*_misses(start, wanted[0], found[0], 4)]
+        if v0 is not None:
+            v = placed[1]
+            problems += _misses(start, wanted[1], found[1], 3)
     if not problems and q0 is not None:
         q += _turns(start, q)
         problems += _open(start, _residuals(start, q), 1.0)
