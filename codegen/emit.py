@@ -36,8 +36,11 @@ FILES = {
 #: Files of the runtime that need nothing else of it: a copy goes along, so that a folder that alone
 #: is copied out works on NumPy, and its batches compile.
 LIBRARIES = ("batch_numpy.py", "lanes.h")
+#: Such files of ``model``, and where their copies go.
+OF_MODEL = {"integrate/angles.py": "angles.py"}
 _TEMPLATES = PackageLoader("kousoku.codegen")
-_RUNTIME = Path(__file__).parents[1] / "runtime"
+_ROOT = Path(__file__).parents[1]
+_RUNTIME = _ROOT / "runtime"
 
 
 def environment() -> Environment:
@@ -61,7 +64,7 @@ def along(*names: str) -> dict[str, str]:
     ----------
     *names : str
         Files, such as ``batch_numpy.py``, and folders, such as ``integrate``: their C headers and
-        Python modules.
+        Python modules, and what they take of ``model``.
 
     Returns
     -------
@@ -75,13 +78,17 @@ def along(*names: str) -> dict[str, str]:
             if path.suffix in {".h", ".py"}:
                 text = path.read_text(encoding="utf-8")
                 found[path.relative_to(_RUNTIME).as_posix()] = text
+        for copy, own in OF_MODEL.items():
+            if copy.startswith(f"{name}/"):
+                found[copy] = (_ROOT / "model" / own).read_text(encoding="utf-8")
     return found
 
 
-def along_file(name: str) -> str | None:
-    """Return the text of a file that :func:`along` gives, None where the runtime has none."""
-    path = _RUNTIME / name
-    return path.read_text(encoding="utf-8") if path.is_file() else None
+def along_file(name: str) -> tuple[str, str]:
+    """Return where a file is that :func:`along` gives, and its text; empty where it gives none."""
+    path = _ROOT / "model" / OF_MODEL[name] if name in OF_MODEL else _RUNTIME / name
+    text = path.read_text(encoding="utf-8") if path.is_file() else ""
+    return path.relative_to(_ROOT).as_posix(), text
 
 
 def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:

@@ -240,8 +240,9 @@ def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
     def cause(name: str, found: str) -> str:
         if name != MANIFEST_FILE and sha256(found) != digests.get(name):
             return "it was edited after it was generated"
-        if tree[name] == along_file(name):
-            return f"changed: runtime/{name}"
+        origin, text = along_file(name)
+        if tree[name] == text:
+            return f"changed: {origin}"
         return made
 
     return cause

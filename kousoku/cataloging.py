@@ -11,7 +11,9 @@ from importlib.resources import files
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from kousoku.model.text import listed, table
+from kousoku.model.errors import NotInResultError
+from kousoku.model.text import table
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -81,7 +83,8 @@ class _Named(Mapping[str, T]):
         if known not in self._found:
             near = get_close_matches(str(name), [*self._found, *self._aliases], n=1)
             hint = f"; did you mean {near[0]!r}?" if near else ""
-            raise KeyError(f"no {self._what} {name!r}: there are {', '.join(self._found)}{hint}")
+            known = ", ".join(self._found)
+            raise NotInResultError(f"no {self._what} {name!r}: there are {known}{hint}")
         return self._found[known]
 
     def __iter__(self) -> Iterator[str]:

@@ -6,6 +6,9 @@ from typing import TYPE_CHECKING, Literal
 
 from kousoku.loading import Given, naming, solver_folder
 from kousoku.mechanism import Mechanism
+from kousoku.model.errors import LoadError
+from kousoku.runtime.given import folder_of
+from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -84,6 +87,7 @@ def verify(
     LoadError
         There is no generated folder.
     """
+    from kousoku.runtime.library import MANIFEST, Library
     from kousoku.runtime.verify import verify as verified
     from kousoku.symbolic.derivation import Derivation
 
@@ -97,4 +101,9 @@ def verify(
     if str(what).endswith(".toml"):
         with solver_folder(Given.of(what), references=True) as folder:
             return verified(folder, target=target)
+    if not isinstance(what, Library) and not (folder_of(what) / MANIFEST).is_file():
+        raise LoadError(
+            f"{shown(str(what))} is no generated folder, which has a {MANIFEST}; wanted one, or a"
+            " scene file, *.toml"
+        )
     return verified(what, target=target)

@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import replace
 from functools import cached_property
 from itertools import accumulate
-from typing import TYPE_CHECKING, Any, NamedTuple, cast
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.interpret import ARRAY
 from kousoku.codegen.interpret import evaluate as evaluated
-from kousoku.labels import columns_of, is_turn, listed, rows_of
+from kousoku.labels import columns_of, is_turn, rows_of
 from kousoku.model.errors import SolveError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
@@ -33,14 +33,14 @@ from kousoku.model.held import without_held
 from kousoku.model.system import system_of
 from kousoku.model.values import value_of
 from kousoku.model.varying import Varying, fixed_system
-from kousoku.runtime.given import numbers_of, require_numbers, unknown
 from kousoku.runtime.integrate.body_tables import (
     BodyPlaces,
     rotated,
     solver_state,
     written_sizes,
 )
-from kousoku.runtime.options import with_values
+from kousoku.runtime.integrate.given import numbers_of, require_numbers, values_of
+from kousoku.runtime.integrate.result import listed, unknown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -201,7 +201,7 @@ class Equations:
         SolveError
             It is not.
         """
-        values = dict(with_values(cast("DynamicsSolver", self), parameters))
+        values = values_of(self.name, dict(self.parameters), parameters)
         require_numbers(self.name, time=t)
         found_q, found_v = (self._given(*one) for one in zip("qv", (q, v), self.sizes, strict=True))
         for body, first in zip(self.bodies, self.starts[0], strict=False):

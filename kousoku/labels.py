@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 
 #: Columns of a body: those of a point are the first three.
 COLUMNS = ("x", "y", "z", "theta_x", "theta_y", "theta_z")
-#: Names that a line has at most.
-MOST_NAMED = 8
 
 
 def columns_of(bodies: Sequence[MovingBody]) -> tuple[str, ...]:
@@ -55,10 +53,3 @@ def _component(system: System, one: Instance, row: int) -> str:
 def is_turn(column: str) -> bool:
     """Return whether a column is a virtual rotation."""
     return column.rpartition(".")[2] in COLUMNS[3:]
-
-
-def listed(names: Sequence[str]) -> str:
-    """Return names in one line, not too many of them."""
-    shown_ = ", ".join(names[:MOST_NAMED])
-    more = len(names) - MOST_NAMED
-    return f"{shown_} … ({more} more)" if more > 0 else shown_

@@ -18,7 +18,7 @@ from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import Role, assemble
 from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError
-from kousoku.runtime.given import numbers_of, require_numbers
+from kousoku.runtime.integrate.given import numbers_of, require_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

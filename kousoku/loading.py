@@ -25,7 +25,7 @@ from kousoku.model.errors import (
 )
 from kousoku.progress import told
 from kousoku.runtime.dynamics import MOTION_FILE, load_dynamics
-from kousoku.runtime.given import shown
+from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.library import MANIFEST
 
 if TYPE_CHECKING:
@@ -124,6 +124,8 @@ class Given:
             from kousoku.model.read import scene_from_toml
 
             return cls("", scene.encode(), partial(scene_from_toml, scene))
+        if isinstance(scene, str) and not scene.strip():
+            raise SceneError(f"{scene!r} is no scene; wanted the path of a scene file, or its text")
         if isinstance(scene, str | os.PathLike):
             return cls._of_file(Path(scene))
         if hasattr(scene, "items"):

@@ -15,10 +15,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.equations import equations_of
-from kousoku.labels import is_turn, listed
+from kousoku.labels import is_turn
 from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
-from kousoku.runtime.given import require_options
+from kousoku.runtime.integrate.given import require_options
 from kousoku.runtime.integrate.result import Coordinates
 from kousoku.runtime.run import Interrupted
 
@@ -312,8 +312,7 @@ class Mechanism:
     ) -> Matrices:
         """Return M, C_q, ν, γ, f of the scene as written, see :func:`kousoku.matrices.matrices`.
 
-        ``loop.matrices(*run.state(k), run.parameters)`` has those of a row of a run; without them
-        they are of the parameters of the scene. Turns are in ``angles``.
+        ``loop.matrices(*run.state(k))`` has those of a row of a run, with its parameters and turns.
         """
         from kousoku.matrices import matrices
 

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 
+from kousoku.model.errors import NotInResultError
 from kousoku.plots import STYLE, Drawing, draw_linkage, save
 from kousoku.runtime.integrate.motion import BODY, COORDINATE, JOINT, Motion
-from kousoku.runtime.integrate.result import NotInResultError
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence

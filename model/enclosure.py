@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
+from kousoku.model.angles import PI
 from kousoku.model.terms import (
     ONE,
-    PI,
     ZERO,
     Apply,
     Expression,

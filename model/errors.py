@@ -143,7 +143,7 @@ class NoCompilerError(CompilerError):
 
 
 class TargetError(LoadError):
-    """The folder was generated without the target that is asked for."""
+    """There is no such target, or the folder was generated without it."""
 
 
 class CacheError(LoadError):
@@ -214,6 +214,13 @@ class MotionError(SolveError):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), self.result)  # a pool of processes hands it on
+
+
+class NotInResultError(KousokuError, KeyError):
+    """There is no such name; the message says which there are, or how to get it."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
 
 
 class LedgerError(KousokuError):

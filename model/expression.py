@@ -20,11 +20,10 @@ import re
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.model.angles import DEGREE
+from kousoku.model.angles import DEGREE, PI
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import ExpressionError
 from kousoku.model.terms import (
-    PI,
     ZERO,
     Apply,
     Function,

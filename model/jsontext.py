@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-WIDTH = 100
+WIDTH = 140
 
 
 def to_text(value: object) -> str:

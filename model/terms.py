@@ -14,8 +14,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-PI = Fraction("3.14159265358979323846264338327950288419716939937510582097494459")
-
 LARGEST_BITS = 4096
 """Bits of the largest numerator or denominator: a longer number is left as a formula."""
 

@@ -1,4 +1,4 @@
-"""Text for people: tables with aligned columns, counts, lists of names."""
+"""Text for people: tables with aligned columns, counts."""
 
 from __future__ import annotations
 
@@ -31,9 +31,3 @@ def table(
 def counted(count: int, name: str, plural: str = "") -> str:
     """Return a count with its noun: ``1 body``, ``2 bodies``."""
     return f"{count} {name if count == 1 else plural or name + 's'}"
-
-
-def listed(names: Sequence[str], most: int = 6) -> str:
-    """Return names as a line tells them, not more than so many."""
-    more = f" and {len(names) - most} more" if len(names) > most else ""
-    return ", ".join(names[:most]) + more

@@ -8,6 +8,7 @@ killed and however many build it at once; and nothing is loaded that does not ma
 
 from __future__ import annotations
 
+import atexit
 import errno
 import hashlib
 import os
@@ -16,12 +17,14 @@ import tempfile
 import time
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from kousoku.model.cache import cache_folder
 from kousoku.model.errors import CacheError, CompilerError, NoCompilerError
 from kousoku.runtime.lock import locked
+from kousoku.runtime.notice import say_once
 from kousoku.runtime.toolchain import EXTENSION, output, run
 
 if TYPE_CHECKING:
@@ -93,7 +96,7 @@ def build(source: Source, toolchain: Toolchain) -> Built:
     Raises
     ------
     CacheError
-        It is not in the cache, and the cache cannot be written.
+        It is not in the cache, and neither that nor a temporary folder can be written.
     CompilerError
         The compiler refuses the source; its whole output is in the message.
     NoCompilerError
@@ -102,22 +105,47 @@ def build(source: Source, toolchain: Toolchain) -> Built:
     try:
         shelf = cache_folder() / "lib"
     except OSError as error:
-        raise CacheError(f"there is no cache: {error}; set KOUSOKU_CACHE to a folder") from None
-    entry = shelf / f"{source.name}-{source.key(toolchain)[:32]}"
-    library, damage = _look(entry)
-    if library is not None:
-        return Built(library)
+        reason = f"there is no cache: {error}"
+    else:
+        entry = shelf / f"{source.name}-{source.key(toolchain)[:32]}"
+        library, damage = _look(entry)
+        if library is not None:
+            return Built(library)
+        try:
+            return Built(_built(source, toolchain, entry), damage)
+        except OSError as error:
+            reason = f"cannot write the cache {shelf}: {error.strerror or error}"
+            reason = f"{damage}; {reason}" if damage else reason
+    advice = "free some space or set KOUSOKU_CACHE to a folder that can be written"
     try:
-        shelf.mkdir(mode=0o700, parents=True, exist_ok=True)
-        with locked(shelf / f"{entry.name}.lock", until=lambda: _look(entry)[0] is not None):
-            library, _ = _look(entry)
-            return Built(library or _make(source, toolchain, entry), damage)
+        entry = _own_shelf() / f"{source.name}-{source.key(toolchain)[:32]}"
+        built = Built(_look(entry)[0] or _built(source, toolchain, entry))
     except OSError as error:
-        raise CacheError(
-            f"{damage + '; ' if damage else ''}"
-            f"cannot write the cache {shelf}: {error.strerror or error}; "
-            "free some space or set KOUSOKU_CACHE to a folder that can be written"
-        ) from None
+        reason = f"{reason}; nor a temporary folder: {error.strerror or error}; {advice}"
+        raise CacheError(reason) from None
+    say_once(f"{reason}; compiled in a temporary folder, for this process alone; {advice}")
+    return built
+
+
+def _built(source: Source, toolchain: Toolchain, entry: Path) -> Path:
+    """Return the library of an entry, built here or meanwhile by another process."""
+    entry.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with locked(entry.with_suffix(".lock"), until=lambda: _look(entry)[0] is not None):
+        library, _ = _look(entry)
+        return library or _make(source, toolchain, entry)
+
+
+@cache
+def _own_shelf() -> Path:
+    """Return a temporary folder of this process, gone at its end."""
+    shelf, owner = Path(tempfile.mkdtemp(prefix="kousoku-")), os.getpid()
+
+    def remove() -> None:
+        if os.getpid() == owner:  # not where a process that was forked ends
+            shutil.rmtree(shelf, ignore_errors=True)
+
+    atexit.register(remove)
+    return shelf
 
 
 def _look(entry: Path) -> tuple[Path | None, str]:

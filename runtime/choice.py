@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, TypeVar
 
 from kousoku.model.errors import CacheError, NoCompilerError, TargetError
+from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -26,7 +27,7 @@ def choose(
     Parameters
     ----------
     target : {"auto", "c", "numpy"}
-        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy.
+        ``"auto"`` takes C where a compiler can be had, and else NumPy.
     folder : Path
         Where the files lie.
     files : collection of str
@@ -39,17 +40,15 @@ def choose(
 
     Raises
     ------
-    ValueError
-        There is no such target.
     TargetError
-        The folder was generated without this target.
+        There is no such target, or the folder was generated without this target.
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
-        With ``target="c"``: the library cannot be kept.
+        With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
     if target not in ("auto", "c", "numpy"):
-        raise ValueError(f"target: got {target!r}, wanted 'auto', 'c' or 'numpy'")
+        raise TargetError(f"target: got {shown(target)}, wanted 'auto', 'c' or 'numpy'")
     c_source, numpy_source = in_c[0], in_numpy[0]
     if target == "numpy" or (target == "auto" and c_source not in files):
         if numpy_source not in files:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.run_stop import SHOWN, key_of
+from kousoku.runtime.integrate.result import key_of
+from kousoku.runtime.run_stop import SHOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping

@@ -10,20 +10,20 @@ import numpy as np
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.runtime.design import Design, with_parameters
-from kousoku.runtime.given import (
-    folder_of,
+from kousoku.runtime.given import folder_of, require_callable
+from kousoku.runtime.integrate.given import (
     numbers_of,
-    require_callable,
     require_numbers,
     require_options,
     require_shape,
     times_of,
 )
 from kousoku.runtime.integrate.motion import Layout
+from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
-from kousoku.runtime.options import KINEMATICS, OPTIONS, options_of, with_values
+from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run
 from kousoku.runtime.run_ledger import Moved
 from kousoku.runtime.saved import SavedRun, checked
@@ -157,7 +157,7 @@ class DynamicsSolver:
         Interrupted
             The user pressed Ctrl-C; the exception has what was computed.
         """
-        require_options(self.name, options, OPTIONS, "end", "times", "samples", "progress")
+        require_options(self.name, options, ALL_OPTIONS, "end", "times", "samples", "progress")
         require_callable(self.name, progress)
         if end is None and times is None:
             end = self.layout.duration
@@ -181,7 +181,7 @@ class DynamicsSolver:
         SolveError
             An option is not possible, or the start is not.
         """
-        require_options(self.name, options, OPTIONS, "times")
+        require_options(self.name, options, ALL_OPTIONS, "times")
         chosen = options_of(self, **options)
         return Run(self, times_of(self.name, None, times, 0), chosen)
 
@@ -270,7 +270,7 @@ def load_dynamics(
     folder : path
         A folder that the generator wrote.
     target : {"auto", "c", "numpy"}
-        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
+        ``"auto"`` takes C where a compiler can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
 
     Raises
@@ -280,7 +280,7 @@ def load_dynamics(
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
-        With ``target="c"``: the library cannot be kept.
+        With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
     from kousoku.runtime.dynamics_targets import open_solver
 

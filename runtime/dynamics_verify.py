@@ -15,10 +15,10 @@ import numpy as np
 from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
+from kousoku.runtime.integrate.result import key_of
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Report, Row
-from kousoku.runtime.run_stop import key_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence

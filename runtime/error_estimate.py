@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.runtime.integrate.result import shortly
-from kousoku.runtime.options import KINEMATICS
+from kousoku.runtime.integrate.settings import KINEMATICS
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from kousoku.model.compressed import content
-from kousoku.model.errors import LoadError
+from kousoku.model.errors import LoadError, NotInResultError
 from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.choice import choose
@@ -73,7 +73,7 @@ class Library:
             return self.kernels[name]
         except KeyError:
             known = ", ".join(self.kernels)
-            raise KeyError(
+            raise NotInResultError(
                 f"{self.manifest.package} has no kernel {name!r}; it has {known}"
             ) from None
 
@@ -119,7 +119,7 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     folder : path
         A folder that the generator wrote, under ``generated/`` or anywhere else.
     target : {"auto", "c", "numpy"}
-        ``"auto"`` takes C where a compiler and a cache can be had, and else NumPy after saying why
+        ``"auto"`` takes C where a compiler can be had, and else NumPy after saying why
         in one line on the logger ``kousoku``.
 
     Raises
@@ -132,7 +132,7 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
     CacheError
-        With ``target="c"``: the library cannot be kept.
+        With ``target="c"``: neither the cache nor a temporary folder can be written.
     """
     folder = folder_of(folder)
     manifest = read_manifest(folder)

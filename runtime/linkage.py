@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 
 from kousoku.model.errors import AssemblyError, LoadError, MotionError, SolveError
-from kousoku.runtime.given import require_numbers, require_options, shown, times_of
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.integrate.given import require_numbers, require_options, times_of
+from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.kinematics.rows import empty_rows
 from kousoku.runtime.kinematics.status import Status
 from kousoku.runtime.kinematics.trajectory import Trajectory, trajectory_of

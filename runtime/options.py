@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypedDict
+from typing import TYPE_CHECKING, Literal, TypedDict
 
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.given import require_numbers, shown, unknown
-from kousoku.runtime.initial import Initial, initial_of
-from kousoku.runtime.integrate.settings import Settings
+from kousoku.runtime.integrate.given import Initial, initial_of, require_steps, values_of
+from kousoku.runtime.integrate.result import shown
+from kousoku.runtime.integrate.settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -23,19 +21,12 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: The method of scenes whose motion drivers determine.
-KINEMATICS = "kinematics"
-#: The other methods.
+#: Methods of scenes that move freely.
 RUNGE_KUTTA = ("dopri5", "dop853")
 #: In the order of the solver's text; the last one is there only where drivers determine the motion.
 METHODS = (*RUNGE_KUTTA, KINEMATICS)
-#: All options of a run.
-OPTIONS = (
-    *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
-    *("initial", "q0", "v0", "strict", "estimate_error"),
-)
-#: A run that needs more steps is stopped, unless it is told otherwise.
-MOST_STEPS = 1_000_000
+#: All options of a run; a copied folder alone takes the others.
+ALL_OPTIONS = (*OPTIONS, "strict", "estimate_error")
 
 
 class RunOptions(TypedDict, total=False):
@@ -153,8 +144,7 @@ def options_of(
     SolveError
         An option is not possible.
     """
-    require_numbers(solver.name, tolerance=tolerance, largest_step=largest_step)
-    require_numbers(solver.name, is_whole=True, most_steps=most_steps)
+    require_steps(solver.name, tolerance, step, largest_step, most_steps)
     for option, given in (
         ("checks", checks),
         ("strict", strict),
@@ -168,22 +158,12 @@ def options_of(
             f"{solver.name}: assembly changed the start that the scene gives: {changed}; strict"
             " refuses that: give positions and velocities that fit joints and drivers"
         )
-    if step is not None:
-        require_numbers(solver.name, step=step)
-        step = float(step)
-    if step is not None and not 0.0 < step < math.inf:
-        raise SolveError(f"{solver.name}: step {step!r}; wanted seconds, above 0")
+    step = None if step is None else float(step)
     name = solver.method_for(tolerance) if method is None else method
     _require_method(solver, name, step)
-    if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
-        raise SolveError(
-            f"{solver.name}: tolerance {shown(tolerance)}, largest step {shown(largest_step)}, at"
-            f" most {shown(most_steps)} steps; wanted a tolerance from 1e-15 to 1 and the others"
-            " above 0"
-        )
     values = with_values(solver, parameters)
     numbers = float(tolerance), float(largest_step), step
-    started = initial_of(solver, initial, q0, v0)
+    started = initial_of(solver.layout, initial, q0, v0)
     flags = bool(checks), name, int(most_steps)
     return Options(*numbers, *flags, values, started, bool(estimate_error))
 
@@ -210,24 +190,4 @@ def with_values(
     solver: DynamicsSolver, given: Mapping[str, float] | None
 ) -> tuple[tuple[str, float], ...]:
     """Return all parameters, those that are given with their new values."""
-    if given is None:
-        return solver.parameters
-    if not isinstance(given, Mapping):
-        raise SolveError(
-            f"{solver.name}: parameters {shown(given)}; wanted a mapping of names to numbers"
-        )
-    known = dict(solver.parameters)
-    problems = [unknown("parameter", name, [*known]) for name in given if name not in known]
-    for name, value in given.items():
-        if name in known and not _is_finite(value):
-            problems.append(f"parameter {name} is {shown(value)}, wanted a finite number")
-    if problems:
-        raise SolveError(f"{solver.name}: {'; '.join(problems)}")
-    return tuple((name, float(given.get(name, value))) for name, value in solver.parameters)
-
-
-def _is_finite(value: Any) -> bool:
-    try:
-        return not isinstance(value, str) and math.isfinite(value)
-    except (TypeError, OverflowError):
-        return False
+    return tuple(values_of(solver.name, dict(solver.parameters), given).items())

@@ -13,17 +13,18 @@ from kousoku.model.errors import MotionError, SolveError
 from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
-from kousoku.runtime.given import (
+from kousoku.runtime.given import require_callable
+from kousoku.runtime.integrate.given import (
+    Initial,
     numbers_of,
-    require_callable,
     require_numbers,
     require_room,
     require_shape,
 )
-from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
-from kousoku.runtime.integrate.settings import COMES_OPEN, STAYS_OPEN, Status
-from kousoku.runtime.options import KINEMATICS, with_values
+from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.integrate.settings import COMES_OPEN, KINEMATICS, STAYS_OPEN, Status
+from kousoku.runtime.options import with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
 from kousoku.runtime.saved import SavedRun
@@ -198,14 +199,23 @@ class Run:
         status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:
             y = self.solver.state["y"].view(self.state)
-            led = started_at(self._there, self.options.initial, self._values, y)
-            self._q[:], self._v[:] = led
+            self._q[:], self._v[:] = self._led(y)
             self._is_elsewhere = False  # to start over leads nowhere again
             status = self._begin()
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             where = "" if status == Status.NOT_CLOSED else self._where()
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
+
+    def _led(self, y: Array) -> tuple[Array, Array]:
+        """Return q and v with initial values, given where the scene starts."""
+        from kousoku.runtime.integrate.initial import evaluated
+        from kousoku.runtime.integrate.placing import started
+
+        there, target = self._there, self.solver.target
+        evaluate = evaluated(target.evaluate, self._values, target.work_size, there.places)
+        rows = (*there.rows, *there.left_out, *there.reduced)
+        return started(there.layout, rows, evaluate, y, self.options.initial)
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
@@ -332,9 +342,8 @@ class Run:
         jumps = self.solver.layout.jumps
         if not jumps:
             return ""
-        more = f" and {len(jumps) - SHOWN} more" if len(jumps) > SHOWN else ""
         return (
-            f"; the sign in {', '.join(jumps[:SHOWN])}{more} jumps, and where what it is taken of"
+            f"; the sign in {listed(jumps, SHOWN)} jumps, and where what it is taken of"
             " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from kousoku.runtime.integrate.result import Named
-from kousoku.runtime.integrate.settings import COMES_OPEN
+from kousoku.runtime.integrate.result import Named, key_of, listed
+from kousoku.runtime.integrate.settings import KINEMATICS
+from kousoku.runtime.integrate.trust import released, trust_of
 from kousoku.runtime.momenta import momenta_of
-from kousoku.runtime.options import KINEMATICS
-from kousoku.runtime.run_stop import SHOWN, key_of
-from kousoku.runtime.trust import trust_of
+from kousoku.runtime.run_stop import SHOWN
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -21,9 +20,9 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.trust import Trust
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options
-    from kousoku.runtime.trust import Trust
 
     Array = npt.NDArray[np.float64]
 
@@ -217,8 +216,9 @@ class RunLedger:
                 f" most at {key_of(self.worst_joint(level))}"
             )
         if self.released:
+            names = listed([key_of(name) for name in self.released])
             yield (
-                f"came open: {_listed(self.released)}; a constraint that was left out, because it"
+                f"came open: {names}; a constraint that was left out, because it"
                 " depends on others where it was looked at, does not depend on them here: this is"
                 " not the motion of the scene"
             )
@@ -266,11 +266,6 @@ class RunLedger:
         return "\n".join(lines)
 
 
-def _listed(joints: Sequence[str]) -> str:
-    names = ", ".join(f"joints.{name}" for name in joints[:SHOWN])
-    return names + ", …" * (len(joints) > SHOWN)
-
-
 def ledger_of(
     solver: DynamicsSolver,
     numbers: Array,
@@ -296,16 +291,15 @@ def ledger_of(
     state = {name: field.view(numbers) for name, field in solver.state.items()}
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     counts = {name: int(single[name]) for name in COUNTS}
-    layout = solver.layout
+    layout, worst = solver.layout, state["violations"]
     checked = [*solver.rows, *solver.left_out, *solver.reduced]
-    worst, first = state["violations"], len(solver.rows)
+    rows = len(solver.rows), checked
     works: dict[str, float] = {}
     violations: dict[str, Violation] = {}
     if solver.is_weighed:
         works = _works(state["y"], layout.works, options)
     if options.checks:
         violations = _violations(worst, checked, layout.checked)
-    released = _released(worst[0], first, checked[first:], layout.length) if options.checks else ()
     changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
@@ -322,15 +316,18 @@ def ledger_of(
         works=Named(works),
         momenta=momenta_of(solver.kept, changes) if options.checks else (),
         violations=Named(violations),
-        released=released,
+        released=released(worst[0], rows, layout.length) if options.checks else (),
         moved=Named(solver.moved),
         seconds=Named(seconds),
         trust=trust_of(
-            single,
-            options,
-            constraints=_relative(worst[0], checked, layout.length) if options.checks else None,
+            state,
+            rows,
+            layout,
+            options.method,
+            tolerance=options.tolerance,
+            step=options.step,
+            checks=options.checks,
             is_weighed=solver.is_weighed,
-            released=_listed(released),
             error=error,
         ),
         **counts,
@@ -356,23 +353,3 @@ def _violations(
         joint: Violation(*(tuple(own[unit].tolist()) for unit in UNITS))
         for joint, own in sizes.items()
     }
-
-
-def _relative(worst: Array, rows: Sequence[tuple[str, str]], length: float) -> float:
-    """Return the largest residual in position, relative to a length where it is one."""
-    sizes = [length if unit == "m" else 1.0 for _, unit in rows]
-    return float(np.max(worst / sizes, initial=0.0))
-
-
-def _released(
-    worst: Array, first: int, left_out: Sequence[tuple[str, str]], length: float
-) -> tuple[str, ...]:
-    """Return the joints that came open where a row was left out: those rows from the first on."""
-    sizes = worst[first : first + len(left_out)].tolist()
-    limits = [COMES_OPEN * (length if unit == "m" else 1.0) for _, unit in left_out]
-    open_rows = [
-        joint
-        for (joint, _), size, limit in zip(left_out, sizes, limits, strict=True)
-        if not size <= limit
-    ]
-    return tuple(dict.fromkeys(open_rows))

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.runtime.integrate.result import key_of
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -21,11 +23,6 @@ OPEN = 1e-9
 DEPENDENT = 1e-10
 #: Pivots up to this multiple of the smallest are named with it.
 NEAR = 100.0
-
-
-def key_of(name: str) -> str:
-    """Return the key in the scene of what rows are named after; that of a driver is its name."""
-    return name if "." in name else f"joints.{name}"
 
 
 def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Array) -> str:

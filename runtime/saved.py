@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.given import numbers_of, shown, times_of
-from kousoku.runtime.initial import Initial
+from kousoku.runtime.integrate.given import Initial, numbers_of, times_of
+from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.options import METHODS, Options, options_of
 
 if TYPE_CHECKING:

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from kousoku.codegen.emit import OF_MODEL, along, along_file
+
 ROOT = Path(__file__).parents[1]
 
 #: A folder may import itself and what stands here.
@@ -101,6 +103,15 @@ def test_libraries_that_are_copied_along_stand_alone(folder: str) -> None:
         # The tables of methods in C are written from those in Python.
         assert included <= {other.name for other in path.parent.glob("*.h")} | {"methods.h"}, path
         assert max(map(len, text.splitlines())) <= 100 and "\t" not in text, path
+
+
+def test_files_of_model_that_are_copied_along_stand_alone() -> None:
+    """They import the standard library only, and what differs names them."""
+    for copy, own in OF_MODEL.items():
+        path = ROOT / "model" / own
+        assert {name.split(".")[0] for name in imports(path)} <= sys.stdlib_module_names, path
+        assert along_file(copy) == (f"model/{own}", path.read_text(encoding="utf-8"))
+        assert along(copy.partition("/")[0])[copy] == path.read_text(encoding="utf-8")
 
 
 def modules_after(code: str) -> set[str]:

@@ -26,6 +26,7 @@ from kousoku.model.held import require_kept, without_held
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.model.system import system_of
 from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.result import key_of, listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
 
 #: What every solver has for the ledger of its runs.
 LEDGER = ("checks", "energies")
-#: Joints that a note names.
-SHOWN = 6
 #: Rows are dependent when one pivot is smaller than this part of another.
 DEPENDENT = 1e-12
 
@@ -135,11 +134,10 @@ def _of_reactions(program: Program) -> Iterator[str]:
     """Yield a note on reactions that are not unique out of the plane of the motion."""
     joints = program.unique_in_plane
     if joints:
-        more = f" and {len(joints) - SHOWN} more" if len(joints) > SHOWN else ""
+        names = listed([key_of(name) for name in joints])
         yield (
-            "not unique: of force and torque of "
-            f"{', '.join(f'joints.{name}' for name in joints[:SHOWN])}{more} only what"
-            " leads out of the plane; what acts in the plane is unique"
+            f"not unique: of force and torque of {names} only what leads out of the"
+            " plane; what acts in the plane is unique"
         )
 
 

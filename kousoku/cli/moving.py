@@ -8,13 +8,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 import typer
 
 from kousoku.cli.completing import files
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
-from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.errors import MotionError, NotInResultError, SolveError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -28,6 +28,8 @@ MOST_COLUMNS = 8
 #: Formats of a plot that is one file.
 PICTURES = (".png", ".svg", ".pdf")
 
+#: How positions of linkages of nodes are found.
+OfLinkages = Literal["newton", "paper"]
 SceneFile = Annotated[
     Path,
     typer.Argument(metavar="SCENE", help="A scene file, *.toml.", autocompletion=files(".toml")),
@@ -223,8 +225,6 @@ def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
     SolveError
         There is no such column.
     """
-    from kousoku.runtime.integrate.result import NotInResultError
-
     try:
         return [column for name in names or () for column in result.columns_of(name)]
     except NotInResultError as error:

@@ -44,7 +44,7 @@ def _scene_schema() -> str:
 
 def _answer_schema(command: str) -> str:
     from kousoku.cli.answers import ANSWERS, answer_schema
-    from kousoku.runtime.given import unknown
+    from kousoku.runtime.integrate.result import unknown
 
     if command not in ANSWERS:
         raise LoadError(unknown("command with --json", command, [*ANSWERS]))

@@ -1,7 +1,7 @@
 """``kousoku simulate``: load a scene, let it move in time, say what it cost."""
 
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -10,6 +10,7 @@ from kousoku.cli.moving import (
     Columns,
     Initial,
     Of,
+    OfLinkages,
     Out,
     Plot,
     SceneFile,
@@ -25,14 +26,8 @@ if TYPE_CHECKING:
     from kousoku.runtime.integrate.result import Result
 
 
-class Method(StrEnum):
-    """How the motion is found."""
-
-    DOPRI5 = "dopri5"
-    DOP853 = "dop853"
-    KINEMATICS = "kinematics"
-    NEWTON = "newton"
-    PAPER = "paper"
+#: How the motion is found.
+Method = Literal["dopri5", "dop853", "kinematics", OfLinkages]
 
 
 class Output(StrEnum):
@@ -107,7 +102,7 @@ def simulate(
     """
     options: dict[str, Any] = {
         "tolerance": tolerance,
-        "method": method.value if method else None,
+        "method": method,
         "step": step,
         "largest_step": largest_step,
         "most_steps": most_steps,

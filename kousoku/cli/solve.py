@@ -1,30 +1,33 @@
 """``kousoku solve``: a scene whose inputs are prescribed, at their divisions."""
 
-from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kousoku.cli.console import AsJson, Target
-from kousoku.cli.moving import Columns, Of, Out, Plot, SceneFile, Set, Wish, move, parameters_of
+from kousoku.cli.moving import (
+    Columns,
+    Of,
+    OfLinkages,
+    Out,
+    Plot,
+    SceneFile,
+    Set,
+    Wish,
+    move,
+    parameters_of,
+)
 
 if TYPE_CHECKING:
     from kousoku.mechanism import Mechanism
     from kousoku.runtime.integrate.result import Result
 
 
-class Method(StrEnum):
-    """How positions are found."""
-
-    NEWTON = "newton"
-    PAPER = "paper"
-
-
 def solve(
     scene_file: SceneFile,
     *,
     method: Annotated[
-        Method | None,
+        OfLinkages | None,
         typer.Option(help="Of linkages: full Newton, or the iteration of the 1981 paper."),
     ] = None,
     divisions: Annotated[int | None, typer.Option(min=1, help="Steps over the input.")] = None,
@@ -51,7 +54,7 @@ def solve(
     written, and the exit code is 3.
     """
     options: dict[str, Any] = {
-        "method": method.value if method else None,
+        "method": method,
         "divisions": divisions,
         "turns": turns,
         "first_turn": first_turn,

@@ -311,7 +311,7 @@ def _chosen_forces(
     table: Mapping[str, Array], forces: Sequence[str] | bool, name: str
 ) -> dict[str, Array]:
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.given import unknown
+    from kousoku.runtime.integrate.result import unknown
 
     if isinstance(forces, bool):
         return dict(table) if forces else {}
@@ -332,7 +332,7 @@ def _paths(shapes: Shapes, paths_of: Sequence[Any] | None, name: str) -> tuple[P
         There is no such body or joint, or a point is no three numbers.
     """
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.given import unknown
+    from kousoku.runtime.integrate.result import unknown
 
     joints = {mark.name: mark for mark in shapes.joints}
     places = {body.name: k for k, body in enumerate(shapes.bodies) if k}

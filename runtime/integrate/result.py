@@ -8,6 +8,7 @@ import zipfile
 from collections.abc import Mapping
 from functools import cached_property
 from importlib import import_module
+from inspect import signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
 
@@ -30,8 +31,8 @@ NOISE = 1e-9
 SUFFIXES = (".csv", ".npz", ".parquet")
 
 
-class NotInResultError(KeyError):
-    """A result has no such name; the message says which there are, or how to get it."""
+class MissingError(KeyError):
+    """A result has no such name, where kousoku is not installed."""
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -56,8 +57,8 @@ class Named(Mapping[str, Value]):
     def __getitem__(self, name: str) -> Value:
         if name in self._values:
             return self._values[name]
-        what = f"{self._missing}, none of {shown(name)}: there are {_listed([*self])}"
-        raise NotInResultError(self._advice or what)
+        what = f"{self._missing}, none of {shown(name)}: there are {listed([*self])}"
+        raise missing(self._advice or what)
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)
@@ -119,7 +120,7 @@ class Part:
             raise AttributeError(f"{self.name}: {unknown('table', table, [*self._tables])}")
         try:
             found: Array = getattr(self._result, self._tables[table])[self.name]
-        except NotInResultError as error:
+        except KeyError as error:
             raise AttributeError(str(error)) from None
         return found
 
@@ -227,14 +228,14 @@ class Result:
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
         if name not in self.places:
-            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+            raise missing(f"{self.name}: {self._no_column(name)}")
         table, owner, component, _ = self.places[name]
         values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
         return values if component is None else values[:, component]
 
     def _no_column(self, name: object) -> str:
         columns = [*self.places]
-        return f"no column {shown(name)}: there are {_listed(columns)}{_near(name, columns)}"
+        return f"no column {shown(name)}: there are {listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
         return name in self.places
@@ -251,14 +252,14 @@ class Result:
 
         Raises
         ------
-        NotInResultError
-            There is none.
+        KeyError
+            There is none; where kousoku is installed it is a ``NotInResultError``, too.
         """
         if name in self.places:
             return [name]
         own = [column for column, place in self.places.items() if place.owner == name]
         if not own:
-            raise NotInResultError(f"{self.name}: {self._no_column(name)}")
+            raise missing(f"{self.name}: {self._no_column(name)}")
         return own
 
     def body(self, name: str) -> Part:
@@ -290,9 +291,9 @@ class Result:
     def _part(self, sort: str, name: str) -> Part:
         if sort not in self.PARTS:
             calls = ", ".join(f".{one}(…)" for one in self.PARTS)
-            raise NotInResultError(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
+            raise missing(f"{self.name}: no {sort} {shown(name)}: the result has {calls}")
         if name not in (names := self._names(sort)):
-            raise NotInResultError(f"{self.name}: {unknown(sort, name, names)}")
+            raise missing(f"{self.name}: {unknown(sort, name, names)}")
         return Part(self, name, self.PARTS[sort])
 
     def to_pandas(self) -> Any:
@@ -347,6 +348,10 @@ class Result:
         view = self._late("kousoku.view", "plot")
         if self.mechanism is None:
             raise refusal(f"{self.name}: only what kousoku.load gave has the solids to be drawn")
+        _, _, *known = signature(view.animate).parameters
+        for name in options:
+            if name not in known:
+                raise refusal(f"{self.name}: {unknown('option', name, known)}")
         options = {"parameters": dict(self.parameters), **options}
         return view.animate(self, self.mechanism.scene, path, **options)
 
@@ -380,8 +385,8 @@ class Result:
         for sort in self.PARTS:
             if names := self._names(sort):
                 plural = sort.replace("body", "bodie") + "s"
-                lines.append(f"  {plural}: {_listed(names)}")
-        return "\n".join([*lines, f"  columns: {_listed([*self.places])}"])
+                lines.append(f"  {plural}: {listed(names)}")
+        return "\n".join([*lines, f"  columns: {listed([*self.places])}"])
 
     def _verdict(self) -> list[str]:
         """Return the line on how far it can be trusted, where it is known."""
@@ -426,18 +431,29 @@ def shortly(number: float, digits: int = 1) -> str:
     return f"{mantissa}e{int(exponent)}" if e else mantissa
 
 
-def refusal(text: str, kind: str = "SolveError") -> Exception:
-    """Return an error of kousoku; where that is not installed a ``ValueError``."""
+def refusal(text: str, kind: str = "SolveError", alone: type[Exception] = ValueError) -> Exception:
+    """Return an error of kousoku; where that is not installed another one."""
     try:
         error: Exception = getattr(import_module("kousoku.model.errors"), kind)(text)
     except ModuleNotFoundError:
-        return ValueError(text)
+        return alone(text)
     return error
 
 
-def _listed(names: Sequence[str]) -> str:
-    more = len(names) - SHOWN
-    return ", ".join(names[:SHOWN]) + (f" and {more} more" if more > 0 else "")
+def missing(text: str) -> Exception:
+    """Return the ``KeyError`` of a name that there is not."""
+    return refusal(text, "NotInResultError", MissingError)
+
+
+def listed(names: Sequence[str], most: int = SHOWN) -> str:
+    """Return names as a line tells them, not more than so many."""
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more
+
+
+def key_of(name: str) -> str:
+    """Return the key in the scene of what rows are named after; that of a driver is its name."""
+    return name if "." in name else f"joints.{name}"
 
 
 def _write_arrays(buffer: io.BytesIO, arrays: Mapping[str, Any]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
-from ..integrate.result import Column, Named, NotInResultError, Result, not_generated
+from ..integrate.result import Column, Named, Result, missing, not_generated
 from .rows import METHODS
 from .solve import solve
 from .status import Status
@@ -142,7 +142,7 @@ class Trajectory(Result):
     def time(self) -> Array:
         """The times [s]."""
         if self.times is None:
-            raise NotInResultError(
+            raise missing(
                 f"{self.name}: no time: its inputs do not change evenly and together; rows are"
                 f" divisions of {', '.join(self.inputs)}"
             )

@@ -268,3 +268,59 @@ def test_copied_folder_of_bodies_is_a_package(tmp_path: Path) -> None:
     install = "pip install 'kousoku["
     assert [install in line for line in lines] == [True, True, True, False]
     assert "install kousoku" in lines[-1]
+
+
+@pytest.fixture(scope="module")
+def free_loop(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    scene = read_scene(ROOT / "scenes" / "loop_free.toml")
+    folder = tmp_path_factory.mktemp("alone") / "my_loop"
+    write_tree(folder, generate_dynamics(scene, ["coordinates"]))
+    return folder
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_takes_degrees_and_gives_the_verdict(free_loop: Path) -> None:
+    got = run(
+        "before = set(globals())\nfrom my_loop import *\n"
+        "print(sorted(set(globals()) - before - {'before'}))\n"
+        "run = simulate(0.05, samples=6, initial={'crank_angle': '30 deg'})\n"
+        "print(repr(run).splitlines()[0])\nprint(run['crank_angle'][0])\n"
+        "import pickle\nprint(pickle.loads(pickle.dumps(run)).verdict)\n"
+        "wrong = simulate(2, samples=3, step=0.5)\nprint(repr(wrong).splitlines()[0])",
+        free_loop.parent,
+    )
+    assert got.returncode == 0, got.stderr
+    names, verdict, angle, again, wrong = got.stdout.splitlines()
+    assert names == "['begin', 'simulate']"
+    assert float(angle) == pytest.approx(np.pi / 6, abs=1e-12)
+    solver = load_dynamics(free_loop, target="numpy")
+    wanted = solver.simulate(0.05, samples=6, initial={"crank_angle": "30 deg"})
+    assert verdict == again == wanted.verdict
+    assert wrong == solver.simulate(2, samples=3, step=0.5).verdict
+    assert wrong.startswith("not trusted: ")
+
+
+def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> None:
+    calls = {
+        "simulate(-1)": "ValueError: my_loop: end -1 with 1001 samples; wanted an end above 0",
+        "simulate(1, samples=1)": "ValueError: my_loop: end 1 with 1 samples; wanted",
+        "simulate(times=[1, 0.5])": "ValueError: my_loop: times must ascend from 0 or later",
+        "simulate(1, tolerence=1)": "TypeError: my_loop: no option 'tolerence': there are end,"
+        " times, samples, tolerance, method",
+        "begin([0], checked=1)": "TypeError: my_loop: no option 'checked': there are times, tol",
+        "simulate(1, tolerance=0)": "ValueError: my_loop: tolerance 0, largest step inf",
+        "simulate(1, parameters={'mass': 'a'})": "ValueError: my_loop: parameter mass is 'a',",
+        "simulate(1, initial={'crank_angle': float('nan')})": "ValueError: my_loop: initial"
+        " crank_angle is nan; wanted a finite number, or an angle such as '30 deg'",
+        "simulate(1e-9, samples=2)['crank']": "MissingError: my_loop: no column 'crank': there",
+    }
+    got = run(
+        "import my_loop\n"
+        f"for call in {[*calls]!r}:\n"
+        "    try: eval('my_loop.' + call)\n"
+        "    except Exception as error: print(f'{type(error).__name__}: {error}')\n",
+        free_loop.parent,
+    )
+    assert got.returncode == 0, got.stderr
+    for line, wanted in zip(got.stdout.splitlines(), calls.values(), strict=True):
+        assert line.startswith(wanted.replace("my_loop", "loop_free"))

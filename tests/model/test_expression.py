@@ -9,9 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kousoku.model.angles import PI
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import ARGUMENTS, DEEPEST, LONGEST, parse_expression
-from kousoku.model.terms import PI, Apply, Function, Name, Number, names_of, ordered
+from kousoku.model.terms import Apply, Function, Name, Number, names_of, ordered
 
 if TYPE_CHECKING:
     from kousoku.model.terms import Expression

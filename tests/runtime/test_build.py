@@ -5,7 +5,9 @@ from __future__ import annotations
 import errno
 import hashlib
 import os
+import re
 import shutil
+import subprocess
 import sys
 import tempfile
 import time
@@ -138,11 +140,28 @@ def test_a_compiler_that_cannot_link_counts_as_none(
     assert entries(cache) == []
 
 
-def test_a_cache_that_is_no_folder_gives_a_clear_message(cache: Path, compiler: Toolchain) -> None:
+def test_a_cache_that_cannot_be_written_is_told_and_done_without(
+    cache: Path, compiler: Toolchain, caplog: pytest.LogCaptureFixture
+) -> None:
     cache.mkdir()
     (cache / "lib").write_text("in the way", encoding="utf-8")
-    with pytest.raises(CacheError, match=r"cannot write the cache .*lib: .*KOUSOKU_CACHE"):
-        build(SOURCE, compiler)
+    first, second = build(SOURCE, compiler), build(SOURCE, compiler)
+    assert first == second
+    assert first.path.is_file() and cache not in first.path.parents
+    (said,) = caplog.messages
+    assert re.match(r"cannot write the cache .*lib: .*compiled in a temporary folder, for", said)
+    assert "KOUSOKU_CACHE" in said
+
+
+def test_the_temporary_folder_is_gone_when_the_process_ends(tmp_path: Path) -> None:
+    (tmp_path / "cache").write_text("in the way", encoding="utf-8")
+    code = "from kousoku.runtime import build; print(build._own_shelf())"
+    environment = {**os.environ, "TMPDIR": str(tmp_path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
+    )
+    assert Path(done.stdout.strip()).parent == tmp_path
+    assert [path.name for path in tmp_path.iterdir()] == ["cache"]
 
 
 @pytest.mark.usefixtures("cache")
@@ -154,8 +173,9 @@ def test_every_reason_not_to_write_is_told(
         raise OSError(code, os.strerror(code))
 
     monkeypatch.setattr(tempfile, "mkdtemp", refuse)
+    new = Source("never_built", SOURCE.files)  # not in the temporary folder of other tests
     with pytest.raises(CacheError, match=os.strerror(code)):
-        build(SOURCE, compiler)
+        build(new, compiler)
 
 
 def test_a_compiler_that_runs_out_of_space_is_the_caches_fault(
@@ -186,14 +206,14 @@ def test_a_library_in_a_read_only_cache_is_used(
 
 
 def test_without_a_home_there_is_no_cache(
-    compiler: Toolchain, monkeypatch: pytest.MonkeyPatch
+    compiler: Toolchain, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def no_home() -> NoReturn:
         raise OSError("no home folder")
 
     monkeypatch.setattr("kousoku.runtime.build.cache_folder", no_home)
-    with pytest.raises(CacheError, match="there is no cache: no home folder; set KOUSOKU_CACHE"):
-        build(SOURCE, compiler)
+    assert build(SOURCE, compiler).path.is_file()
+    assert caplog.messages[0].startswith("there is no cache: no home folder; compiled in a temp")
 
 
 @pytest.mark.usefixtures("cache")

@@ -9,12 +9,18 @@ import shutil
 import subprocess
 import sys
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, NoReturn
 
 import numpy as np
 import pytest
 
-from kousoku.model.errors import CacheError, CompilerError, LoadError, NoCompilerError
+from kousoku.model.errors import (
+    CacheError,
+    CompilerError,
+    LoadError,
+    NoCompilerError,
+    TargetError,
+)
 from kousoku.model.manifest import Manifest
 from kousoku.runtime import load
 from kousoku.runtime.toolchain import EXTENSION
@@ -75,7 +81,7 @@ def test_the_message_is_one_line_on_stderr_even_where_warnings_are_errors(tiny: 
 
 def test_an_unknown_target_is_refused(tiny: Path) -> None:
     wrong: Any = "fortran"
-    with pytest.raises(ValueError, match="got 'fortran', wanted 'auto', 'c' or 'numpy'"):
+    with pytest.raises(TargetError, match="got 'fortran', wanted 'auto', 'c' or 'numpy'"):
         load(tiny, target=wrong)
 
 
@@ -312,14 +318,22 @@ def test_the_numpy_target_has_no_c_functions(tiny: Path) -> None:
 
 
 @pytest.mark.usefixtures("compiler")
-def test_a_cache_that_cannot_be_written_means_numpy_or_an_error(
-    tiny: Path, cache: Path, caplog: pytest.LogCaptureFixture
+def test_a_cache_that_cannot_be_written_means_a_temporary_folder_or_numpy(
+    tiny: Path, cache: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cache.write_text("a file in its place", encoding="utf-8")
-    assert [load(tiny).target for _ in range(2)] == ["numpy"] * 2
+    assert [load(tiny).target for _ in range(2)] == ["c"] * 2
     assert len(caplog.messages) == 1
-    assert caplog.messages[0].startswith(
+    assert caplog.messages[0].startswith(f"cannot write the cache {cache}")
+
+    def refuse() -> NoReturn:
+        raise OSError("no room")
+
+    monkeypatch.setattr("kousoku.runtime.build._own_shelf", refuse)
+    assert [load(tiny).target for _ in range(2)] == ["numpy"] * 2
+    assert len(caplog.messages) == 2
+    assert caplog.messages[1].startswith(
         f"kousoku uses the NumPy kernels: cannot write the cache {cache}"
     )
-    with pytest.raises(CacheError, match="KOUSOKU_CACHE"):
+    with pytest.raises(CacheError, match=r"nor a temporary folder: no room; .*KOUSOKU_CACHE"):
         load(tiny, target="c")

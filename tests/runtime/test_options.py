@@ -13,11 +13,12 @@ import pytest
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.families import chain
-from kousoku.runtime import given, linkage, load, verify
+from kousoku.runtime import linkage, load, verify
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate import given
 from kousoku.runtime.kinematics.rows import request
 from kousoku.runtime.linkage import load_scene
-from kousoku.runtime.options import OPTIONS, options_of
+from kousoku.runtime.options import ALL_OPTIONS, options_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -79,7 +80,7 @@ def test_numbers_of_numpy_are_numbers(bodies_folder: Callable[..., Path]) -> Non
 def test_the_options_that_are_known_are_those_that_there_are() -> None:
     solver, *options = signature(options_of).parameters
     assert solver == "solver"
-    assert tuple(options) == OPTIONS
+    assert tuple(options) == ALL_OPTIONS
 
 
 def test_a_quotient_is_a_number_but_no_count(

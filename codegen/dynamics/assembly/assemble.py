@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers, with_turns_counted
-from kousoku.codegen.dynamics.assembly.violations import key_of, listed, worst_first
+from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst_first
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
@@ -210,6 +210,6 @@ def _check_velocities(
         excess = excess_of_drivers(system, pose) if is_driven else ""
         raise AssemblyError(
             f"{system.name}: {excess}no velocities near those of the scene keep its joints closed;"
-            f" as near as they come, these are torn: {listed(named, ('m/s', 'rad/s'))}; {advice}",
+            f" as near as they come, these are torn: {sizes_of(named, ('m/s', 'rad/s'))}; {advice}",
             [*named],
         )

@@ -9,8 +9,9 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.rough import Place, RoughSearch
-from kousoku.codegen.dynamics.assembly.violations import SHOWN, key_of
+from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.pose import Pose
@@ -58,9 +59,8 @@ def excess_of_drivers(system: System, pose: Pose) -> str:
     if sum(counts) <= free:
         return ""
     names = [*dict.fromkeys(map(key_of, drivers))]
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
     what = f"{len(names)} driver{'s' * (len(names) > 1)}"
     if sum(counts) != len(names):
         what += f", which prescribe {sum(counts)} coordinates,"
     degrees = f"{free} degree{'s' * (free != 1)} of freedom"
-    return f"{what} for {degrees}, {', '.join(names[:SHOWN])}{more}: leave some out; "
+    return f"{what} for {degrees}, {listed(names)}: leave some out; "

@@ -23,7 +23,7 @@ from kousoku.codegen.dynamics.assembly.rough import (
     Place,
     RoughSearch,
 )
-from kousoku.codegen.dynamics.assembly.violations import key_of, listed, violations
+from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, violations
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
 
@@ -81,7 +81,7 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
         excess = excess_of_drivers(system, start)
         raise AssemblyError(
             f"{system.name}: {excess}does not fit together near these positions; as near as it "
-            f"comes, these stay open: {listed(open_joints, ('m', 'rad'))};"
+            f"comes, these stay open: {sizes_of(open_joints, ('m', 'rad'))};"
             f" {_advice(system, open_joints)}",
             [*open_joints],
         )

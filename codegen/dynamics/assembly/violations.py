@@ -8,6 +8,7 @@ from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION
 from kousoku.model.precise import ZERO
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.model.mechanism import Instance
     from kousoku.model.precise import High, Triple
-
-SHOWN = 6
-"""Joints that a message names."""
 
 
 WORTH_NAMING = 1e-6
@@ -92,13 +90,12 @@ def _size(instance: Instance, pose: Pose) -> tuple[High, int]:
     return HIGH_CONTEXT.atan2(sine, cosine), 1
 
 
-def listed(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:
+def sizes_of(open_joints: dict[str, tuple[float, float]], units: tuple[str, str]) -> str:
     """Return text such as ``joints.a by 0.25 m and 0.1 rad, joints.b by 0.2 m``."""
     texts = []
     worst = max(map(max, open_joints.values()))
-    for key, sizes in list(open_joints.items())[:SHOWN]:
+    for key, sizes in open_joints.items():
         shown = zip(sizes, units, strict=True)
         parts = [f"{x:.3g} {unit}" for x, unit in shown if x > WORTH_NAMING * worst]
         texts.append(f"{key} by {' and '.join(parts)}")
-    more = len(open_joints) - SHOWN
-    return ", ".join(texts) + (f" and {more} more" if more > 0 else "")
+    return listed(texts)

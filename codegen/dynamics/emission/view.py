@@ -24,7 +24,7 @@ from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
-from kousoku.runtime.integrate.settings import Settings, Status
+from kousoku.runtime.integrate.settings import KINEMATICS, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
 
 if TYPE_CHECKING:
@@ -197,7 +197,7 @@ class DynamicsView:
     @property
     def methods(self) -> tuple[str, ...]:
         """The methods, in order."""
-        return (*(method.name for method in METHODS), *["kinematics"] * self.is_driven)
+        return (*(method.name for method in METHODS), *[KINEMATICS] * self.is_driven)
 
     @property
     def numbered(self) -> tuple[tuple[int, KernelText], ...]:

@@ -29,6 +29,7 @@ from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.system import system_of
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -43,8 +44,6 @@ if TYPE_CHECKING:
 #: Everything that can be computed.
 ALL = (*LEDGER, "reactions")
 BYTES = 8
-#: Bodies that a line names.
-SHOWN = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -366,8 +365,7 @@ def _bodies_of(system: System, program: Program, without: Program | None = None)
     rows = (system.constraints[row.instance] for row in program.reduced if row not in known)
     bodies = dict.fromkeys(max(one.bodies) for one in rows)
     names = [system.bodies[k].name for k in bodies]
-    more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
-    return ", ".join(names[:SHOWN]) + more
+    return listed(names)
 
 
 def _of_elements(structure: Structure) -> str:

@@ -14,17 +14,15 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART
 from kousoku.model.errors import SceneError
+from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Sequence
+    from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Row
     from kousoku.codegen.dynamics.redundancy.branch import Branch, Position
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import System
-
-#: Joints and drivers that a message names.
-SHOWN = 6
 
 
 class Drivers:
@@ -89,13 +87,13 @@ class Drivers:
         rank, factors = self._at[0]
         if self._extra(rank, factors):
             names = self._taking_part(factors)
-            drivers = _listed(name for name in names if name in self._named())
-            joints = _listed(name for name in names if name not in self._named()) or "the bodies"
+            drivers = listed([name for name in names if name in self._named()])
+            joints = listed([name for name in names if name not in self._named()]) or "the bodies"
             where = f"at a dead centre of {drivers}: there {joints} may go on either way"
         elif rank < self._rank:
             where = (
                 f"where rows of joints repeat each other that do not do so elsewhere, and"
-                f" {_listed(self._named())} cannot tell which of several motions follows"
+                f" {listed([*self._named()])} cannot tell which of several motions follows"
             )
         else:
             return
@@ -108,15 +106,15 @@ class Drivers:
         names = self._taking_part(factors)
         drivers = [name for name in names if name in self._named()]
         joints = [name for name in names if name not in self._named()]
-        held = f" determine already with {_listed(joints)}" if joints else " prescribe already"
+        held = f" determine already with {listed(joints)}" if joints else " prescribe already"
         if len(drivers) == 1:
             raise SceneError(
-                f"prescribes {extra} more than {_listed(joints) or 'bodies'} leave free, whatever"
+                f"prescribes {extra} more than {listed(joints) or 'bodies'} leave free, whatever"
                 " its formula is; drive another coordinate, leave it out, or free a joint",
                 key=drivers[0],
             )
         raise SceneError(
-            f"{_listed(drivers)} prescribe more than is free: each of them drives what the others"
+            f"{listed(drivers)} prescribe more than is free: each of them drives what the others"
             f"{held}, also where their formulas agree; leave out {extra} of them",
             key="drivers",
         )
@@ -148,10 +146,3 @@ def _of_drivers(dependences: Array, first: int) -> Array:
     left, sizes, _ = np.linalg.svd(drivers, full_matrices=False)
     found: Array = left[:, sizes > TAKES_PART].T @ dependences
     return found
-
-
-def _listed(names: Iterable[str]) -> str:
-    names = list(names)
-    shown = ", ".join(names[:SHOWN])
-    more = len(names) - SHOWN
-    return f"{shown} and {more} more" if more > 0 else shown

@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .given import initial_of, require_options, require_steps, times_of, values_of
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import unknown
 from .scene import state_of
-from .settings import Settings, Status
+from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status
+from .state import fields
+from .trust import trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,6 +23,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from .given import Initial
     from .solver import Solver
 
     Array: TypeAlias = npt.NDArray[np.float64]
@@ -62,17 +66,20 @@ class Alone:
             The motion cannot go on.
         ValueError
             An option is not possible.
+        TypeError
+            There is no such option.
         """
+        require_options(self.layout.name, options, OPTIONS, "end", "times", "samples")
         if end is None and times is None:
             end = self.layout.duration
-        if (end is None) == (times is None):
-            raise ValueError(f"{self.layout.name}: give either end or times")
-        given = times if end is None else np.linspace(0.0, end, samples)
-        return self.begin(given, **options).finish()
+        size = self.solver.scene.row_size
+        chosen = times_of(self.layout.name, end, times, samples, size)
+        return Run(self, chosen, **options).finish()
 
     def begin(self, times: Sequence[float] | Array, **options: Any) -> Run:
         """Return a run at time 0 that can be stopped and go on."""
-        return Run(self, np.array(times, float), **options)
+        require_options(self.layout.name, options, OPTIONS, "times")
+        return Run(self, times_of(self.layout.name, None, times, 0), **options)
 
 
 class Run:
@@ -85,7 +92,7 @@ class Run:
     times : (n,) array [s]
         The times to write, ascending.
     tolerance, method, step, largest_step, checks, most_steps, parameters, initial, q0, v0
-        As of ``kousoku.runtime.options.options_of``; angles in radians.
+        As of ``kousoku.runtime.options.options_of``.
     """
 
     def __init__(
@@ -96,22 +103,20 @@ class Run:
         tolerance: float = 1e-9,
         method: str | None = None,
         step: float | None = None,
-        largest_step: float = 1e300,
-        checks: bool = False,
-        most_steps: int = 1_000_000,
+        largest_step: float = np.inf,
+        checks: bool = True,
+        most_steps: int = MOST_STEPS,
         parameters: Mapping[str, float] | None = None,
-        initial: Mapping[str, float] | None = None,
+        initial: Mapping[str, float | str] | None = None,
         q0: Sequence[float] | Array | None = None,
         v0: Sequence[float] | Array | None = None,
     ) -> None:
         self._scene, self.times, self.most_steps = scene, times, most_steps
         name, solver = scene.layout.name, scene.solver
-        known = dict(scene.data["parameters"])
-        for one in parameters or {}:
-            if one not in known:
-                raise ValueError(f"{name}: {unknown('parameter', one, [*known])}")
-        values = {**known, **(parameters or {})}
-        methods = [*(one.name for one in METHODS), *["kinematics"] * solver.scene.is_driven]
+        values = values_of(name, dict(scene.data["parameters"]), parameters)
+        require_steps(name, tolerance, step, largest_step, most_steps)
+        started = initial_of(scene.layout, initial, q0, v0)
+        methods = [*(one.name for one in METHODS), *[KINEMATICS] * solver.scene.is_driven]
         chosen = method or methods[-1 if solver.scene.is_driven else int(tolerance <= 1e-5)]
         if chosen not in methods:
             raise ValueError(f"{name}: {unknown('method', chosen, methods)}")
@@ -134,34 +139,21 @@ class Run:
                 start[place] = numbers[at]
             self._layout = scene.layout.at(numbers)
         self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
-        if initial or q0 is not None or v0 is not None:
-            y = state_of(solver.scene, self.state).y.copy()
-            led = self._started(given, y, initial or {}, q0, v0)
+        if any(started):
+            led = self._led(started, given)
             self._require(solver.start(0.0, *led, given, self.state, self._work))
 
-    def _started(
-        self, parameters: Array, y: Array, initial: Mapping[str, float], q0: Any, v0: Any
-    ) -> tuple[Array, Array]:
+    def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given the start of the scene."""
         from .initial import evaluated
         from .placing import started
 
-        data, layout, solver = self._scene.data, self._layout, self._scene.solver
-        names = [name + dot for name, *_ in layout.coordinates for dot in ("", "_dot")]
-        for one in initial:
-            if one not in names:
-                raise ValueError(f"{layout.name}: {unknown('coordinate', one, names)}")
-        if initial and (q0 is not None or v0 is not None):
-            raise ValueError(f"{layout.name}: give either initial, or q0 and v0")
+        data, solver = self._scene.data, self._scene.solver
         size = solver.scene.work_size
         evaluate = evaluated(solver.evaluate, parameters, size, data["places"])
         rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
-        try:
-            numbers = {name: float(value) for name, value in initial.items()}
-            q, v = (None if given is None else np.array(given, float) for given in (q0, v0))
-            return started(layout, rows, evaluate, y, (numbers, q, v))
-        except ValueError as error:
-            raise ValueError(f"{layout.name}: {error}") from None
+        y = state_of(solver.scene, self.state).y.copy()
+        return started(self._layout, rows, evaluate, y, initial)
 
     @property
     def time(self) -> float:
@@ -189,14 +181,26 @@ class Run:
     def motion(self) -> Motion:
         """Return what was computed so far."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
-        rows, is_complete = self._rows[:written], written == len(self.times)
+        data, scene = self._scene.data, self._scene.solver.scene
+        rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
+        trust = trust_of(
+            {one.name: one.view(self.state) for one in fields(scene.state_sizes)},
+            (len(data["rows"]), rows),
+            self._layout,
+            self.method,
+            tolerance=self._settings.tolerance,
+            step=self._settings.fixed_step or None,
+            checks=bool(self._settings.checks),
+            is_weighed=data["is_weighed"],
+        )
         return Motion(
             self._layout,
-            rows,
+            self._rows[:written],
             target="numpy",
             method=self.method,
             parameters=self._parameters,
-            is_complete=is_complete,
+            is_complete=written == len(self.times),
+            trust=trust,
         )
 
     def _require(self, status: int) -> None:

@@ -128,14 +128,11 @@ class Jacobian(NamedTuple):
         Least motion for each coordinate, on the constraints, and before it is brought onto them.
     free : (n, nv) array
         The same before they are brought onto them.
-    rows : (rows, nv) array
-        C_q where J is not zero.
     """
 
     J: Array
     ways: Array
     free: Array
-    rows: Array
 
 
 class Leader:
@@ -182,7 +179,6 @@ class Leader:
         """Return what moves the coordinates."""
         still = self.evaluate(q, self.rest)
         jacobian = np.zeros((len(self.names) + len(self.held), len(self.rest)))
-        rows = np.zeros((len(still["C_dot"]), len(self.rest)))
         weights = np.ones(len(self.rest))
         for k in self.support:
             unit = self.rest.copy()
@@ -190,12 +186,11 @@ class Leader:
             found = self.evaluate(q, unit)
             held = self.held @ (found["q_dot"] * self.moves)
             jacobian[:, k] = np.concatenate([found["coordinates"][self.rates], held])
-            rows[:, k] = found["C_dot"] - still["C_dot"]
             mass = 2.0 * found["energies"][0]
             weights[k] = 1.0 / mass if mass > 0.0 else 1.0
         free = jacobian * weights
         moves = [way + (self.evaluate(q, way)["dv"] - still["dv"]) for way in free]
-        return Jacobian(jacobian, np.array(moves).reshape(free.shape), free, rows)
+        return Jacobian(jacobian, np.array(moves).reshape(free.shape), free)
 
     def independent(
         self, at: Jacobian, given: Sequence[int], first: Sequence[int] = ()
@@ -331,16 +326,22 @@ class Leader:
             v = v + (wanted - at.J[chosen] @ v) @ ways
         return v
 
-    def drivers(self, at: Jacobian, k: int) -> str:
-        """Return the drivers that move a coordinate."""
-        slopes = at.J[k]
-        size = float(np.linalg.norm(slopes))
-        return ", ".join(
-            name
-            for (name, _), row in zip(self.start.rows, at.rows, strict=True)
-            if name.startswith("drivers.")
-            and abs(row @ slopes) >= (1.0 - AGREES) * size * np.linalg.norm(row) > 0.0
-        )
+    def drivers(self, q: Array, slopes: Array) -> str:
+        """Return the drivers that a coordinate follows from, all where they leave nothing free."""
+        still = self.evaluate(q, self.rest)["C_dot"]
+        rows = np.array([self.evaluate(q, u)["C_dot"] - still for u in np.diag(self.sizes)])
+        wanted = slopes * self.sizes
+        shares, _, rank, _ = np.linalg.lstsq(rows, wanted, rcond=DEPENDENT)
+        size = NEAR * float(np.linalg.norm(wanted))
+        if not np.linalg.norm(rows @ shares - wanted) <= size:
+            return ""  # it is free
+        parts = np.abs(shares) * np.linalg.norm(rows, axis=0)
+        names = [name for name, _ in self.start.rows]
+        led = [name for name, part in zip(names, parts, strict=True) if part > size]
+        found = [name for name in led if name.startswith("drivers.")]
+        if not found and rank == len(rows):  # a dead centre of what drivers determine
+            found = [name for name in names if name.startswith("drivers.")]
+        return ", ".join(dict.fromkeys(found))
 
 
 def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
@@ -400,12 +401,12 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
         q[[*start.works]] = start.q[[*start.works]]
         leader.held = leader.held[:0]
         at = leader.jacobian(q)
-        _require(leader, at, values, leader.value(q), "")
+        _require(leader, q, at, values, leader.value(q), "")
     wanted = start.evaluate(start.q, start.v)["coordinates"][leader.rates]
     wanted[[*rates]] = [*rates.values()] * leader.units[[*rates]]
     chosen = leader.independent(at, [*rates], [*values])
     v = leader.moving(q, at, chosen, wanted[chosen])
-    _require(leader, at, rates, start.evaluate(q, v)["coordinates"][leader.rates], "_dot")
+    _require(leader, q, at, rates, start.evaluate(q, v)["coordinates"][leader.rates], "_dot")
     return q, v
 
 
@@ -424,7 +425,7 @@ def _too_far(leader: Leader, q: Array, values: Mapping[int, float], made: float)
 
 
 def _require(
-    leader: Leader, at: Jacobian, given: Mapping[int, float], found: Array, suffix: str
+    leader: Leader, q: Array, at: Jacobian, given: Mapping[int, float], found: Array, suffix: str
 ) -> None:
     """Refuse what is not met: drivers determine it, or coordinates depend on each other."""
     problems = []
@@ -432,7 +433,7 @@ def _require(
         has = found[k] / leader.units[k]
         if not abs(has - wanted) <= AGREES * max(1.0, abs(wanted)):
             name = f"{leader.names[k]}{suffix}"
-            drivers = leader.drivers(at, k)
+            drivers = leader.drivers(q, at.J[k])
             why = (
                 f"{drivers} says so at t = 0"
                 if drivers

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
-from .result import SHOWN, Column, Coordinates, Named, NotInResultError, Result, not_generated
+from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from typing import TypeAlias
 
     import numpy.typing as npt
+
+    from .trust import Trust
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -225,6 +227,8 @@ class Motion(Result):
         All parameters of the scene, with their values in this run.
     is_complete : bool
         Whether all times are there.
+    trust : Trust, optional
+        The verdict where there is no ledger, which has it.
 
     Attributes
     ----------
@@ -272,8 +276,9 @@ class Motion(Result):
         ledger: Any = None,
         parameters: Mapping[str, float] | None = None,
         is_complete: bool = True,
+        trust: Trust | None = None,
     ) -> None:
-        self.layout, self.rows, self._ledger = layout, rows, ledger
+        self.layout, self.rows, self._ledger, self._trust = layout, rows, ledger, trust
         self._parameters = dict(parameters or {})
         self._tables: dict[str, Any] = {}
         self.name, self.unit = layout.name, layout.unit_name
@@ -297,7 +302,7 @@ class Motion(Result):
     def ledger(self) -> Any:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
-            raise NotInResultError(f"{self.name}: no ledger: install kousoku, which keeps it")
+            raise missing(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
         return self._ledger
@@ -494,9 +499,7 @@ class Motion(Result):
         """Return the line on forces that are not unique, empty where all are."""
         if not self.not_unique:
             return ""
-        names = ", ".join(f"joints.{name}" for name in self.not_unique[:SHOWN])
-        more = len(self.not_unique) - SHOWN
-        names += f" and {more} more" if more > 0 else ""
+        names = listed([key_of(name) for name in self.not_unique])
         return (
             f"not unique: force and torque of {names}; those with the least Σ|F|² + |M|²/ℓ² are"
             f" given, ℓ = {self.reaction_length:.6g} in the unit of the scene"
@@ -504,8 +507,9 @@ class Motion(Result):
 
     @property
     def verdict(self) -> str:
-        """How far the run can be trusted, in a line: the first of its ledger; empty without one."""
-        return "" if self._ledger is None else str(self.ledger).partition("\n")[0]
+        """How far the run can be trusted, in a line: the first of its ledger; empty if unknown."""
+        trust = self._trust if self._ledger is None else self.ledger.trust
+        return "" if trust is None else str(trust)
 
     def _verdict(self) -> list[str]:
         """Return the line on how far it can be trusted, where it is known."""

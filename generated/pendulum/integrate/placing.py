@@ -9,16 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .body_tables import composed, crossed, rotated
-from .initial import BACK, ROUNDING, InitialError, Leader, Start, indices, lead, taken
+from .body_tables import solver_state, written_state
+from .initial import ROUNDING, InitialError, Leader, Start, indices, lead
+from .result import refusal
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Sequence
     from typing import TypeAlias
 
     import numpy.typing as npt
 
     from .body_tables import BodyPlaces
+    from .given import Initial
     from .initial import Evaluate
     from .motion import Layout
 
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
 
 #: What bodies may miss of joints: lengths relative to the scene's, velocities to the largest.
 MISSES = 1e-6
+VELOCITIES = "velocity (3), omega_b (3)"
 #: A whole turn, and so many that are tried to close gears.
 TURN, MOST_TURNS = 2.0 * np.pi, 1000
 
@@ -35,7 +38,7 @@ def started(
     rows: Sequence[tuple[str, str]],
     evaluate: Evaluate,
     y: Array,
-    given: tuple[Mapping[str, float], Array | None, Array | None],
+    initial: Initial,
 ) -> tuple[Array, Array]:
     """Return q and v with initial values.
 
@@ -49,13 +52,13 @@ def started(
         What :func:`.initial.evaluated` returns, with the parameters of the run.
     y : array
         Where the scene starts with them: q, then v.
-    given : (mapping of str to float, array or None, array or None)
+    initial : Initial
         Values of coordinates and rates, or q0 and v0 as written.
 
     Raises
     ------
-    InitialError
-        It cannot be.
+    SolveError
+        It cannot be; where kousoku is not installed it is a ``ValueError``.
     """
     count = layout.sizes["q"]
     start = Start(
@@ -72,7 +75,11 @@ def started(
         layout.length,
         layout.unit,
     )
-    return lead(start, given[0]) if given[0] else place(start, *given[1:])
+    q0, v0 = (np.array(one) if one else None for one in (initial.q0, initial.v0))
+    try:
+        return lead(start, dict(initial.values)) if initial.values else place(start, q0, v0)
+    except InitialError as error:
+        raise refusal(f"{layout.name}: {error}") from None
 
 
 def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Array]:
@@ -99,31 +106,31 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
         Bodies or velocities are not where the solver can have them, or joints are open.
     """
     leader = Leader(start)
+    begun = written_state(start.bodies, start.q, start.v, start.unit)
     problems: list[str] = []
-    q, v = start.q.copy(), start.v.copy()
-    for name, values, into in (("q0", q0, q), ("v0", v0, v)):
-        if values is None:
-            continue
-        known = np.zeros(len(into), bool)
-        rest = np.array(values, float)
-        of_bodies = [
-            (*body.r, *body.p) if into is q else (*body.v, *body.omega_b) for body in start.bodies
-        ]
-        size = sum(map(len, of_bodies))
-        if rest.shape != (size,) or not np.isfinite(rest).all():
+    wanted = []
+    for name, values, own in zip(("q0", "v0"), (q0, v0), begun, strict=True):
+        if values is not None and (values.shape != own.shape or not np.isfinite(values).all()):
             raise InitialError(
-                f"{name} has the shape {rest.shape}; wanted {size} finite numbers: of each body"
-                f" {'r (3), Euler parameters (4)' if into is q else 'velocity (3), omega_b (3)'};"
+                f"{name} has the shape {values.shape}; wanted {own.size} finite numbers: of each"
+                f" body {'r (3), Euler parameters (4)' if own is begun[0] else VELOCITIES};"
                 " a point has the first three alone"
             )
-        for body, to in zip(start.bodies, of_bodies, strict=True):
-            given, rest = rest[: len(to)], rest[len(to) :]
-            given[:3] *= start.unit
-            if into is q and body.p and abs(np.linalg.norm(given[3:]) - 1.0) > MISSES:
-                problems.append(f"Euler parameters of body {body.name} have not the norm 1")
-                continue
-            found = _of_masses(body, q, given, is_position=into is q)
-            problems += _put(body.name, found, to, into, known, start.length)
+        wanted.append(own if values is None else values.copy())
+    for body, part in _parts(start.bodies, wanted[0], 4):
+        size = np.linalg.norm(part[3:])
+        if body.p and not abs(size - 1.0) <= MISSES:
+            problems.append(f"Euler parameters of body {body.name} have not the norm 1")
+        part[3:] /= size or 1.0
+    q, v = start.q.copy(), start.v.copy()
+    if not problems:
+        placed = solver_state(start.bodies, wanted[0], wanted[1], start.unit, (q, v))
+        found = written_state(start.bodies, *placed, start.unit)
+        if q0 is not None:
+            q, problems = placed[0], [*_misses(start, wanted[0], found[0], 4)]
+        if v0 is not None:
+            v = placed[1]
+            problems += _misses(start, wanted[1], found[1], 3)
     if not problems and q0 is not None:
         q += _turns(start, q)
         problems += _open(start, _residuals(start, q), 1.0)
@@ -142,37 +149,30 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
     return q, v
 
 
-def _of_masses(body: BodyPlaces, q: Array, given: Array, *, is_position: bool) -> Array:
-    """Return position or velocity of the centre of mass and the principal frame."""
-    if not body.p:
-        return given
-    arm, axes = np.array(body.origin_b, float), np.array(body.axes_b, float)
-    p = taken(body.p, q)
-    if is_position:
-        turned = composed(given[3:], axes * BACK)
-        turned = -turned if turned @ p < 0.0 else turned
-        return np.concatenate([given[:3] - rotated(turned, arm), turned])
-    omega = rotated(axes, given[3:])
-    return np.concatenate([given[:3] - rotated(p, crossed(omega, arm)), omega])
+def _parts(
+    bodies: Sequence[BodyPlaces], values: Array, turning: int
+) -> Iterator[tuple[BodyPlaces, Array]]:
+    """Yield bodies with what is theirs of a state as written: three numbers, those of a turn."""
+    at = 0
+    for body in bodies:
+        size = 3 + turning * bool(body.p)
+        yield body, values[at : at + size]
+        at += size
 
 
-def _put(
-    name: str, found: Array, to: Sequence[float], into: Array, known: Array, length: float
-) -> list[str]:
-    """Put a body where it stands in q or v; return what does not agree with what is there."""
-    misses = []
-    for k, (at, value) in enumerate(zip(to, found.tolist(), strict=True)):
-        if isinstance(at, int) and not known[at]:
-            into[at], known[at] = value, True
-        else:
-            has = into[at] if isinstance(at, int) else at
-            misses.append(abs(value - has) / (length if k < 3 else 1.0))
-    if max(misses, default=0.0) <= MISSES:
-        return []
-    return [
-        f"body {name} by {max(misses):.3g}, lengths relative to {length:.6g} m: the scene is proven"
-        " to keep it in a plane or at rest there, or another body is fixed to it"
-    ]
+def _misses(start: Start, wanted: Array, found: Array, turning: int) -> Iterator[str]:
+    """Yield the bodies that the solver cannot have as they are wanted."""
+    there = _parts(start.bodies, found, turning)
+    for (body, part), (_, has) in zip(_parts(start.bodies, wanted, turning), there, strict=True):
+        back = -1.0 if turning == 4 and part[3:] @ has[3:] < 0.0 else 1.0  # p and -p turn alike
+        lengths = np.abs(part[:3] - has[:3]).max() * start.unit / start.length
+        miss = max(lengths, np.abs(part[3:] - back * has[3:]).max(initial=0.0))
+        if not miss <= MISSES:
+            yield (
+                f"body {body.name} by {miss:.3g}, lengths relative to {start.length:.6g} m: the"
+                " scene is proven to keep it in a plane or at rest there, or another body is fixed"
+                " to it"
+            )
 
 
 def _open(start: Start, left: Array, speed: float) -> list[str]:

@@ -8,6 +8,14 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
+#: What runs may be told, and how many steps they make unless told otherwise.
+OPTIONS = (
+    *("tolerance", "method", "step", "largest_step", "checks", "most_steps", "parameters"),
+    *("initial", "q0", "v0"),
+)
+MOST_STEPS = 1_000_000
+#: The method of scenes whose motion drivers determine.
+KINEMATICS = "kinematics"
 #: A row that is left out does not hold at the start, or later, when its residual is larger,
 #: relative to a length of the scene; memory.h has them, too.
 STAYS_OPEN = 1e-9

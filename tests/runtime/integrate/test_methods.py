@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 
 from kousoku.cli import simulate
 from kousoku.runtime.integrate.methods import DOP853, METHODS, Method
-from kousoku.runtime.options import KINEMATICS, RUNGE_KUTTA
+from kousoku.runtime.integrate.settings import KINEMATICS
+from kousoku.runtime.options import RUNGE_KUTTA
 
 methods = pytest.mark.parametrize("method", METHODS, ids=lambda m: m.name)
 
@@ -82,5 +84,5 @@ def test_dense_output_is_one_order_below_a_step(method: Method) -> None:
 def test_runs_choose_methods_by_the_names_and_the_order_of_the_tables() -> None:
     names = tuple(method.name for method in METHODS)
     assert names == RUNGE_KUTTA
-    of_bodies = [method.value for method in simulate.Method][: len(names) + 1]
+    of_bodies = [*get_args(simulate.Method)][: len(names) + 1]
     assert [*names, KINEMATICS] == of_bodies  # then those of linkages

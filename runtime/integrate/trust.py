@@ -3,16 +3,22 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from kousoku.runtime.integrate.result import shortly
-from kousoku.runtime.options import KINEMATICS
+import numpy as np
+
+from .result import key_of, listed, shortly
+from .settings import COMES_OPEN, KINEMATICS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import TypeAlias
 
-    from kousoku.runtime.error_estimate import ErrorEstimate
-    from kousoku.runtime.options import Options
+    import numpy.typing as npt
+
+    from .motion import Layout
+
+    Array: TypeAlias = npt.NDArray[np.float64]
 
 #: What a healthy run may lose, in tolerances, in each thousand steps.
 HEALTHY, PER_STEPS = 100.0, 1000.0
@@ -44,7 +50,7 @@ class Trust:
         dense output tells, relative to a length of the scene; None where drivers lead.
     pivot_ratio : float or None
         Smallest pivot ratio: near zero at a singular configuration; None without constraints.
-    error : ErrorEstimate or None
+    error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
     limit : float
         What the others may be, relative to what they are compared with:
@@ -59,7 +65,7 @@ class Trust:
     drift: float | None
     row_drift: float | None
     pivot_ratio: float | None
-    error: ErrorEstimate | None
+    error: Any
     limit: float
     problems: tuple[str, ...]
 
@@ -99,40 +105,47 @@ class Trust:
 
 
 def trust_of(
-    single: Mapping[str, float],
-    options: Options,
+    state: Mapping[str, Array],
+    rows: tuple[int, Sequence[tuple[str, str]]],
+    layout: Layout,
+    method: str,
     *,
-    constraints: float | None,
+    tolerance: float,
+    step: float | None,
+    checks: bool,
     is_weighed: bool,
-    released: str,
-    error: ErrorEstimate | None,
+    error: Any = None,
 ) -> Trust:
     """Return the verdict on a run.
 
     Parameters
     ----------
-    single : mapping of str to float
-        The numbers of its state.
-    options : Options
+    state : mapping of str to array
+        Its state by names.
+    rows : (int, sequence of (str, str))
+        Joint and unit of each constraint, and how many of them, the first ones, are solved for.
+    layout : Layout
+        What stands where in a row.
+    method, tolerance, step, checks
         How it was made.
-    constraints : float or None
-        Largest residual in position, relative to a length of the scene, where rows were checked.
     is_weighed : bool
         Whether energies are known.
-    released : str
-        The joints that came open, empty where none did.
-    error : ErrorEstimate or None
+    error : kousoku.runtime.error_estimate.ErrorEstimate, optional
         Of its rows.
     """
-    is_driven = options.method == KINEMATICS
-    tolerance = options.tolerance if options.step is None else FIXED
+    single = {name: float(field) for name, field in state.items() if field.ndim == 0}
+    worst = state["violations"][0]
+    sizes = np.array([layout.length if unit == "m" else 1.0 for _, unit in rows[1]])
+    constraints = float(np.max(worst / sizes, initial=0.0)) if checks else None
+    is_driven, advice = method == KINEMATICS, "a smaller tolerance or largest_step"
+    if step is not None:
+        tolerance, advice = FIXED, "a smaller step"
     many = HEALTHY * max(1.0, single["steps"] / PER_STEPS)
     limit, corrections = many * tolerance, many * max(tolerance, LEAST)
-    knows_energy = options.checks and is_weighed
+    knows_energy = checks and is_weighed
     lost = single["energy_error"] if knows_energy else None
     moved = single["energy_moved"] if knows_energy else None
     drift, row_drift = (None if is_driven else single[name] for name in ("drift", "row_drift"))
-    advice = "a smaller step" if options.step is not None else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_driven else advice
     problems, beyond = [], []
     if single["not_finite"]:
@@ -141,8 +154,9 @@ def trust_of(
             f" {single['not_finite_time']:.9g} s: a formula has no value there; ask for other"
             " times, or write it without the quotient that is 0/0"
         )
-    if released:
-        problems.append(f"{released} came open: this is not the motion of the scene")
+    if opened := released(worst, rows, layout.length) if checks else ():
+        names = listed([key_of(name) for name in opened])
+        problems.append(f"{names} came open: this is not the motion of the scene")
     if lost is not None and moved is not None:
         known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)
         allowed = max(limit * moved, known, HEAT)
@@ -175,3 +189,16 @@ def trust_of(
         limit=limit,
         problems=tuple(problems),
     )
+
+
+def released(
+    worst: Array, rows: tuple[int, Sequence[tuple[str, str]]], length: float
+) -> tuple[str, ...]:
+    """Return the joints that came open at a row that was left out: those behind the first ones."""
+    left_out = slice(rows[0], len(rows[1]))
+    opened = [
+        joint
+        for (joint, unit), size in zip(rows[1][left_out], worst[left_out].tolist(), strict=True)
+        if not size <= COMES_OPEN * (length if unit == "m" else 1.0)
+    ]
+    return tuple(dict.fromkeys(opened))

@@ -1,0 +1,204 @@
+"""Verdict on a run: how far it can be trusted, and what speaks against that."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .result import key_of, listed, shortly
+from .settings import COMES_OPEN, KINEMATICS
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from typing import TypeAlias
+
+    import numpy.typing as npt
+
+    from .motion import Layout
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+#: What a healthy run may lose, in tolerances, in each thousand steps.
+HEALTHY, PER_STEPS = 100.0, 1000.0
+#: Instead of the tolerance where steps have a fixed length: no error decides that.
+FIXED = 1e-9
+#: The least tolerance of corrections: near singular configurations they have more of rounding.
+LEAST = 1e-11
+#: What energies are known to, and constraints, relative to what they are compared with.
+ROUNDING = 1e-12
+#: An energy that is no motion: that of heat, of one freedom at room temperature [J].
+HEAT = 4e-21
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """How far a run can be trusted: its numbers, and what speaks against it.
+
+    Parameters
+    ----------
+    energy_error, energy_moved : float or None [J]
+        Largest change of energy that no work explains, and what that is compared with: the largest
+        sum of kinetic energy, change of potential energy and works. None where rows were not
+        checked, or drivers move bodies without mass.
+    constraints : float or None
+        Largest residual of a constraint in position, relative to a length of the scene, or in
+        radians; None where rows were not checked.
+    drift, row_drift : float or None
+        Largest correction onto the constraints of a step, and of a row between steps, which the
+        dense output tells, relative to a length of the scene; None where drivers lead.
+    pivot_ratio : float or None
+        Smallest pivot ratio: near zero at a singular configuration; None without constraints.
+    error : kousoku.runtime.error_estimate.ErrorEstimate or None
+        Of all rows, where that was wanted.
+    limit : float
+        What the others may be, relative to what they are compared with:
+        100 × tolerance × max(1, steps/1000).
+    problems : tuple of str
+        What is beyond its limit, and what to do; empty where nothing speaks against the run.
+    """
+
+    energy_error: float | None
+    energy_moved: float | None
+    constraints: float | None
+    drift: float | None
+    row_drift: float | None
+    pivot_ratio: float | None
+    error: Any
+    limit: float
+    problems: tuple[str, ...]
+
+    @property
+    def is_trusted(self) -> bool:
+        """Whether nothing speaks against the run."""
+        return not self.problems
+
+    def as_data(self) -> dict[str, object]:
+        """Return it ready for JSON."""
+        named = {name: getattr(self, name) for name in self.__slots__}
+        named["error"] = None if self.error is None else self.error.as_data()
+        return {"is_trusted": self.is_trusted} | named | {"problems": list(self.problems)}
+
+    def _numbers(self) -> Iterator[str]:
+        """Yield the numbers that are known."""
+        if self.energy_error is not None and self.energy_moved is not None:
+            yield f"energy {shortly(self.energy_error)} of {shortly(self.energy_moved, 2)} J"
+        if self.constraints is None:
+            yield "rows not checked"
+        elif self.constraints <= ROUNDING:
+            yield "constraints at rounding"
+        else:
+            yield f"constraints {shortly(self.constraints)}"
+        if self.pivot_ratio is not None:
+            yield f"smallest pivot {shortly(self.pivot_ratio)}"
+        yield "error not estimated" if self.error is None else str(self.error)
+
+    def __str__(self) -> str:
+        numbers = " · ".join(self._numbers())
+        return f"trust: {numbers}" if self.is_trusted else f"not trusted: {self.why} · {numbers}"
+
+    @property
+    def why(self) -> str:
+        """What speaks against the run, in one line."""
+        return "; ".join(self.problems)
+
+
+def trust_of(
+    state: Mapping[str, Array],
+    rows: tuple[int, Sequence[tuple[str, str]]],
+    layout: Layout,
+    method: str,
+    *,
+    tolerance: float,
+    step: float | None,
+    checks: bool,
+    is_weighed: bool,
+    error: Any = None,
+) -> Trust:
+    """Return the verdict on a run.
+
+    Parameters
+    ----------
+    state : mapping of str to array
+        Its state by names.
+    rows : (int, sequence of (str, str))
+        Joint and unit of each constraint, and how many of them, the first ones, are solved for.
+    layout : Layout
+        What stands where in a row.
+    method, tolerance, step, checks
+        How it was made.
+    is_weighed : bool
+        Whether energies are known.
+    error : kousoku.runtime.error_estimate.ErrorEstimate, optional
+        Of its rows.
+    """
+    single = {name: float(field) for name, field in state.items() if field.ndim == 0}
+    worst = state["violations"][0]
+    sizes = np.array([layout.length if unit == "m" else 1.0 for _, unit in rows[1]])
+    constraints = float(np.max(worst / sizes, initial=0.0)) if checks else None
+    is_driven, advice = method == KINEMATICS, "a smaller tolerance or largest_step"
+    if step is not None:
+        tolerance, advice = FIXED, "a smaller step"
+    many = HEALTHY * max(1.0, single["steps"] / PER_STEPS)
+    limit, corrections = many * tolerance, many * max(tolerance, LEAST)
+    knows_energy = checks and is_weighed
+    lost = single["energy_error"] if knows_energy else None
+    moved = single["energy_moved"] if knows_energy else None
+    drift, row_drift = (None if is_driven else single[name] for name in ("drift", "row_drift"))
+    advice = "a smaller largest_step, or more rows" if is_driven else advice
+    problems, beyond = [], []
+    if single["not_finite"]:
+        problems.append(
+            f"numbers of rows are not finite, of {single['not_finite']:.0f} in all, first at t ="
+            f" {single['not_finite_time']:.9g} s: a formula has no value there; ask for other"
+            " times, or write it without the quotient that is 0/0"
+        )
+    if opened := released(worst, rows, layout.length) if checks else ():
+        names = listed([key_of(name) for name in opened])
+        problems.append(f"{names} came open: this is not the motion of the scene")
+    if lost is not None and moved is not None:
+        known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)
+        allowed = max(limit * moved, known, HEAT)
+        if not lost <= allowed:
+            beyond.append(
+                f"energy is off by {shortly(lost)} J of {shortly(moved, 2)} J, wanted at most"
+                f" {shortly(allowed)} J"
+            )
+    for name, size, most in (
+        ("constraints are left by", constraints, corrections),
+        ("a step left the constraints by", drift, corrections),
+        ("rows between steps are off the constraints by", row_drift, corrections),
+    ):
+        if size is not None and not size <= most:
+            beyond.append(
+                f"{name} {shortly(size)} of a length of the scene, wanted at most {shortly(most)}"
+            )
+    problems += [*beyond, *[f"try {advice}"] * bool(beyond)]
+    if error is not None and error.unknown_from is not None:
+        problems.append(error.unknown)
+    has_pivots = single["factorisations"] > 0
+    return Trust(
+        energy_error=lost,
+        energy_moved=moved,
+        constraints=constraints,
+        drift=drift,
+        row_drift=row_drift,
+        pivot_ratio=single["least_pivot_ratio"] if has_pivots else None,
+        error=error,
+        limit=limit,
+        problems=tuple(problems),
+    )
+
+
+def released(
+    worst: Array, rows: tuple[int, Sequence[tuple[str, str]]], length: float
+) -> tuple[str, ...]:
+    """Return the joints that came open at a row that was left out: those behind the first ones."""
+    left_out = slice(rows[0], len(rows[1]))
+    opened = [
+        joint
+        for (joint, unit), size in zip(rows[1][left_out], worst[left_out].tolist(), strict=True)
+        if not size <= COMES_OPEN * (length if unit == "m" else 1.0)
+    ]
+    return tuple(dict.fromkeys(opened))

@@ -1,0 +1,86 @@
+"""What is wrong at the door is an error of kousoku that says what there is, or what is wanted."""
+
+from __future__ import annotations
+
+import pickle
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+
+import kousoku as ks
+from kousoku.runtime import load
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+SCENES = Path(__file__).parents[2] / "scenes"
+N1 = SCENES.parent / "generated" / "kinds" / "n1"
+
+pytestmark = pytest.mark.usefixtures("numpy_solver")
+
+
+@pytest.fixture(scope="module")
+def run() -> ks.Result:
+    return ks.load(SCENES / "loop_free.toml", target="numpy").simulate(0.01, samples=2)
+
+
+@pytest.mark.parametrize(
+    ("ask", "says"),
+    [
+        (lambda run: run["crank_angel"], "no column 'crank_angel': .*did you mean 'crank_angle'"),
+        (lambda run: run.body("rod"), "no body 'rod': there are crank, coupler, rocker"),
+        (lambda run: run.node("O1"), r"no node 'O1': the result has \.body"),
+        (lambda run: run.columns_of("rod"), "no column 'rod'"),
+        (lambda run: run.position["rod"], "no position of bodies, none of 'rod'"),
+        (lambda run: run.parameters["length"], "no parameter, none of 'length': there are mass"),
+        (lambda run: ks.catalog()["joints"]["revolut"], "did you mean 'revolute'"),
+        (lambda run: load(N1, target="numpy")["rate"], "n1 has no kernel 'rate'"),
+    ],
+)
+def test_a_name_that_there_is_not_is_a_key_error_and_one_of_kousoku(
+    run: ks.Result, ask: Callable[[ks.Result], object], says: str
+) -> None:
+    with pytest.raises(KeyError, match=says) as found:
+        ask(run)
+    assert isinstance(found.value, ks.KousokuError)
+    assert not str(found.value).startswith(("'", '"'))  # as KeyError shows a text
+    assert str(pickle.loads(pickle.dumps(found.value))) == str(found.value)
+
+
+def test_an_option_of_a_page_that_there_is_not_names_all(run: ks.Result) -> None:
+    wrong: dict[str, Any] = {"foo": 1}
+    with pytest.raises(ks.KousokuError, match="no option 'foo': there are path, paths_of, forces"):
+        run.animate(**wrong)
+
+
+def test_a_target_that_there_is_not_is_refused() -> None:
+    wrong: Any = "cuda"
+    with pytest.raises(ks.KousokuError, match="got 'cuda', wanted 'auto', 'c' or 'numpy'"):
+        ks.load(SCENES / "pendulum.toml", target=wrong)
+
+
+@pytest.mark.parametrize("text", ["", " "])
+@pytest.mark.parametrize("take", [ks.load, ks.explain])
+def test_nothing_is_no_scene(take: Callable[[str], object], text: str) -> None:
+    with pytest.raises(ks.SceneError, match=r"^' ?' is no scene; wanted the path of a scene file"):
+        take(text)
+
+
+@pytest.mark.parametrize("path", ["nowhere", "", SCENES])
+def test_what_is_no_generated_folder_cannot_be_verified(path: str | Path) -> None:
+    with pytest.raises(ks.KousokuError, match=r"is no generated folder, which has a manifest.json"):
+        ks.verify(path)
+
+
+@pytest.mark.parametrize("initial", [{"rocking": 0.3}, {"rocking_dot": 0.3}])
+def test_what_follows_from_a_driver_names_it(initial: dict[str, float]) -> None:
+    loop = ks.load(SCENES / "loop.toml", target="numpy")
+    with pytest.raises(ks.SolveError, match=r"wanted 0: drivers.motor says so at t = 0"):
+        loop.simulate(1, initial=initial)
+
+
+def test_what_follows_from_another_coordinate_names_no_driver() -> None:
+    loop = ks.load(SCENES / "loop_free.toml", target="numpy")
+    with pytest.raises(ks.SolveError, match="it follows from the rest"):
+        loop.simulate(1, initial={"crank_angle": 0.5, "rocking": 1.0})
