@@ -57,9 +57,9 @@ def test_a_new_folder_is_that_of_one_package(
         assert code == 0 and changed in out
         assert names_in(made) > FILES
     assert run("generate", LEVER, "--out", made, "--check")[0] == 0
-    code = "import made; made.solve(); print(made.__name__)"
+    program = "import made; made.solve(); print(made.__name__)"
     done = subprocess.run(
-        [sys.executable, "-c", code], cwd=tmp_path, check=False, capture_output=True, text=True
+        [sys.executable, "-c", program], cwd=tmp_path, check=False, capture_output=True, text=True
     )
     assert done.stdout == "made\n", done.stderr
 
