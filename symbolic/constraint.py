@@ -90,7 +90,7 @@ def _rates(c: Constraint, forms: Forms) -> Function:
             gamma,
             forms.gamma if c.gamma is None else c.gamma.right,
             [-motion(motion(x)) for x in c.components],
-            () if c.closed is None else (c.closed.plain.gamma,),
+            () if c.closed is None else (*c.closed.through, c.closed.plain.gamma),
         ),
     )
     formula = f"{nu.meaning}, {gamma.meaning}"

@@ -71,6 +71,8 @@ class Closed:
         What they are proved by.
     lines : tuple of Step
         On the way to γ.
+    through : tuple of Matrix
+        Forms between γ and its plain one.
     """
 
     jacobian: tuple[Matrix, ...]
@@ -78,6 +80,7 @@ class Closed:
     rules: tuple[str, str]
     plain: Plain
     lines: tuple[Step, ...]
+    through: tuple[Matrix, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
