@@ -13,6 +13,7 @@ what is across the line is found by itself.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import sympy
@@ -66,6 +67,8 @@ BY_POINTS = add(
 )
 #: One divided by l, infinite where l is zero.
 CURVED = NamedScalar("c", 1 / Divisor(L))
+#: What comes out where the points coincide and stay so.
+AT_POLE = {"C": 0.0, "C_q": 0.0, "nu": 0.0, "gamma": 0.0, "reaction": 0.0, "reaction_q": math.nan}
 OWN_POINT_DROPS = own_point_drops(D, FROM_OWN_ORIGIN)
 
 
@@ -191,4 +194,5 @@ def _length() -> Constraint:
         rule=OWN_POINT_DROPS,
         gamma=Step(MatrixSymbol("gamma", 1, 1), _gamma(BY_POINTS), "n·n = 1, k and z as above", ""),
         closed=closed,
+        at_pole=AT_POLE,
     )

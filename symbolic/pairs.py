@@ -126,13 +126,14 @@ def turning_seen_from(body: str) -> Turning:
     (other,) = set(BODIES) - {body}
     axis, spin, own = (SYMBOLS[x] for x in (f"a_{other}_b", f"omega_{other}_b", f"omega_{body}_b"))
     p, q = SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{other}"]
-    square = Divisor(Dot(p, p)) * Divisor(Dot(q, q))
+    squares = Divisor(Dot(p, p) * Dot(q, q))
     into = (transpose(A[body]), A[other])
+    seen = Named("omega_seen", mul(*into, spin))
     return Turning(
         Named("y", mul(*into, axis)),
         Named("w", mul(*into, skew(spin), axis)),
         own,
-        Named("omega", add(mul(1 / square, *into, spin), neg(own))),
+        Named("omega", add(mul(1 / squares, seen), neg(own))),
     )
 
 

@@ -134,16 +134,13 @@ def _with_one_name(x: Any, same: Mapping[Any, Any]) -> Any:
 
 def _with_names_of(one: Any, other: Any) -> Any:
     """Return ``one`` with the values that its names have in ``other``, where these are equal."""
-    differing = True
-    while differing:
+    while True:
         values = {x.name: x for x in other.atoms(Named)}
-        names = (x for x in one.atoms(Named) if values.get(x.name, x) != x)
-        differing = sorted(names, key=lambda x: (len(str(x)), str(x)))
-        for name in differing[:1]:
-            if not _agree((name.value, values[name.name].value), is_unit=False):
-                return one
-            one = one.xreplace({name: values[name.name]})
-    return one
+        differing = (x for x in one.atoms(Named) if values.get(x.name, x) != x)
+        name = min(differing, key=lambda x: (len(str(x)), str(x)), default=None)
+        if name is None or not _agree((name.value, values[name.name].value), is_unit=False):
+            return one
+        one = one.xreplace({name: values[name.name]})
 
 
 def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:

@@ -159,6 +159,11 @@ def _number(quantity: Quantity, expression: Any, component: Any) -> Output:
     return _output(quantity, mul(expression, Identity(1)), [component])
 
 
+def _zero_at_pole(output: Output) -> Output:
+    """Return an output that is zero where the points coincide."""
+    return replace(output, at_pole=0.0)
+
+
 def _length() -> Function:
     length = _component_length()
     return Function(
@@ -168,8 +173,10 @@ def _length() -> Function:
         SOURCE,
         (*PLACES, *MOTION),
         (
-            _number(replace(LENGTH, shape=(1,)), L, length),
-            _output(replace(LENGTH_RATE, shape=(1,)), length_rate(), [motion_flow()(length)]),
+            _zero_at_pole(_number(replace(LENGTH, shape=(1,)), L, length)),
+            _zero_at_pole(
+                _output(replace(LENGTH_RATE, shape=(1,)), length_rate(), [motion_flow()(length)])
+            ),
         ),
     )
 
@@ -201,5 +208,5 @@ def _force() -> Function:
         "f = −T dl/d(δr, δθ′)",
         SOURCE,
         (*PLACES, TENSION),
-        (_output(Quantity("force", (12,), "N, N m", meaning), forces, components),),
+        (_zero_at_pole(_output(Quantity("force", (12,), "N, N m", meaning), forces, components)),),
     )
