@@ -42,6 +42,7 @@ from kousoku.symbolic.joints import (
 )
 from kousoku.symbolic.matrices import (
     Divisor,
+    Dot,
     Matrix,
     Named,
     NamedScalar,
@@ -78,19 +79,22 @@ def derive(_: str) -> Derivation:
 
 
 def _gamma(by_points: Matrix) -> Matrix:
-    """Return γ = −(v_p·(v_p + 2 w_p) + y − (n·w)²)/l, v_p and w_p the parts of v and w across n.
+    """Return γ = −(v_p·(v_p + 2 w_p) + y − (n·w)²)/l, v_p and w_p the parts of v and w across d.
 
     Parameters
     ----------
     by_points : Matrix
         d·w.
     """
-    v, w, n = RELATIVE["v"], RELATIVE["w"], ALONG
-    along = Named("x", mul(INVERSE, Named("k", by_points)))
-    across_v = Named("v_p", add(v, neg(mul(n, transpose(n), v))))
-    across_w = Named("w_p", add(w, neg(mul(n, along))))
+    v, w = RELATIVE["v"], RELATIVE["w"]
+    own = Named("k", by_points)
+    # Divided by the square, which is there before its root is.
+    by_origins = Named("h_v", mul(transpose(D), v))
+    along_v, along_w = (mul(1 / Divisor(Dot(D, D)), x) for x in (by_origins, own))
+    across_v = Named("v_p", add(v, neg(mul(D, Named("e", along_v)))))
+    across_w = Named("w_p", add(w, neg(mul(D, Named("f", along_w)))))
     whole = mul(transpose(across_v), add(across_v, mul(2, across_w)))
-    rest = add(Named("y", turning_curvature()), neg(mul(along, along)))
+    rest = add(Named("y", turning_curvature()), neg(mul(own, Named("f", along_w))))
     return mul(-1 / Divisor(L), add(whole, rest))
 
 
@@ -192,7 +196,12 @@ def _length() -> Constraint:
         components=(sympy.sqrt(dot(d, d)),),
         names=(D, *RATES),
         rule=OWN_POINT_DROPS,
-        gamma=Step(MatrixSymbol("gamma", 1, 1), _gamma(BY_POINTS), "n·n = 1, k and z as above", ""),
+        gamma=Step(
+            MatrixSymbol("gamma", 1, 1),
+            _gamma(BY_POINTS),
+            "d·v_p = d·w_p = 0, k and z as above",
+            "",
+        ),
         closed=closed,
         at_pole=AT_POLE,
     )

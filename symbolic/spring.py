@@ -91,8 +91,8 @@ def derive(_: str) -> Derivation:
     )
 
 
-def length_rate() -> Matrix:
-    """Return dl/dt = (d·dd/dt) / l, d·dd/dt = d·v + r·w + s_i·(Ω_i × s_j).
+def length_rate() -> tuple[Matrix, Matrix]:
+    """Return dl/dt = h l / d·d, zero where d is, and h / l; h = d·v + r·w + s_i·(Ω_i × s_j).
 
     Without an index is what j has less what i has; Ω_i is what i turns more than j, seen from j, so
     that nothing is lost of what turns about the line to the point. Each term is small where the
@@ -103,7 +103,8 @@ def length_rate() -> Matrix:
     by_origins = mul(transpose(D), RELATIVE["v"])
     by_points = mul(transpose(RELATIVE["r"]), RELATIVE["w"])
     across = mul(transpose(OF_BODY["i"]["s"]), of_turning)
-    return mul(INVERSE, add(by_origins, by_points, across))
+    half_square_rate = Named("h", add(by_origins, by_points, across))
+    return mul(L / Divisor(Dot(D, D)), half_square_rate), mul(1 / L, half_square_rate)
 
 
 def generalised_forces() -> tuple[Matrix, ...]:
@@ -132,7 +133,7 @@ def _steps() -> tuple[Step, ...]:
         Step(variation, delta, "n = d/l, and δA = A δθ̃′", "7.16"),
         Step(MatrixSymbol("d_dot", 3, 1), D_RATE.value, "δ → d/dt", "5.16"),
         Step(rate, mul(Dot(ALONG, D_RATE), Identity(1)), "dl/dt = nᵀ dd/dt", ""),
-        Step(rate, length_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
+        Step(rate, length_rate()[1], "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
         Step(MatrixSymbol("T", 1, 1), mul(LAW, Identity(1)), "spring and damper, linear", ""),
         Step(MatrixSymbol("V", 1, 1), mul(ENERGY, Identity(1)), "energy of the spring", ""),
     ]
@@ -146,8 +147,11 @@ def _steps() -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(
+    quantity: Quantity, expression: Any, scalars: Sequence[Any], through: tuple[Matrix, ...] = ()
+) -> Output:
+    column = ImmutableDenseMatrix(len(scalars), 1, list(scalars))
+    return Output(quantity, expression, column, through)
 
 
 def _component_length() -> Any:
@@ -166,6 +170,8 @@ def _zero_at_pole(output: Output) -> Output:
 
 def _length() -> Function:
     length = _component_length()
+    rate, plain = length_rate()
+    components = [motion_flow()(length)]
     return Function(
         "length",
         f"{TITLE}: length and its rate",
@@ -175,7 +181,7 @@ def _length() -> Function:
         (
             _zero_at_pole(_number(replace(LENGTH, shape=(1,)), L, length)),
             _zero_at_pole(
-                _output(replace(LENGTH_RATE, shape=(1,)), length_rate(), [motion_flow()(length)])
+                _output(replace(LENGTH_RATE, shape=(1,)), rate, components, (plain,)),
             ),
         ),
     )
