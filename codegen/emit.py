@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from kousoku import __version__
+from kousoku.codegen.known import known_errors
 from kousoku.codegen.view import package_view
 from kousoku.codegen.view_lines import c_call, python_lines
 from kousoku.model.manifest import ABI, KernelManifest, Manifest
@@ -185,7 +186,7 @@ def promise(package: Package, inputs: Inputs) -> Manifest:
         digest="",
         inputs=inputs,
         files=(),
-        kernels=tuple(_kernel_manifest(kernel) for kernel in package.kernels),
+        kernels=tuple(_kernel_manifest(package, kernel) for kernel in package.kernels),
     )
     return replace(said, digest=said.stated())
 
@@ -196,7 +197,7 @@ def with_manifest(files: Mapping[str, str], promised: Manifest) -> dict[str, str
     return {**files, "manifest.json": replace(promised, files=listed).to_json()}
 
 
-def _kernel_manifest(kernel: Kernel) -> KernelManifest:
+def _kernel_manifest(package: Package, kernel: Kernel) -> KernelManifest:
     return KernelManifest(
         name=kernel.name,
         title=kernel.title,
@@ -207,6 +208,7 @@ def _kernel_manifest(kernel: Kernel) -> KernelManifest:
         nonzero=tuple(kernel.nonzero(k) for k in range(len(kernel.outputs))),
         is_exact=kernel.is_exact,
         operations=tuple(sorted((op.value, count) for op, count in kernel.operations.items())),
+        known=tuple((x.output, x.units) for x in known_errors(package.name, kernel.name)),
     )
 
 

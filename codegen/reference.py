@@ -10,9 +10,10 @@ is frozen and emitted.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.codegen.known import known_errors, units_off
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
     Point,
@@ -21,8 +22,9 @@ from kousoku.codegen.points import (
     ordinary,
     scattered,
 )
+from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.stream import Stream
-from kousoku.codegen.tape import record, run
+from kousoku.codegen.tape import Dual, record, run
 from kousoku.codegen.unit import columns
 from kousoku.model.errors import DerivationError
 from kousoku.model.jsontext import to_text
@@ -31,9 +33,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.kernel import Kernel, Package
-    from kousoku.codegen.tape import Dual, Tape
+    from kousoku.codegen.known import KnownError
+    from kousoku.codegen.tape import Tape
     from kousoku.model.quantity import Quantity
-    from kousoku.symbolic.derivation import Function
+    from kousoku.symbolic.derivation import Function, Output
 
 FORMAT = 1
 #: From how many points the way to the constraint manifold is tried.
@@ -89,15 +92,39 @@ def _kernels(
     kernels: list[dict[str, object]] = []
     for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
         points = _points(function, tape, list(zip(functions, tapes, strict=True)), is_thorough)
-        found = [(point, _values(kernel, tape, point)) for point in points]
+        found = [(point, _values(kernel, function, tape, point)) for point in points]
         known = [(point, values) for point, values in found if values is not None]
         if not any(_is_finite(point) for point, _ in known):
             raise DerivationError(
                 f"kernel {kernel.name} has a pole or no real root at every point that was tried, "
                 "with inputs of order one; state it so that it holds for such inputs"
             )
-        kernels.append({"name": kernel.name, "points": [values for _, values in known]})
+        beyond = [
+            _known(kernel, function, tape, x) for x in known_errors(package.name, kernel.name)
+        ]
+        every = [values for _, values in known] + beyond
+        kernels.append({"name": kernel.name, "points": every})
     return kernels
+
+
+def _known(kernel: Kernel, function: Function, tape: Tape, error: KnownError) -> dict[str, object]:
+    """Return a point at which an output is beyond the limit, with its own limit.
+
+    Raises
+    ------
+    DerivationError
+        It is further off than is known.
+    """
+    point = Point("known to be off", error.inputs)
+    values: dict[str, Any] | None = _values(kernel, function, tape, point)
+    assert values is not None
+    found = units_off(kernel, error.output, error.inputs, values["outputs"][error.output])
+    if not found <= error.units:
+        raise DerivationError(
+            f"kernel {kernel.name}: {error.output} is {found:.4g} units off where "
+            f"{error.units:g} are known; mend what grew, or say in codegen.known why it must be"
+        )
+    return values | {"limits": {error.output: error.units}}
 
 
 def _is_finite(point: Point) -> bool:
@@ -117,6 +144,9 @@ def _points(
     for turn in range(max(1, turns)):
         points += finite_points(tape, function.inputs, stream, turn)
         points += _manifold_points(function, package, stream)
+        points += motion_points(function.inputs, Stream(f"{function.name} {turn}"), turn)
+    if all(output.at_pole is not None for output in function.outputs):
+        points += coincident_points(function.inputs, Stream(f"{function.name} pole"))
     return points + infinite_points(tape, function.inputs, stream)
 
 
@@ -148,7 +178,9 @@ def _solution(
     return None
 
 
-def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | None:
+def _values(
+    kernel: Kernel, function: Function, tape: Tape, point: Point
+) -> dict[str, object] | None:
     """Return one point with its references; None where it happens to be no number."""
     bad = [
         place
@@ -167,7 +199,9 @@ def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | Non
     try:
         duals = run(tape, finite)
     except ArithmeticError:
-        return None
+        if any(output.at_pole is None for output in function.outputs):
+            return None
+        duals = {output.quantity.name: _documented(output) for output in function.outputs}
     outputs = {}
     for k, quantity in enumerate(kernel.outputs):
         _check_zeros(kernel, k, duals[quantity.name])
@@ -175,6 +209,12 @@ def _values(kernel: Kernel, tape: Tape, point: Point) -> dict[str, object] | Non
         outputs[quantity.name] = columns(chosen, numbers, bad)
     inputs = {name: [_json_number(x) for x in xs] for name, xs in point.inputs.items()}
     return {"label": point.label, "inputs": inputs, "outputs": outputs}
+
+
+def _documented(output: Output) -> tuple[Dual, ...]:
+    """Return what is documented of an output where its formula has a pole."""
+    assert output.at_pole is not None
+    return (Dual(HIGH_CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size
 
 
 def _json_number(x: float) -> float | str:

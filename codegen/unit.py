@@ -48,7 +48,8 @@ def _row(
     element: Dual, numbers: Mapping[Any, Any], bad: Collection[Any]
 ) -> tuple[float | None, float, float]:
     """Return high, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
-    if any(abs(element.gradient.get(place, 0)) > NEGLIGIBLE for place in bad):
+    is_bad = any(abs(element.gradient.get(place, 0)) > NEGLIGIBLE for place in bad)
+    if is_bad or HIGH_CONTEXT.isnan(element.value):
         return None, 0.0, SMALLEST_SUBNORMAL
     high = float(element.value)
     low = float(element.value - high)

@@ -35,6 +35,9 @@ class KernelManifest:
         Whether every target must give the same bits (only + − × ÷ √).
     operations : tuple of (str, int)
         Count of each operation that runs when all outputs are asked for.
+    known : tuple of (str, float)
+        Outputs that are further off than the limit at a point that is known, and by how many units
+        at most.
     """
 
     name: str
@@ -46,6 +49,7 @@ class KernelManifest:
     nonzero: tuple[tuple[int, ...], ...]
     is_exact: bool
     operations: tuple[tuple[str, int], ...]
+    known: tuple[tuple[str, float], ...] = ()
 
     @property
     def signature(self) -> str:
@@ -137,5 +141,6 @@ def _kernel_from_json(data: dict[str, Any]) -> KernelManifest:
         outputs=quantities("outputs"),
         nonzero=tuple(tuple(indices) for indices in data.pop("nonzero")),
         operations=tuple((op, count) for op, count in data.pop("operations")),
+        known=tuple((output, units) for output, units in data.pop("known")),
         **data,
     )

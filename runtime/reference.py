@@ -10,6 +10,7 @@ import numpy as np
 
 from kousoku.model.errors import VerifyError
 from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.runtime.report import LIMIT
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -68,11 +69,18 @@ class Reference:
         In kernel order.
     outputs : tuple of Expected
         In kernel order.
+    limits : tuple of mapping of str to float
+        For each point the outputs that are known to be off by more than the limit, and how far.
     """
 
     labels: tuple[str, ...]
     inputs: tuple[Floats, ...]
     outputs: tuple[Expected, ...]
+    limits: tuple[Mapping[str, float], ...]
+
+    def limits_of(self, output: str) -> Floats:
+        """Return how many units an output may be off at each point."""
+        return np.array([limits.get(output, LIMIT) for limits in self.limits])
 
     def inputs_at(self, point: int, kernel: KernelManifest) -> tuple[tuple[str, str], ...]:
         """Return the names of the inputs and their numbers at a point, with all their digits."""
@@ -136,4 +144,7 @@ def _reference(kernel: KernelManifest, points: list[dict[str, Any]]) -> Referenc
             columns[name] = column
         outputs.append(Expected(**columns))
     labels = tuple(str(point["label"]) for point in points)
-    return Reference(labels, tuple(stack(q) for q in kernel.inputs), tuple(outputs))
+    limits = tuple(dict(point.get("limits", {})) for point in points)
+    if sorted(item for known in limits for item in known.items()) != sorted(kernel.known):
+        raise ValueError(f"{kernel.name}: known errors {limits}, not {kernel.known}")
+    return Reference(labels, tuple(stack(q) for q in kernel.inputs), tuple(outputs), limits)

@@ -7,6 +7,7 @@ Kernels that use only + − × ÷ √ must also give the same bits in C and in N
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -21,6 +22,8 @@ from kousoku.runtime.report import LIMIT, Report, Row
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
     from pathlib import Path
+
+    from numpy.typing import NDArray
 
     from kousoku.model.manifest import KernelManifest
     from kousoku.runtime.evaluate import Evaluation
@@ -120,14 +123,20 @@ def _rows(
     for way in dict.fromkeys(evaluation.way for evaluation in evaluations):
         for k in range(len(kernel.outputs)):
             candidates = [e for e in evaluations if e.way == way and e.output == k]
-            if candidates and len(reference.labels):
-                rows = (_row(kernel, reference, candidate) for candidate in candidates)
-                yield max(rows, key=lambda row: row.worst)
+            limits = reference.limits_of(kernel.outputs[k].name)
+            for limit in dict.fromkeys(limits.tolist() if candidates else ()):
+                is_here = limits == limit
+                rows = (_row(kernel, reference, candidate, is_here) for candidate in candidates)
+                yield replace(max(rows, key=lambda row: row.worst), limit=limit)
 
 
-def _row(kernel: KernelManifest, reference: Reference, evaluation: Evaluation) -> Row:
+def _row(
+    kernel: KernelManifest, reference: Reference, evaluation: Evaluation, is_here: NDArray[np.bool_]
+) -> Row:
+    """Return the worst error at the points that are meant."""
     expected = reference.outputs[evaluation.output]
     errors = expected.errors(evaluation.values)
+    errors[~np.resize(is_here, len(errors))] = 0.0
     row, element = np.unravel_index(int(np.argmax(errors)), errors.shape)
     point = int(row) % len(reference.labels)
     output = kernel.outputs[evaluation.output]

@@ -41,7 +41,7 @@ from kousoku.symbolic.matrices import (
     symbol,
     transpose,
 )
-from kousoku.symbolic.pairs import AXES
+from kousoku.symbolic.pairs import AXES, n1_gamma, turning_seen_from
 from kousoku.symbolic.variation import abbreviate, orthogonality, replaced
 
 if TYPE_CHECKING:
@@ -95,9 +95,15 @@ def _closed() -> Closed:
         name_blocks(letter, [replaced(block, fixed, vector) for block in _row(fixed)])
         for letter, vector in (("C", ACROSS), ("G", ALONG))
     )
+    # Seen from j, so that nothing is lost of what stands along the axes of j.
+    squares = [Dot(SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{body}"]) for body in BODIES]
+    axis_from_j = Named("n_j", mul(transpose(A["j"]), A["i"], AXIS))
+    across = Named("m_j", mul(skew(axis_from_j), SYMBOLS["a_j_b"]))
+    turn = mul(squares[0] * squares[1] / SQUARE, Named("o_j", mul(skew(SYMBOLS["a_j_b"]), across)))
+    row = (*own[:3], Named(own[3].name, transpose(turn)))
     kept = [[replaced(block, fixed, ACROSS) for block in line] for line in _second(fixed)]
     return Closed(
-        own,
+        row,
         name_lines("K", less_products(kept, (own, other), (other, own))),
         (
             "the Jacobian of n1 for h and a_j",
@@ -108,35 +114,15 @@ def _closed() -> Closed:
     )
 
 
-def _turning() -> dict[str, Matrix]:
-    """Return Ω, the angular velocity of j less that of i, and the rate of a_j by that of j alone.
-
-    Both are seen in the frame of i; for p of any norm the turning of j is divided by the squares.
-    """
-    own, spin = (SYMBOLS[f"omega_{body}_b"] for body in BODIES)
-    squares = [Divisor(Dot(SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{body}"])) for body in BODIES]
-    of_j = Named("omega_j", mul(1 / squares[1], A["j"], spin))
-    seen = mul(1 / squares[0], transpose(A["i"]), of_j)
-    rate = mul(transpose(A["i"]), A["j"], skew(spin), SYMBOLS["a_j_b"])
-    return {"omega": Named("omega", add(seen, neg(own))), "w": Named("w", rate), "own": own}
-
-
 def _n1_rate(vector: Matrix) -> Matrix:
     """Return Ω·(y × a), the rate of n1 for a vector a of body i and a_j, frame of i."""
-    return mul(transpose(_turning()["omega"]), skew(Y), vector)
-
-
-def _n1_gamma(vector: Matrix) -> Matrix:
-    """Return γ of n1 for a vector a of body i and a_j, Ω·(a × w − y × (ω_i × a)), frame of i."""
-    parts = _turning()
-    arm = add(mul(skew(vector), parts["w"]), neg(mul(skew(Y), skew(parts["own"]), vector)))
-    return mul(transpose(parts["omega"]), arm)
+    return mul(transpose(turning_seen_from("i").omega), skew(Y), vector)
 
 
 def _gamma() -> Step:
     """Return γ, that of n1 for h and a_j and 2 θ̇ ρ̇: small where the bodies turn together."""
     theta_dot, rho_dot = Named("theta_dot", _n1_rate(ACROSS)), Named("rho_dot", _n1_rate(ALONG))
-    gamma = add(_n1_gamma(ACROSS), mul(2, theta_dot, rho_dot))
+    gamma = add(n1_gamma(ACROSS, "i"), mul(2, theta_dot, rho_dot))
     rule = "that of n1 for h and a_j, and dh/dt = −g dθ/dt − h dρ/dt"
     return Step(MatrixSymbol("gamma", 1, 1), gamma, rule, "7.15")
 
@@ -148,8 +134,9 @@ def _plain() -> Plain:
     lines = zip(name_lines("c", _second(first)), name_lines("s", _second(second)), strict=True)
     row, other = zip(*(_chain(c, s) for c, s in zip(c_q, s_q, strict=True)), strict=True)
     whole = [[_chain(c, s)[0] for c, s in zip(*line, strict=True)] for line in lines]
-    forms = (form(vector) for form in (_n1_rate, _n1_gamma) for vector in (first, second))
-    return Plain(row, less_products(whole, (row, other), (other, row)), _plain_gamma(*forms))
+    rates, gammas = zip(*((_n1_rate(x), n1_gamma(x, "i")) for x in (first, second)), strict=True)
+    gamma = _plain_gamma(*rates, *gammas)
+    return Plain(row, less_products(whole, (row, other), (other, row)), gamma)
 
 
 def _chain(of_c: Matrix, of_s: Matrix) -> tuple[Matrix, Matrix]:
@@ -168,7 +155,7 @@ def _plain_gamma(*forms: Matrix) -> Matrix:
 def _lines() -> tuple[Step, ...]:
     vectors = (SYMBOLS["a_i_b"], symbol(THIRD))
     rates = [(mul(transpose(x), Y_DOT), _n1_rate(x)) for x in vectors]
-    gammas = [(neg(mul(transpose(x), Y_DDOT)), _n1_gamma(x)) for x in vectors]
+    gammas = [(neg(mul(transpose(x), Y_DDOT)), n1_gamma(x, "i")) for x in vectors]
     pairs = [*rates, *gammas]
     steps = []
     for name, (left, relative) in zip(RATES, pairs, strict=True):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from sympy import S, Symbol
@@ -90,7 +91,7 @@ def _rates(c: Constraint, forms: Forms) -> Function:
             gamma,
             forms.gamma if c.gamma is None else c.gamma.right,
             [-motion(motion(x)) for x in c.components],
-            () if c.closed is None else (c.closed.plain.gamma,),
+            () if c.closed is None else (*c.closed.through, c.closed.plain.gamma),
         ),
     )
     formula = f"{nu.meaning}, {gamma.meaning}"
@@ -152,6 +153,7 @@ def _function(
     held = set().union(*(_held(output.expression) for output in outputs))
     used = held or _held(c.value)  # right-hand sides that all vanish are called with something too
     inputs = tuple(q for q in (*CONFIGURATION, *c.inputs, *MOTION) if q.name in used)
+    outputs = tuple(replace(x, at_pole=c.at_pole.get(x.quantity.name)) for x in outputs)
     return Function(name, f"{c.title}: {title}", formula, c.source, (*inputs, *extra), outputs)
 
 

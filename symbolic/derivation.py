@@ -66,12 +66,16 @@ class Output:
     through : tuple of sympy.Basic
         Further forms on the matrix level, on the way to which ``expression`` is proved equal to
         the components: each next one equals the one before it.
+    at_pole : float, optional
+        What is documented where the components have a pole or a kink: a number for each element,
+        NaN where it must not be finite. Nothing is checked there when left out.
     """
 
     quantity: Quantity
     expression: sympy.Basic
     components: sympy.ImmutableDenseMatrix
     through: tuple[sympy.Basic, ...] = ()
+    at_pole: float | None = None
 
     def __repr__(self) -> str:
         quantity = self.quantity

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from sympy import postorder_traversal
@@ -26,7 +26,7 @@ from kousoku.symbolic.matrices import (
 from kousoku.symbolic.variation import abbreviate, coefficient, orthogonality, rewrite, without
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.symbolic.bodies import Column
 
@@ -71,6 +71,8 @@ class Closed:
         What they are proved by.
     lines : tuple of Step
         On the way to γ.
+    through : tuple of Matrix
+        Forms between γ and its plain one.
     """
 
     jacobian: tuple[Matrix, ...]
@@ -78,6 +80,7 @@ class Closed:
     rules: tuple[str, str]
     plain: Plain
     lines: tuple[Step, ...]
+    through: tuple[Matrix, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,6 +110,8 @@ class Constraint:
         time. ``symbolic.matrices`` gives the ``symbol`` and the ``elements`` of each.
     closed : Closed, optional
         Of a value that is no polynomial: the forms of its derivatives that are emitted.
+    at_pole : mapping of str to float
+        By output, as :attr:`kousoku.symbolic.derivation.Output.at_pole`.
     """
 
     name: str
@@ -123,6 +128,7 @@ class Constraint:
     gamma: Step | None = None
     inputs: tuple[Quantity, ...] = ()
     closed: Closed | None = None
+    at_pole: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def lam(self) -> Quantity:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sympy import Integer, Rational, S
 from sympy.matrices.expressions import Identity, MatrixSymbol
@@ -27,11 +27,11 @@ from kousoku.symbolic.matrices import (
 from kousoku.symbolic.norm import derive_norm
 from kousoku.symbolic.pairs import FROM_CENTRE, TO_POINT, D
 
-#: d without the point on the body itself: from the origin of i, and to the origin of j.
-FROM_OWN_ORIGIN = {
-    "i": Named("d_i", TO_POINT),
-    "j": Named("d_j", add(SYMBOLS["r_j"], neg(SYMBOLS["r_i"]), FROM_CENTRE)),
-}
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
+
+    Rule = Callable[[Matrix], Matrix | None]
+
 #: Why the γ of a distance and of a length is equal to what the product rule leaves.
 GAMMA_RULE = "|ω′~ s′|² + s′·ω′~ ω′~ s′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
 
@@ -69,18 +69,29 @@ def _point() -> Constraint:
     )
 
 
-def own_point_drops(x: Matrix) -> Matrix | None:
-    """Apply dᵀA s̃′ = (d ∓ A s′)ᵀA s̃′: the own point drops out, as (A s′)ᵀA s̃′ = (p·p)² s′ᵀs̃′ = 0.
+def own_point_drops(d: Matrix, from_own_origin: Mapping[str, Matrix]) -> Rule:
+    """Return dᵀA s̃′ = (d ∓ A s′)ᵀA s̃′: the own point drops out, as (A s′)ᵀA s̃′ = (p·p)² s′ᵀs̃′ = 0.
 
     Without it the product would hold a part that cancels, and with it digits, where the point is
     far from its origin.
+
+    Parameters
+    ----------
+    d : Matrix
+        The vector between the points.
+    from_own_origin : mapping of str to Matrix
+        For each body d without its own point: from the origin of i, and to the origin of j.
     """
-    scalar, factors = coefficient_and_factors(x)
-    for k in range(len(factors) - 2):
-        for body, own in FROM_OWN_ORIGIN.items():
-            if factors[k : k + 3] == (transpose(D), A[body], skew(SYMBOLS[f"s_{body}_b"])):
-                return mul(scalar, *factors[:k], transpose(own), *factors[k + 1 :])
-    return None
+
+    def rule(x: Matrix) -> Matrix | None:
+        scalar, factors = coefficient_and_factors(x)
+        for k in range(len(factors) - 2):
+            for body, own in from_own_origin.items():
+                if factors[k : k + 3] == (transpose(d), A[body], skew(SYMBOLS[f"s_{body}_b"])):
+                    return mul(scalar, *factors[:k], transpose(own), *factors[k + 1 :])
+        return None
+
+    return rule
 
 
 def half_square_curvature() -> Matrix:
@@ -91,37 +102,41 @@ def half_square_curvature() -> Matrix:
     where the bodies move together, and none holds what a point far from its own origin adds to
     ḋ·ḋ and takes from d·d̈, so that no digits cancel.
     """
-    of_body = {body: parts_of_motion(body) for body in BODIES}
-    s, w, u, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
+    motion = relative_motion()
+    v, w = motion["v"], motion["w"]
+    return add(mul(transpose(v), add(v, mul(Integer(2), w))), turning_curvature())
+
+
+def turning_curvature() -> Matrix:
+    """Return what is left of it without v, r·u + Ω·(s_i × w_j − s_j × w_i)."""
+    of_body, motion = {body: parts_of_motion(body) for body in BODIES}, relative_motion()
+    s, w = ({body: parts[name] for body, parts in of_body.items()} for name in "sw")
+    arm = add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"])))
     return add(
-        mul(transpose(relative(v)), add(relative(v), mul(Integer(2), relative(w)))),
-        mul(transpose(relative(r)), relative(u)),
-        mul(
-            transpose(relative(omega)),
-            add(mul(skew(s["i"]), w["j"]), neg(mul(skew(s["j"]), w["i"]))),
-        ),
+        mul(transpose(motion["r"]), motion["u"]),
+        mul(transpose(motion["omega"]), arm),
     )
 
 
-def parts_of_motion(body: str) -> tuple[Matrix, ...]:
+def parts_of_motion(body: str) -> dict[str, Matrix]:
     """Return s, w, u, ω, r and v of a body in frame O; ω = A ω′/(p·p), for p of any norm."""
     p, s, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"s_{body}_b"], SYMBOLS[f"omega_{body}_b"]
     turned = mul(skew(spin), s)
-    return (
-        Named(f"s_{body}", mul(A[body], s)),
-        Named(f"w_{body}", mul(A[body], turned)),
-        Named(f"u_{body}", mul(A[body], skew(spin), turned)),
-        Named(
-            f"omega_{body}", mul(1 / Divisor(Dot(p, p)), Named(f"Omega_{body}", mul(A[body], spin)))
-        ),
-        SYMBOLS[f"r_{body}"],
-        SYMBOLS[f"v_{body}"],
-    )
+    turning = Named(f"Omega_{body}", mul(A[body], spin))
+    return {
+        "s": Named(f"s_{body}", mul(A[body], s)),
+        "w": Named(f"w_{body}", mul(A[body], turned)),
+        "u": Named(f"u_{body}", mul(A[body], skew(spin), turned)),
+        "omega": Named(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning)),
+        "r": SYMBOLS[f"r_{body}"],
+        "v": SYMBOLS[f"v_{body}"],
+    }
 
 
-def relative(of_body: dict[str, Matrix]) -> Matrix:
-    """Return what belongs to body j less what belongs to body i."""
-    return Named(of_body["j"].name.removesuffix("_j"), add(of_body["j"], neg(of_body["i"])))
+def relative_motion() -> dict[str, Matrix]:
+    """Return the same of body j less those of body i."""
+    i, j = (parts_of_motion(body) for body in BODIES)
+    return {name: Named(name, add(j[name], neg(i[name]))) for name in i}
 
 
 def _distance() -> Constraint:
@@ -131,6 +146,10 @@ def _distance() -> Constraint:
     left = MatrixSymbol("C", 1, 1)
     d = point_offset()
     gamma = mul(S.NegativeOne / length, half_square_curvature())
+    from_own_origin = {
+        "i": Named("d_i", TO_POINT),
+        "j": Named("d_j", add(SYMBOLS["r_j"], neg(SYMBOLS["r_i"]), FROM_CENTRE)),
+    }
     return Constraint(
         name="distance",
         kind="distance",
@@ -145,6 +164,6 @@ def _distance() -> Constraint:
         value=value,
         components=((dot(d, d) - length**2) / (2 * length),),
         names=(D,),
-        rule=own_point_drops,
+        rule=own_point_drops(D, from_own_origin),
         gamma=Step(MatrixSymbol("gamma", 1, 1), gamma, GAMMA_RULE, "7.15"),
     )

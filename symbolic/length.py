@@ -6,16 +6,20 @@ nothing at that moment, and a driver of it is refused there. The rate of points 
 each other jumps from −|ḋ| to |ḋ|, so that γ is minus infinity; it is zero where ḋ is. The
 derivative of the reaction is not finite. Squares underflow where |d| is below 10⁻¹⁵⁴ m: no digit of
 a shorter length is right.
+
+No form subtracts what moves along the line from the whole, or what lies along an axis from one:
+what is across the line is found by itself.
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import sympy
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
-from kousoku.symbolic.bodies import DELTA, RATE
+from kousoku.symbolic.bodies import COLUMNS, DELTA, RATE
 from kousoku.symbolic.components import dot
 from kousoku.symbolic.constraint import derive_constraint
 from kousoku.symbolic.derivation import Step
@@ -29,18 +33,44 @@ from kousoku.symbolic.forms import (
     name_blocks,
     name_lines,
 )
-from kousoku.symbolic.joints import GAMMA_RULE, half_square_curvature, own_point_drops, point_offset
-from kousoku.symbolic.matrices import Divisor, Matrix, Named, add, mul, neg, transpose
-from kousoku.symbolic.pairs import D
-from kousoku.symbolic.spring import L, half_square_rate
+from kousoku.symbolic.joints import (
+    GAMMA_RULE,
+    half_square_curvature,
+    own_point_drops,
+    point_offset,
+    turning_curvature,
+)
+from kousoku.symbolic.matrices import (
+    Divisor,
+    Dot,
+    Matrix,
+    Named,
+    NamedScalar,
+    add,
+    mul,
+    neg,
+    skew,
+    transpose,
+)
+from kousoku.symbolic.spring import ALONG, FROM_OWN_ORIGIN, INVERSE, OF_BODY, RELATIVE, D, L
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
 
+    Blocks = tuple[Matrix, ...]
+
 #: Rate of d, and its second without accelerations.
 RATES = (Named("d_dot", RATE(D)), Named("d_ddot", curvature(D)))
-#: One divided by l, and zero times it where l is zero.
-INVERSE = 1 / Divisor(L)
+#: d·w, in which no point meets its own rate.
+BY_POINTS = add(
+    mul(transpose(RELATIVE["r"]), RELATIVE["w"]),
+    mul(transpose(RELATIVE["omega"]), skew(OF_BODY["i"]["s"]), OF_BODY["j"]["s"]),
+)
+#: One divided by l, infinite where l is zero.
+CURVED = NamedScalar("c", 1 / Divisor(L))
+#: What comes out where the points coincide and stay so.
+AT_POLE = {"C": 0.0, "C_q": 0.0, "nu": 0.0, "gamma": 0.0, "reaction": 0.0, "reaction_q": math.nan}
+OWN_POINT_DROPS = own_point_drops(D, FROM_OWN_ORIGIN)
 
 
 def derive(_: str) -> Derivation:
@@ -48,35 +78,103 @@ def derive(_: str) -> Derivation:
     return derive_constraint(_length())
 
 
-def _gamma(rate: Matrix, curved: Matrix) -> Matrix:
+def _gamma(by_points: Matrix) -> Matrix:
+    """Return γ = −(v_p·(v_p + 2 w_p) + y − (n·w)²)/l, v_p and w_p the parts of v and w across d.
+
+    Parameters
+    ----------
+    by_points : Matrix
+        d·w.
+    """
+    v, w = RELATIVE["v"], RELATIVE["w"]
+    own = Named("k", by_points)
+    # Divided by the square, which is there before its root is.
+    by_origins = Named("h_v", mul(transpose(D), v))
+    along_v, along_w = (mul(1 / Divisor(Dot(D, D)), x) for x in (by_origins, own))
+    across_v = Named("v_p", add(v, neg(mul(D, Named("e", along_v)))))
+    across_w = Named("w_p", add(w, neg(mul(D, Named("f", along_w)))))
+    whole = mul(transpose(across_v), add(across_v, mul(2, across_w)))
+    rest = add(Named("y", turning_curvature()), neg(mul(own, Named("f", along_w))))
+    return mul(-1 / Divisor(L), add(whole, rest))
+
+
+def _plain_gamma(rate: Matrix, curved: Matrix) -> Matrix:
     """Return γ = ((h/l)² − z)/l, h = d·ḋ and z what d·ḋ has as its rate without accelerations."""
-    along = Named("x", mul(INVERSE, Named("h", rate)))
-    return mul(INVERSE, add(mul(along, along), neg(Named("z", curved))))
+    along = mul(CURVED, Named("h", rate))
+    return mul(CURVED, add(mul(along, along), neg(Named("z", curved))))
 
 
 def _lines() -> tuple[Step, ...]:
+    v, w = RELATIVE["v"], RELATIVE["w"]
     rate = mul(transpose(D), RATES[0])
     curved = add(mul(transpose(RATES[0]), RATES[0]), mul(transpose(D), RATES[1]))
-    h, z, gamma = (MatrixSymbol(name, 1, 1) for name in ("h", "z", "gamma"))
+    h, k, z, gamma = (MatrixSymbol(name, 1, 1) for name in ("h", "k", "z", "gamma"))
     return (
         Step(h, rate, "abbreviation: l dl/dt", ""),
-        Step(h, half_square_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
+        Step(h, mul(transpose(D), add(v, w)), "dd/dt = v + w", ""),
         Step(z, curved, "abbreviation: the rate of h without accelerations", ""),
         Step(z, half_square_curvature(), GAMMA_RULE, "7.15"),
-        Step(gamma, _gamma(rate, curved), "d²l/dt² = (dh/dt − (dl/dt)²)/l", ""),
+        Step(gamma, _plain_gamma(rate, curved), "d²l/dt² = (dh/dt − (dl/dt)²)/l", ""),
+        Step(k, BY_POINTS, "abbreviation: d·w", ""),
+        Step(k, mul(transpose(D), w), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
     )
 
 
 def _closed() -> Closed:
-    """Return l_q and l_qq = (½ d·d)_qq / l − l_qᵀl_q / l."""
-    half_square = blocks_of(mul(transpose(D), DELTA(D)), own_point_drops)
-    second = [blocks_of(DELTA(transpose(part)), own_point_drops) for part in half_square]
-    row = name_blocks("C", [mul(INVERSE, block) for block in name_blocks("D", half_square)])
-    lines = [[mul(INVERSE, block) for block in line] for line in name_lines("D", second)]
-    less = less_products(lines, (row, [mul(INVERSE, block) for block in row]))
-    rules = ("the own point drops out", "δ(d/l) = δd/l − d δl/l²")
-    gamma = _gamma(half_square_rate(), half_square_curvature())
-    return Closed(row, name_lines("K", less), rules, Plain(row, less, gamma), _lines())
+    """Return l_q = d·d_q / l and l_qq = (n~ d_q)ᵀ n~ d_q / l + n·d_qq, by 1 − n nᵀ = n~ᵀ n~."""
+    half_square = blocks_of(mul(transpose(D), DELTA(D)), OWN_POINT_DROPS)
+    names = name_blocks("D", half_square)
+    row = name_blocks("C", [mul(INVERSE, block) for block in names])
+    second = [blocks_of(DELTA(transpose(part)), OWN_POINT_DROPS) for part in half_square]
+    lines = [[mul(CURVED, block) for block in line] for line in name_lines("D", second)]
+    of_own_angles = less_products(lines, (row, [mul(CURVED, block) for block in row]))
+    columns = blocks_of(DELTA(D))
+    plain = [
+        mul(CURVED, block)
+        for block in name_blocks("B", [mul(transpose(D), column) for column in columns])
+    ]
+    rules = ("the own point drops out", "δ(d/l) = n~ᵀ n~ δd/l")
+    return Closed(
+        row,
+        name_lines("K", _with_own_angles(_across(columns), of_own_angles)),
+        rules,
+        Plain(
+            row,
+            _with_own_angles(
+                less_products(lines, (plain, [mul(CURVED, block) for block in plain])),
+                of_own_angles,
+            ),
+            _plain_gamma(
+                mul(transpose(D), add(RELATIVE["v"], RELATIVE["w"])),
+                half_square_curvature(),
+            ),
+        ),
+        _lines(),
+        (_gamma(mul(transpose(D), RELATIVE["w"])),),
+    )
+
+
+def _across(columns: Blocks) -> tuple[Blocks, ...]:
+    """Return the products of n~ d_q with each other, divided by l."""
+    turned = [mul(skew(ALONG), column) for column in columns]
+    parts = [
+        part if column.name[0] == "r" else block
+        for part, block, column in zip(turned, name_blocks("V", turned), COLUMNS, strict=True)
+    ]
+    return tuple(tuple(mul(CURVED, transpose(one), other) for other in parts) for one in parts)
+
+
+def _with_own_angles(
+    blocks: tuple[Blocks, ...], of_own_angles: tuple[Blocks, ...]
+) -> tuple[Blocks, ...]:
+    """Return a second derivative with these blocks where it is by the angles of one body twice."""
+    return tuple(
+        tuple(
+            own if m == n and COLUMNS[m].name[0] != "r" else block
+            for n, (block, own) in enumerate(zip(*line, strict=True))
+        )
+        for m, line in enumerate(zip(blocks, of_own_angles, strict=True))
+    )
 
 
 def _length() -> Constraint:
@@ -97,7 +195,13 @@ def _length() -> Constraint:
         value=value,
         components=(sympy.sqrt(dot(d, d)),),
         names=(D, *RATES),
-        rule=own_point_drops,
-        gamma=Step(MatrixSymbol("gamma", 1, 1), closed.plain.gamma, "h and z as above", ""),
+        rule=OWN_POINT_DROPS,
+        gamma=Step(
+            MatrixSymbol("gamma", 1, 1),
+            _gamma(BY_POINTS),
+            "d·v_p = d·w_p = 0, k and z as above",
+            "",
+        ),
         closed=closed,
+        at_pole=AT_POLE,
     )

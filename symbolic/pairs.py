@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from sympy.matrices.expressions import MatrixSymbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.model.rows import ROWS
-from kousoku.symbolic.bodies import COMPONENTS, SYMBOLS, A
+from kousoku.symbolic.bodies import BODIES, COMPONENTS, SYMBOLS, A
 from kousoku.symbolic.components import cross, plus, rotate, rotate_back, subtract
 from kousoku.symbolic.components import dot as dot_product
 from kousoku.symbolic.constraint import derive_constraint
@@ -36,6 +37,8 @@ TO_POINT = add(SYMBOLS["r_j"], mul(A["j"], SYMBOLS["s_j_b"]), neg(SYMBOLS["r_i"]
 FROM_CENTRE = neg(mul(A["i"], SYMBOLS["s_i_b"]))
 #: The vector from the point on i to the point on j, frame O.
 D = Named("d", add(TO_POINT, FROM_CENTRE))
+#: Why γ in the relative angular velocity Ω is equal to what the product rule leaves.
+TURNING_RULE = "seen from one body dy/dt = Ω × y and dΩ/dt = Ω × ω, by (7.15)"
 #: The point on j seen from the frame of i.
 Y = Named("y", mul(transpose(A["i"]), TO_POINT))
 
@@ -92,27 +95,72 @@ def _choice(axis: str) -> Step:
     )
 
 
-def _n1_gamma() -> Step:
-    """Return γ = Ω·(a_i × w_j − a_j × w_i), with w = A ω̃′a′ and Ω = ω_j − ω_i in frame O.
+@dataclass(frozen=True, slots=True)
+class Turning:
+    """A vector of one body as the other one sees it turn.
 
-    It is small where the bodies turn together, so that no digits cancel there.
+    All are in the frame of the one that sees, and divided by the squares of the Euler parameters
+    where these would count, so that p may have any norm.
+
+    Parameters
+    ----------
+    y : Matrix
+        The vector.
+    w : Matrix
+        Its rate by the turning of its own body alone.
+    own : Matrix
+        Angular velocity of the body that sees.
+    omega : Matrix
+        Ω, that of the other body less this one. It is found before anything is multiplied with it,
+        so that no digits cancel where the bodies turn together.
     """
-    w, omega = {}, {}
-    for body in ("i", "j"):
-        p, spin = SYMBOLS[f"p_{body}"], SYMBOLS[f"omega_{body}_b"]
-        w[body] = Named(f"w_{body}", mul(A[body], skew(spin), SYMBOLS[f"a_{body}_b"]))
-        turning = Named(f"Omega_{body}", mul(A[body], spin))
-        omega[body] = Named(f"omega_{body}", mul(1 / Divisor(Dot(p, p)), turning))
-    relative = Named("omega", add(omega["j"], neg(omega["i"])))
-    arm = add(mul(skew(AXES["i"]), w["j"]), neg(mul(skew(AXES["j"]), w["i"])))
-    rule = "|ω′~ a′|² + a′·ω′~ ω′~ a′ = 0, (7.15) for ω, and (x × y)·z = x·(y × z)"
-    return Step(MatrixSymbol("gamma", 1, 1), mul(transpose(relative), arm), rule, "7.15")
+
+    y: Matrix
+    w: Matrix
+    own: Matrix
+    omega: Matrix
+
+
+def turning_seen_from(body: str) -> Turning:
+    """Return the vector a of the other body as it turns in the frame of ``body``."""
+    (other,) = set(BODIES) - {body}
+    axis, spin, own = (SYMBOLS[x] for x in (f"a_{other}_b", f"omega_{other}_b", f"omega_{body}_b"))
+    p, q = SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{other}"]
+    squares = Divisor(Dot(p, p) * Dot(q, q))
+    into = (transpose(A[body]), A[other])
+    seen = Named("omega_seen", mul(*into, spin))
+    return Turning(
+        Named("y", mul(*into, axis)),
+        Named("w", mul(*into, skew(spin), axis)),
+        own,
+        Named("omega", add(mul(1 / squares, seen), neg(own))),
+    )
+
+
+def n1_gamma(vector: Matrix, body: str) -> Matrix:
+    """Return γ of n1 for a vector b of ``body`` and a of the other, Ω·(b × w − y × (ω × b)).
+
+    It is seen from ``body``, where nothing is lost of what stands along its own axes.
+    """
+    seen = turning_seen_from(body)
+    arm = add(mul(skew(vector), seen.w), neg(mul(skew(seen.y), skew(seen.own), vector)))
+    return mul(transpose(seen.omega), arm)
+
+
+def _p1_gamma(axis: str) -> Step:
+    """Return γ = S a′_i~ (ω × (Ω × y) − Ω × w), seen from i."""
+    seen = turning_seen_from("i")
+    turned = add(mul(skew(seen.own), skew(seen.omega), seen.y), neg(mul(skew(seen.omega), seen.w)))
+    gamma = mul(_selection(axis), skew(SYMBOLS["a_i_b"]), turned)
+    return Step(MatrixSymbol("gamma", 2, 1), gamma, TURNING_RULE, "7.15")
 
 
 def _n1(_: str) -> Constraint:
     x = COMPONENTS
     value = mul(transpose(SYMBOLS["a_i_b"]), transpose(A["i"]), A["j"], SYMBOLS["a_j_b"])
     left = MatrixSymbol("C", 1, 1)
+    seen_from_j = n1_gamma(SYMBOLS["a_j_b"], "j")
+    gamma = Step(MatrixSymbol("gamma", 1, 1), seen_from_j, TURNING_RULE, "7.15")
     return Constraint(
         name="n1",
         kind="n1",
@@ -128,7 +176,7 @@ def _n1(_: str) -> Constraint:
         ),
         value=value,
         components=(dot_product(rotate(x["p_i"], x["a_i_b"]), rotate(x["p_j"], x["a_j_b"])),),
-        gamma=_n1_gamma(),
+        gamma=gamma,
     )
 
 
@@ -175,6 +223,7 @@ def _p1(axis: str) -> Constraint:
         ),
         value=value,
         components=tuple(product[row] for row in ROWS[axis]),
+        gamma=_p1_gamma(axis),
     )
 
 

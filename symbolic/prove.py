@@ -57,7 +57,8 @@ def prove(function: Function) -> int:
         _compare(function, output, at_a_point, output.expression)
         forms = (output.expression, *output.through)
         for one, other in itertools.pairwise(forms):
-            if one != other and not _agree((one, other), is_unit=False):
+            same = _with_names_of(one, other)
+            if same != other and not _agree((same, other), is_unit=False):
                 raise DerivationError(
                     f"{function.name}: two forms of {output.quantity.name} differ; correct one"
                 )
@@ -113,7 +114,7 @@ def prove_steps(derivation: Derivation) -> int:
         if left is None:
             continue
         renamed = tuple(_with_one_name(x, same) for x in (left, step.right))
-        forms = dict.fromkeys([(left, step.right), renamed])
+        forms = dict.fromkeys([renamed, (left, step.right)])
         if not any(_agree(*forms, is_unit=is_unit) for is_unit in (False, True)):
             raise DerivationError(
                 f"{derivation.name}: step {number} does not follow: {step.rule}; correct it"
@@ -129,6 +130,17 @@ def _with_one_name(x: Any, same: Mapping[Any, Any]) -> Any:
     for old, new in same.items():
         x = x.xreplace({old: new})
     return x
+
+
+def _with_names_of(one: Any, other: Any) -> Any:
+    """Return ``one`` with the values that its names have in ``other``, where these are equal."""
+    while True:
+        values = {x.name: x for x in other.atoms(Named)}
+        differing = (x for x in one.atoms(Named) if values.get(x.name, x) != x)
+        name = min(differing, key=lambda x: (len(str(x)), str(x)), default=None)
+        if name is None or not _agree((name.value, values[name.name].value), is_unit=False):
+            return one
+        one = one.xreplace({name: values[name.name]})
 
 
 def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
@@ -170,7 +182,7 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
     if any(one == other for one, other in forms):
         return True
     ordered = sorted(forms, key=lambda form: -len(shared(*form, Named)))
-    for sorts, (one, other) in itertools.product(sorts_of_names, ordered):
+    for (one, other), sorts in itertools.product(ordered, sorts_of_names):
         names = shared(one, other, *sorts)
         carrier = OpaqueRing(quantities, names, given=given, is_unit=is_unit)
         if names and _is_same(carrier, one, other):

@@ -165,6 +165,8 @@ class Ring:
 
     def _reduced(self, x: Fraction) -> Fraction:
         """Replace the squares of roots and cosines."""
+        if x.over == x.under:
+            return Fraction(self._one, self._one)
         over, under = x.over, x.under
         for generator, square_over, square_under in reversed(self._squares):
             over, factor = _without_squares(over, generator, square_over, square_under)

@@ -31,7 +31,7 @@ from kousoku.symbolic.bodies import (
 )
 from kousoku.symbolic.components import dot
 from kousoku.symbolic.derivation import Derivation, Function, Output, Step
-from kousoku.symbolic.joints import FROM_OWN_ORIGIN, parts_of_motion, point_offset, relative
+from kousoku.symbolic.joints import parts_of_motion, point_offset, relative_motion
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
@@ -46,7 +46,7 @@ from kousoku.symbolic.matrices import (
     symbol,
     transpose,
 )
-from kousoku.symbolic.pairs import D
+from kousoku.symbolic.pairs import turning_seen_from
 from kousoku.symbolic.variation import coefficient
 
 if TYPE_CHECKING:
@@ -64,8 +64,20 @@ FREE_LENGTH = Quantity("free_length", (), "m", "l⁰, length without tension")
 LAW_INPUTS = (LENGTH, LENGTH_RATE, STIFFNESS, DAMPING, FREE_LENGTH)
 PLACES = tuple(q for q in CONFIGURATION if q.name[0] in "rps")
 
+#: What the bodies have each, and j less i.
+OF_BODY, RELATIVE = {body: parts_of_motion(body) for body in BODIES}, relative_motion()
+#: The vector between the points: zero to the last bit where the bodies are in the same place.
+D = Named("d", add(RELATIVE["r"], RELATIVE["s"]))
+#: d without the point on the body itself: from the origin of i, and to the origin of j.
+FROM_OWN_ORIGIN = {
+    "i": Named("d_i", add(RELATIVE["r"], OF_BODY["j"]["s"])),
+    "j": Named("d_j", add(RELATIVE["r"], neg(OF_BODY["i"]["s"]))),
+}
 L = NamedScalar("l", sympy.sqrt(Dot(D, D)))
-ALONG = Named("n", mul(1 / Divisor(L), D))
+#: One, and zero where the points coincide; one divided by l, and zero there.
+APART = NamedScalar("apart", L / Divisor(L))
+INVERSE = NamedScalar("g", APART / Divisor(L))
+ALONG = Named("n", mul(INVERSE, D))
 D_RATE = Named("d_dot", RATE(D))
 ELONGATION = symbol(LENGTH) - symbol(FREE_LENGTH)
 LAW = symbol(STIFFNESS) * ELONGATION + symbol(DAMPING) * symbol(LENGTH_RATE)
@@ -79,26 +91,20 @@ def derive(_: str) -> Derivation:
     )
 
 
-def length_rate() -> Matrix:
-    """Return dl/dt = (d·dd/dt) / l."""
-    return mul(1 / Divisor(L), half_square_rate())
+def length_rate() -> tuple[Matrix, Matrix]:
+    """Return dl/dt = h l / d·d, zero where d is, and h / l; h = d·v + r·w + s_i·(Ω_i × s_j).
 
-
-def half_square_rate() -> Matrix:
-    """Return d·dd/dt = r·(v + w) + s·v + Ω·(s_i × s_j).
-
-    r and v belong to the origins, s = A s′ and w = A ω̃′s′ to the points, Ω to the orientations;
-    those without an index are of body j less those of body i. Each term is small where the bodies
-    move together, and none holds what a point far from its own origin adds to d·ḋ and takes from
-    it, so that no digits cancel.
+    Without an index is what j has less what i has; Ω_i is what i turns more than j, seen from j, so
+    that nothing is lost of what turns about the line to the point. Each term is small where the
+    bodies move together, and none holds what a point far from its own origin adds to d·ḋ and takes
+    from it.
     """
-    of_body = {body: parts_of_motion(body) for body in BODIES}
-    s, w, _, omega, r, v = ({body: parts[k] for body, parts in of_body.items()} for k in range(6))
-    return add(
-        mul(transpose(relative(r)), add(relative(v), relative(w))),
-        mul(transpose(relative(s)), relative(v)),
-        mul(transpose(relative(omega)), skew(s["i"]), s["j"]),
-    )
+    of_turning = mul(A["j"], skew(turning_seen_from("j").omega), SYMBOLS["s_j_b"])
+    by_origins = mul(transpose(D), RELATIVE["v"])
+    by_points = mul(transpose(RELATIVE["r"]), RELATIVE["w"])
+    across = mul(transpose(OF_BODY["i"]["s"]), of_turning)
+    half_square_rate = Named("h", add(by_origins, by_points, across))
+    return mul(L / Divisor(Dot(D, D)), half_square_rate), mul(1 / L, half_square_rate)
 
 
 def generalised_forces() -> tuple[Matrix, ...]:
@@ -111,7 +117,7 @@ def generalised_forces() -> tuple[Matrix, ...]:
     tension = symbol(TENSION)
     for body, sign in zip(BODIES, (1, -1), strict=True):
         turning = mul(skew(SYMBOLS[f"s_{body}_b"]), transpose(A[body]), FROM_OWN_ORIGIN[body])
-        arm = Named(f"m_{body}", mul(1 / Divisor(L), turning))
+        arm = Named(f"m_{body}", mul(INVERSE, turning))
         found += [mul(sign * tension, ALONG), mul(sign * tension, arm)]
     return tuple(found)
 
@@ -123,11 +129,11 @@ def _steps() -> tuple[Step, ...]:
         Step(MatrixSymbol("d", 3, 1), D.value, "vector between the points", "8.8"),
         Step(L, L.value, "its length", ""),
         Step(MatrixSymbol("n", 3, 1), ALONG.value, "its direction", ""),
-        Step(variation, mul(1 / Divisor(L), transpose(D), DELTA(D)), "l δl = dᵀδd", ""),
+        Step(variation, mul(1 / L, transpose(D), DELTA(D)), "l δl = dᵀδd", ""),
         Step(variation, delta, "n = d/l, and δA = A δθ̃′", "7.16"),
         Step(MatrixSymbol("d_dot", 3, 1), D_RATE.value, "δ → d/dt", "5.16"),
         Step(rate, mul(Dot(ALONG, D_RATE), Identity(1)), "dl/dt = nᵀ dd/dt", ""),
-        Step(rate, length_rate(), "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
+        Step(rate, length_rate()[1], "s·w = 0 in each body, and (x × y)·z = x·(y × z)", ""),
         Step(MatrixSymbol("T", 1, 1), mul(LAW, Identity(1)), "spring and damper, linear", ""),
         Step(MatrixSymbol("V", 1, 1), mul(ENERGY, Identity(1)), "energy of the spring", ""),
     ]
@@ -141,8 +147,11 @@ def _steps() -> tuple[Step, ...]:
     return tuple(steps)
 
 
-def _output(quantity: Quantity, expression: Any, scalars: Sequence[Any]) -> Output:
-    return Output(quantity, expression, ImmutableDenseMatrix(len(scalars), 1, list(scalars)))
+def _output(
+    quantity: Quantity, expression: Any, scalars: Sequence[Any], through: tuple[Matrix, ...] = ()
+) -> Output:
+    column = ImmutableDenseMatrix(len(scalars), 1, list(scalars))
+    return Output(quantity, expression, column, through)
 
 
 def _component_length() -> Any:
@@ -154,8 +163,15 @@ def _number(quantity: Quantity, expression: Any, component: Any) -> Output:
     return _output(quantity, mul(expression, Identity(1)), [component])
 
 
+def _zero_at_pole(output: Output) -> Output:
+    """Return an output that is zero where the points coincide."""
+    return replace(output, at_pole=0.0)
+
+
 def _length() -> Function:
     length = _component_length()
+    rate, plain = length_rate()
+    components = [motion_flow()(length)]
     return Function(
         "length",
         f"{TITLE}: length and its rate",
@@ -163,8 +179,10 @@ def _length() -> Function:
         SOURCE,
         (*PLACES, *MOTION),
         (
-            _number(replace(LENGTH, shape=(1,)), L, length),
-            _output(replace(LENGTH_RATE, shape=(1,)), length_rate(), [motion_flow()(length)]),
+            _zero_at_pole(_number(replace(LENGTH, shape=(1,)), L, length)),
+            _zero_at_pole(
+                _output(replace(LENGTH_RATE, shape=(1,)), rate, components, (plain,)),
+            ),
         ),
     )
 
@@ -196,5 +214,5 @@ def _force() -> Function:
         "f = −T dl/d(δr, δθ′)",
         SOURCE,
         (*PLACES, TENSION),
-        (_output(Quantity("force", (12,), "N, N m", meaning), forces, components),),
+        (_zero_at_pole(_output(Quantity("force", (12,), "N, N m", meaning), forces, components)),),
     )

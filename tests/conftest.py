@@ -17,6 +17,7 @@ import shutil
 import signal
 import tempfile
 from collections import Counter
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
     from kousoku.model.scene import Scene
     from kousoku.runtime.toolchain import Toolchain
+    from kousoku.symbolic.derivation import Derivation
 
 TESTS = Path(__file__).parent
 #: The mark that a fixture gives to all tests that ask for it.
@@ -135,6 +137,15 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 def _refuse_steps(*_: object) -> None:
     pytest.fail("a test that makes steps in NumPy needs the fixture 'numpy_solver'", pytrace=False)
+
+
+@pytest.fixture(scope="session")
+def derived() -> Callable[[str], Derivation]:
+    """Return ``derive`` with a memory."""
+    # SymPy takes a third of a second to import, and most tests need none of it.
+    from kousoku.symbolic import derive
+
+    return cache(derive)
 
 
 @pytest.fixture

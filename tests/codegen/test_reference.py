@@ -13,6 +13,7 @@ from kousoku.codegen.freeze import freeze
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.interpret import EXACT, evaluate
 from kousoku.codegen.kernel import Kernel, Package
+from kousoku.codegen.known import known_errors
 from kousoku.codegen.reference import references
 from kousoku.model.errors import DerivationError
 from kousoku.model.quantity import Quantity
@@ -133,3 +134,13 @@ def test_a_frozen_zero_that_the_component_level_denies_is_an_error() -> None:
 
 def test_equal_derivations_give_equal_bytes(n1: Derivation, package: Package) -> None:
     assert references(package, n1.functions) == references(package, derive("n1").functions)
+
+
+def test_an_error_that_is_known_may_not_grow(
+    n1: Derivation, package: Package, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (known,) = known_errors("n1", "rates")
+    better = {("n1", "rates"): (replace(known, units=known.units - 1),)}
+    monkeypatch.setattr("kousoku.codegen.known.KNOWN", better)
+    with pytest.raises(DerivationError, match=r"gamma is 117\.6 units off where 116\.63 are known"):
+        references(package, n1.functions)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -17,7 +18,8 @@ from kousoku.model.manifest import Manifest
 from kousoku.runtime import evaluate as evaluation
 from kousoku.runtime import load, verify
 from kousoku.runtime.library import read_files
-from kousoku.runtime.reference import read_references
+from kousoku.runtime.reference import Reference, read_references
+from kousoku.runtime.report import LIMIT
 from tests.runtime.conftest import SAID, write_tiny
 
 if TYPE_CHECKING:
@@ -221,6 +223,37 @@ def test_a_package_without_reference_values_is_not_verified(tiny: Path) -> None:
     report = verify(tiny)
     assert not report.ok
     assert "lists no reference.json.gz: nothing to verify" in report.problems[0]
+
+
+def test_what_is_known_to_be_off_has_a_row_and_a_limit_of_its_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    folder = next(folder for folder in KINDS if folder.name == "n1")
+    report = verify(folder, target="numpy")
+    known = [row for row in report.rows if row.limit > LIMIT]
+    assert {(row.output, row.label) for row in known} == {("gamma", "known to be off")}
+    assert all(LIMIT < row.worst <= row.limit for row in known)
+    assert report.worst is not None
+    assert report.worst.limit == LIMIT
+
+    def stricter(*args: Any) -> dict[str, Reference]:
+        found = read_references(*args)
+        limits = tuple({k: x - 1 for k, x in known.items()} for known in found["rates"].limits)
+        return found | {"rates": replace(found["rates"], limits=limits)}
+
+    monkeypatch.setattr(sys.modules["kousoku.runtime.verify"], "read_references", stricter)
+    report = verify(folder, target="numpy")
+    assert not report.ok
+    assert "gamma[0] by NumPy is 117.625 units off (limit 116.63)" in report.problems[0]
+
+
+def test_a_manifest_that_knows_of_other_errors_is_refused() -> None:
+    folder = next(folder for folder in KINDS if folder.name == "n1")
+    manifest = Manifest.from_json((folder / "manifest.json").read_text(encoding="utf-8"))
+    kernels = tuple(replace(kernel, known=()) for kernel in manifest.kernels)
+    files = read_files(folder, manifest)
+    with pytest.raises(VerifyError, match="rates: known errors"):
+        read_references(folder, replace(manifest, kernels=kernels), files)
 
 
 @pytest.mark.parametrize("folder", KINDS, ids=lambda folder: str(folder.name))

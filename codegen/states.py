@@ -1,0 +1,146 @@
+"""Points that machines are in: bodies that turn together, lines along which points move, axes.
+
+There the parts of a formula are large and their sum is small, so that code in which they cancel
+loses digits, though no number is unusual.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.codegen.points import Point, ordinary
+from kousoku.symbolic.matrices import quadratic_form
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from kousoku.codegen.stream import Stream
+    from kousoku.model.quantity import Quantity
+
+    Numbers = dict[str, tuple[float, ...]]
+    Triple = Sequence[float]
+
+TURNING = {"p_i", "p_j", "omega_i_b", "omega_j_b"}
+LINE = {"r_i", "p_i", "s_i_b", "r_j", "p_j", "s_j_b"}
+MOVING_LINE = LINE | TURNING | {"v_i", "v_j"}
+#: How much faster bodies turn together than against each other, and points move along their line
+#: than across.
+FASTER = 1024.0, 128.0
+
+
+def motion_points(inputs: Sequence[Quantity], stream: Stream, turn: int) -> list[Point]:
+    """Return the states that the inputs allow: another orientation or axis at each turn.
+
+    Parameters
+    ----------
+    inputs : sequence of Quantity
+        The inputs of a function of two bodies; of others there are no states.
+    stream : Stream
+        Where the digits come from.
+    turn : int
+        Which axis a line lies near; bodies that turn together stand alike at every other turn.
+    """
+    names = {quantity.name for quantity in inputs}
+    points = []
+    if names >= TURNING:
+        points.append(Point("bodies turn together", _together(ordinary(inputs, stream), turn)))
+        points.append(Point("fast common turning", _fast(ordinary(inputs, stream))))
+    if names >= MOVING_LINE:
+        points.append(Point("points move along their line", _along(ordinary(inputs, stream))))
+    if names >= LINE:
+        points.append(Point("line near an axis", _near_axis(ordinary(inputs, stream), turn)))
+    return points
+
+
+def coincident_points(inputs: Sequence[Quantity], stream: Stream) -> list[Point]:
+    """Return points that coincide, and stay so: of one body in two places, and of two bodies."""
+    if not {quantity.name for quantity in inputs} >= LINE:
+        return []
+    numbers = ordinary(inputs, stream)
+    alike = {
+        name: numbers[_of_i(name)] if _of_i(name) in numbers else numbers[name] for name in numbers
+    }
+    # With whole numbers and half a turn about x nothing is rounded.
+    whole = {name: tuple(float(round(4 * x)) for x in xs) for name, xs in numbers.items()}
+    whole |= {"p_i": (1.0, 0.0, 0.0, 0.0), "p_j": (0.0, 1.0, 0.0, 0.0)}
+    whole["r_j"] = _sum(whole["r_i"], _arm(whole, "i"), _times(-1.0, _arm(whole, "j")))
+    if whole.keys() >= MOVING_LINE:
+        rates = _arm_rate(whole, "i"), _times(-1.0, _arm_rate(whole, "j"))
+        whole["v_j"] = _sum(whole["v_i"], *rates)
+    return [Point("bodies in one place", alike), Point("points coincide", whole)]
+
+
+def _of_i(name: str) -> str:
+    return "_".join("i" if part == "j" else part for part in name.split("_"))
+
+
+def _together(numbers: Numbers, turn: int) -> Numbers:
+    if turn % 2:
+        return numbers | {"p_j": numbers["p_i"], "omega_j_b": numbers["omega_i_b"]}
+    return numbers | {"omega_j_b": _seen_from_j(numbers, numbers["omega_i_b"])}
+
+
+def _fast(numbers: Numbers) -> Numbers:
+    common = _times(FASTER[0], numbers["omega_i_b"])
+    both = _sum(_seen_from_j(numbers, common), numbers["omega_j_b"])
+    return numbers | {"omega_i_b": common, "omega_j_b": both}
+
+
+def _along(numbers: Numbers) -> Numbers:
+    line = _sum(
+        numbers["r_j"], _arm(numbers, "j"), _times(-1.0, _sum(numbers["r_i"], _arm(numbers, "i")))
+    )
+    rate = _sum(
+        numbers["v_i"],
+        _arm_rate(numbers, "i"),
+        _times(-1.0, _arm_rate(numbers, "j")),
+        _times(FASTER[1], line),
+        numbers["v_j"],  # what is across is of order one
+    )
+    return numbers | {"v_j": rate}
+
+
+def _near_axis(numbers: Numbers, turn: int) -> Numbers:
+    small = [math.ldexp(x, -20 * k) for k, x in enumerate(numbers["r_j"])]
+    line = (*small[turn % 3 :], *small[: turn % 3])
+    own = _sum(numbers["r_i"], _arm(numbers, "i"), _times(-1.0, _arm(numbers, "j")), line)
+    return numbers | {"r_j": own}
+
+
+def _seen_from_j(numbers: Mapping[str, Triple], vector: Triple) -> tuple[float, ...]:
+    """Return a vector of the frame of i in the frame of j, for p of norm one."""
+    return _product(_transposed(numbers["p_j"]), _product(_orientation(numbers["p_i"]), vector))
+
+
+def _arm(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
+    """Return A s′."""
+    return _product(_orientation(numbers[f"p_{body}"]), numbers[f"s_{body}_b"])
+
+
+def _arm_rate(numbers: Mapping[str, Triple], body: str) -> tuple[float, ...]:
+    """Return A (ω′ × s′)."""
+    (a, b, c), (x, y, z) = numbers[f"omega_{body}_b"], numbers[f"s_{body}_b"]
+    turned = (b * z - c * y, c * x - a * z, a * y - b * x)
+    return _product(_orientation(numbers[f"p_{body}"]), turned)
+
+
+def _orientation(p: Sequence[float]) -> list[list[float]]:
+    return quadratic_form([HIGH_CONTEXT.mpf(e) for e in p])
+
+
+def _transposed(p: Sequence[float]) -> list[list[float]]:
+    return [list(column) for column in zip(*_orientation(p), strict=True)]
+
+
+def _product(matrix: Sequence[Sequence[float]], vector: Triple) -> tuple[float, ...]:
+    return tuple(float(sum(a * x for a, x in zip(row, vector, strict=True))) for row in matrix)
+
+
+def _sum(*vectors: Triple) -> tuple[float, ...]:
+    return tuple(math.fsum(elements) for elements in zip(*vectors, strict=True))
+
+
+def _times(factor: float, vector: Triple) -> tuple[float, ...]:
+    return tuple(factor * x for x in vector)
