@@ -61,12 +61,11 @@ class _Analysis:
         except StopError as stop:
             rows.status = stop.status
         rows.reached = way.counted_inputs
-        if rows.status != Status.GOOD:
-            if rows.done < self.run.rows:
-                none = np.zeros_like(way.position.x)
-                self._write(0, none, none)
-                rows.alpha[rows.done] = rows.reached
-                rows.residual[rows.done] = rows.condition[rows.done] = math.inf
+        if rows.status != Status.GOOD and rows.done < self.run.rows:
+            none = np.zeros_like(way.position.x)
+            self._write(0, none, none)
+            rows.alpha[rows.done] = rows.reached
+            rows.residual[rows.done] = rows.condition[rows.done] = math.inf
         rows.block = way.newton.at
 
     def _follow(self, residual: float) -> None:
