@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -15,7 +15,7 @@ from .solve import solve
 from .status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from .mechanism import Array, Mechanism
     from .rows import Rows, Run
 
+#: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
+CLOSED = 1e-6
+#: Residuals that move a coordinate as often as this have lost digits worth telling.
+DIGITS_LOST = 1e3
 #: Tables of a node and of a link, the letters of their columns, and what follows the unit.
 NODE = (("positions", "", ""), ("velocities", "v", "/s"), ("accelerations", "a", "/s²"))
 LINK = (
@@ -45,6 +49,9 @@ class Iterations(NamedTuple):
         Corrections in a step, and in all.
     residual : float
         The largest residual of all rows, in the unit of lengths.
+    condition : float
+        By how much a residual may be magnified, the most of all rows: its decimal logarithm is how
+        many digits positions lose, and velocities twice as many.
     unit : str
         That unit.
     """
@@ -56,13 +63,14 @@ class Iterations(NamedTuple):
     most: int
     total: int
     residual: float
+    condition: float
     unit: str
 
     def __str__(self) -> str:
         return (
             f"{self.method} by {self.target}: {self.rows} positions, {self.least} to {self.most}"
             f" iterations a step, {self.total} in all, residual at most {self.residual:.1e}"
-            f" {self.unit}"
+            f" {self.unit}, condition at most {self.condition:.2g}"
         )
 
 
@@ -95,12 +103,17 @@ class Trajectory(Result):
         Corrections in the step that led to each row.
     residual : (rows,) array
         Largest residual at each row.
+    condition : (rows,) array
+        By how much residuals may be magnified in positions: large near a dead centre.
     links : tuple of (str, str, str, float)
         Name, nodes and design length of each link.
     target : {"c", "numpy"}
         What computed.
     is_in_time : bool
         Whether the inputs were followed in time, so that it is a column.
+    turn_gaps : mapping of str to float
+        How far nodes are, after all inputs made whole turns, from where they were before that: of
+        those that did not come back, where the rows tell.
     """
 
     PARTS: ClassVar = {
@@ -131,9 +144,11 @@ class Trajectory(Result):
     angular_accelerations: Mapping[str, Array]
     iterations: npt.NDArray[np.intc]
     residual: Array
+    condition: Array
     links: tuple[tuple[str, str, str, float], ...]
     target: str
     is_in_time: bool = False
+    turn_gaps: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.residual)
@@ -166,6 +181,11 @@ class Trajectory(Result):
     def residual_max(self) -> float:
         """The largest residual of all rows."""
         return float(np.max(self.residual, initial=0.0))
+
+    @property
+    def condition_max(self) -> float:
+        """The most that residuals may be magnified, of all rows."""
+        return float(np.max(self.condition, initial=0.0))
 
     def __getitem__(self, name: str) -> Array:
         """Return a column, or the time."""
@@ -207,8 +227,35 @@ class Trajectory(Result):
         least = int(np.min(own[1:])) if len(own) > 1 else 0
         counts = least, int(np.max(own, initial=0)), int(np.sum(own))
         return Iterations(
-            self.method, self.target, len(self), *counts, self.residual_max, self.unit
+            self.method,
+            self.target,
+            len(self),
+            *counts,
+            self.residual_max,
+            self.condition_max,
+            self.unit,
         )
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know: turns that do not lead back, and digits that are lost."""
+        return tuple(self._notes())
+
+    def _notes(self) -> Iterator[str]:
+        if self.turn_gaps:
+            gaps = sorted(self.turn_gaps.items(), key=lambda pair: -pair[1])
+            far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in gaps)
+            yield f"a turn leads to another assembly: {far} from where it began"
+        if self.condition_max >= DIGITS_LOST:
+            k, digits = int(np.argmax(self.condition)), math.log10(self.condition_max)
+            where = ", ".join(
+                f"{name} = {values[k]:.9g} {self.input_units.get(name, '')}".rstrip()
+                for name, values in self.inputs.items()
+            )
+            yield (
+                f"near a dead centre, at {where}, positions lose {digits:.0f} of 16 digits, and"
+                " velocities and accelerations up to twice as many"
+            )
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns of a node, of the last one that moves unless it is named."""
@@ -230,6 +277,8 @@ class Trajectory(Result):
             "rows": len(self),
             "iterations": {"min": ledger.least, "max": ledger.most, "total": ledger.total},
             "residual_max": self.residual_max,
+            "condition_max": self.condition_max,
+            "turn_gaps": dict(self.turn_gaps),
         }
 
 
@@ -266,9 +315,21 @@ def trajectory_of(
         angular_accelerations=named(links, rows.angle_ddot, "angular accelerations", "angles"),
         iterations=rows.iterations[:n],
         residual=rows.residual[:n],
+        condition=rows.condition[:n],
+        turn_gaps=_turn_gaps(mechanism, run, rows),
         links=mechanism.links,
         target=target,
     )
+
+
+def _turn_gaps(mechanism: Mechanism, run: Run, rows: Rows) -> dict[str, float]:
+    """Return how far nodes are from where they were a turn before, of those that did not return."""
+    n = run.divisions
+    if run.times is not None or not run.is_periodic or rows.done <= n:
+        return {}
+    gaps = np.hypot(*np.moveaxis(rows.position[n] - rows.position[0], -1, 0))
+    pairs = zip(mechanism.nodes, gaps.tolist(), strict=True)
+    return {node: gap for node, gap in pairs if gap > CLOSED * mechanism.length}
 
 
 def _times(run: Run, count: int) -> Array | None:

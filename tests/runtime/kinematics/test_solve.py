@@ -63,7 +63,7 @@ def test_links_keep_their_lengths_around_the_turn(analysed: Analysed, method: in
     np.testing.assert_allclose(rows.alpha[:, 0], np.linspace(0, 2 * np.pi, 13), rtol=1e-15)
     np.testing.assert_allclose(rows.position[-1], rows.position[0], atol=1e-12)
     assert rows.residual.max() <= 1e-12
-    assert rows.reached == pytest.approx([0.0])
+    assert rows.reached == pytest.approx([2 * np.pi])  # counted, not reduced
 
 
 def test_crank_moves_at_the_rates_of_its_input(analysed: Analysed) -> None:
@@ -87,7 +87,7 @@ def test_newton_needs_fewer_corrections_than_the_iteration_of_the_paper(
 ) -> None:
     newton, paper = (analysed(CRANK_ROCKER, method=k).iterations for k in (0, 1))
     assert newton[0] == paper[0] == 0
-    assert newton[1:].max() <= 5 < paper[1:].min()
+    assert newton[1:].max() < paper[1:].min()
 
 
 def test_iteration_of_the_paper_knows_how_blocks_depend_on_those_before(
