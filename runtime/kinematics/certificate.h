@@ -114,41 +114,66 @@ static void bend_rows(size_t number, const Way *way, Bend *rows, double *slope)
     }
 }
 
+/* solve with the factors at hand, and make the solution lengths */
+static void solve_lengths(size_t number, const Workspace *w, double *side)
+{
+    const Unknown *own = unknowns + blocks[number].first;
+    solve_block(number, w, side);
+    for (size_t i = 0; i < blocks[number].size; ++i) {
+        side[i] = fabs(side[i]) * own[i].scale;
+    }
+}
+
+/* how far the unknowns of a block are moved by a residual of 1 in one of its rows */
+static void moved_by_row(size_t number, const Workspace *w, size_t row, double *side)
+{
+    for (size_t i = 0; i < blocks[number].size; ++i) {
+        side[i] = i == row;
+    }
+    solve_lengths(number, w, side);
+}
+
+/* the most that residuals of 1 move unknowns, as lengths, with the factors at hand */
+static double condition_of(const Workspace *w)
+{
+    double most = 0.0;
+    for (size_t number = 0; number < BLOCKS; ++number) {
+        double sums[LARGEST_BLOCK] = { 0.0 }, side[LARGEST_BLOCK];
+        for (size_t k = 0; k < blocks[number].size; ++k) {
+            moved_by_row(number, w, k, side);
+            for (size_t i = 0; i < blocks[number].size; ++i) {
+                sums[i] += side[i];
+            }
+        }
+        most = larger(most, largest_residual(blocks[number].size, sums));
+    }
+    return most;
+}
+
 /* with the factors of where the step ended, how far the Jacobian of a block turns in the tube,
  * relative to itself; `residual` is left of the equations at both ends */
 static double tilt_of(size_t number, const Workspace *w, Way *way, double residual)
 {
     const size_t first = blocks[number].first, n = blocks[number].size;
     const Unknown *own = unknowns + first;
-    Bend rows[LARGEST_BLOCK], most = { 0.0, 0.0, 0.0 }, sums[LARGEST_BLOCK];
-    double slope[LARGEST_BLOCK * LARGEST_BLOCK], side[LARGEST_BLOCK];
+    Bend rows[LARGEST_BLOCK], sums[LARGEST_BLOCK], most = { 0.0, 0.0, 0.0 };
+    double slope[LARGEST_BLOCK * LARGEST_BLOCK] = { 0.0 }, side[LARGEST_BLOCK];
     for (size_t i = 0; i < n; ++i) {
         rows[i] = (Bend){ residual, 0.0, 0.0 };
         sums[i] = (Bend){ 0.0, 0.0, 0.0 };
     }
-    for (size_t i = 0; i < n * n; ++i) {
-        slope[i] = 0.0;
-    }
     bend_rows(number, way, rows, slope);
     for (size_t k = 0; k < n; ++k) {
+        moved_by_row(number, w, k, side);
         for (size_t i = 0; i < n; ++i) {
-            side[i] = i == k;
-        }
-        solve_block(number, w, side);
-        for (size_t i = 0; i < n; ++i) {
-            const double size = fabs(side[i]) * own[i].scale;
-            sums[i].error += size * rows[k].error;
-            sums[i].turn += size * rows[k].turn;
-            sums[i].more += size * rows[k].more;
-        }
-    }
-    for (size_t k = 0; k < n; ++k) {
-        for (size_t i = 0; i < n; ++i) {
+            sums[i].error += side[i] * rows[k].error;
+            sums[i].turn += side[i] * rows[k].turn;
+            sums[i].more += side[i] * rows[k].more;
             side[i] = slope[i * n + k];
         }
-        solve_block(number, w, side);
+        solve_lengths(number, w, side);
         for (size_t i = 0; i < n; ++i) {
-            sums[i].turn += fabs(side[i]) * own[i].scale / own[k].scale;
+            sums[i].turn += side[i] / own[k].scale;
         }
     }
     for (size_t i = 0; i < n; ++i) {
@@ -161,30 +186,6 @@ static double tilt_of(size_t number, const Workspace *w, Way *way, double residu
         way->radius[INPUTS + first + i] = most.error / (1.0 - tilt) / own[i].scale;
     }
     return tilt;
-}
-
-/* the most that residuals move unknowns, as lengths, with the factors at hand */
-static double condition_of(const Workspace *w)
-{
-    double most = 0.0;
-    for (size_t number = 0; number < BLOCKS; ++number) {
-        const size_t first = blocks[number].first, n = blocks[number].size;
-        double sums[LARGEST_BLOCK], side[LARGEST_BLOCK];
-        for (size_t i = 0; i < n; ++i) {
-            sums[i] = 0.0;
-        }
-        for (size_t k = 0; k < n; ++k) {
-            for (size_t i = 0; i < n; ++i) {
-                side[i] = i == k;
-            }
-            solve_block(number, w, side);
-            for (size_t i = 0; i < n; ++i) {
-                sums[i] += fabs(side[i]) * unknowns[first + i].scale;
-            }
-        }
-        most = larger(most, largest_residual(n, sums));
-    }
-    return most;
 }
 
 #endif

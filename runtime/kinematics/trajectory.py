@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -15,7 +15,7 @@ from .solve import solve
 from .status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -111,9 +111,6 @@ class Trajectory(Result):
         What computed.
     is_in_time : bool
         Whether the inputs were followed in time, so that it is a column.
-    turn_gaps : mapping of str to float
-        How far nodes are, after all inputs made whole turns, from where they were before that: of
-        those that did not come back, where the rows tell.
     """
 
     PARTS: ClassVar = {
@@ -148,7 +145,6 @@ class Trajectory(Result):
     links: tuple[tuple[str, str, str, float], ...]
     target: str
     is_in_time: bool = False
-    turn_gaps: Mapping[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.residual)
@@ -181,11 +177,6 @@ class Trajectory(Result):
     def residual_max(self) -> float:
         """The largest residual of all rows."""
         return float(np.max(self.residual, initial=0.0))
-
-    @property
-    def condition_max(self) -> float:
-        """The most that residuals may be magnified, of all rows."""
-        return float(np.max(self.condition, initial=0.0))
 
     def __getitem__(self, name: str) -> Array:
         """Return a column, or the time."""
@@ -226,36 +217,42 @@ class Trajectory(Result):
         own = self.iterations
         least = int(np.min(own[1:])) if len(own) > 1 else 0
         counts = least, int(np.max(own, initial=0)), int(np.sum(own))
-        return Iterations(
-            self.method,
-            self.target,
-            len(self),
-            *counts,
-            self.residual_max,
-            self.condition_max,
-            self.unit,
-        )
+        sizes = self.residual_max, float(np.max(self.condition, initial=0.0))
+        return Iterations(self.method, self.target, len(self), *counts, *sizes, self.unit)
+
+    @property
+    def turn_gaps(self) -> dict[str, float]:
+        """How far nodes are from where they were before a turn, of those that are not back."""
+        n = self.divisions
+        if self.is_in_time or len(self) <= n:
+            return {}
+        turns = [(rows[n] - rows[0]) / math.tau for rows in self.inputs.values()]
+        if not all(round(x) and abs(x - round(x)) < CLOSED for x in turns) or {
+            *self.input_units.values()
+        } != {"rad"}:
+            return {}
+        gaps = {node: math.dist(rows[n], rows[0]) for node, rows in self.positions.items()}
+        length = max(link[-1] for link in self.links)
+        return {node: gap for node, gap in gaps.items() if gap > CLOSED * length}
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know: turns that do not lead back, and digits that are lost."""
-        return tuple(self._notes())
-
-    def _notes(self) -> Iterator[str]:
-        if self.turn_gaps:
-            gaps = sorted(self.turn_gaps.items(), key=lambda pair: -pair[1])
-            far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in gaps)
-            yield f"a turn leads to another assembly: {far} from where it began"
-        if self.condition_max >= DIGITS_LOST:
-            k, digits = int(np.argmax(self.condition)), math.log10(self.condition_max)
+        found = []
+        far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
+        if far:
+            found.append(f"a turn leads to another assembly: {far} from where it began")
+        if (condition := self.ledger.condition) >= DIGITS_LOST:
+            k = int(np.argmax(self.condition))
             where = ", ".join(
                 f"{name} = {values[k]:.9g} {self.input_units.get(name, '')}".rstrip()
                 for name, values in self.inputs.items()
             )
-            yield (
-                f"near a dead centre, at {where}, positions lose {digits:.0f} of 16 digits, and"
-                " velocities and accelerations up to twice as many"
+            found.append(
+                f"near a dead centre, at {where}, positions lose {math.log10(condition):.0f} of 16"
+                " digits, and velocities and accelerations up to twice as many"
             )
+        return tuple(found)
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns of a node, of the last one that moves unless it is named."""
@@ -277,7 +274,7 @@ class Trajectory(Result):
             "rows": len(self),
             "iterations": {"min": ledger.least, "max": ledger.most, "total": ledger.total},
             "residual_max": self.residual_max,
-            "condition_max": self.condition_max,
+            "condition_max": ledger.condition,
             "turn_gaps": dict(self.turn_gaps),
         }
 
@@ -316,20 +313,9 @@ def trajectory_of(
         iterations=rows.iterations[:n],
         residual=rows.residual[:n],
         condition=rows.condition[:n],
-        turn_gaps=_turn_gaps(mechanism, run, rows),
         links=mechanism.links,
         target=target,
     )
-
-
-def _turn_gaps(mechanism: Mechanism, run: Run, rows: Rows) -> dict[str, float]:
-    """Return how far nodes are from where they were a turn before, of those that did not return."""
-    n = run.divisions
-    if run.times is not None or not run.is_periodic or rows.done <= n:
-        return {}
-    gaps = np.hypot(*np.moveaxis(rows.position[n] - rows.position[0], -1, 0))
-    pairs = zip(mechanism.nodes, gaps.tolist(), strict=True)
-    return {node: gap for node, gap in pairs if gap > CLOSED * mechanism.length}
 
 
 def _times(run: Run, count: int) -> Array | None:

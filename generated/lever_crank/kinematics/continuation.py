@@ -184,7 +184,7 @@ class Continuation:
     def condition(self) -> float:
         """The most that residuals move unknowns, as lengths, with the factors at hand."""
         pairs = zip(self._certifiers, self.newton.blocks, strict=True)
-        return max(one.gain(block) for one, block in pairs)
+        return max(one.condition(block) for one, block in pairs)
 
     @property
     def counted_inputs(self) -> Array:
