@@ -53,13 +53,14 @@ RIGID = (
 plate = { at = "A", links = ["ab", "pa"], angle = 0.94 }
 """
 )
-#: A crank that moves a slider: blocks one after the other.
+#: A crank that moves a slider, blocks one after the other; in a step of 6° from where it begins its
+#: rod turns and turns back.
 PISTON = """
 name = "piston"
 unit = "m"
 [nodes]
 O = { at = [0, 0], fixed = true }
-A = { at = [1, 0.2] }
+A = { at = [0.0523359562, 0.9986295348] }
 S = { at = [3, 0.5] }
 [links]
 crank = { nodes = ["O", "A"] }
@@ -67,7 +68,7 @@ rod = { nodes = ["A", "S"] }
 [sliders]
 ram = { node = "S", through = [0, 0.5], direction = [1, 0] }
 [inputs]
-alpha = { link = "crank", about = "O", turns = 1 }
+alpha = { link = "crank", about = "O", from = "87 deg", turns = 1 }
 """
 SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON}
 
@@ -153,7 +154,7 @@ def test_what_the_certificate_says_of_the_tube_is_so(
     most = np.max(off[inputs:] / np.maximum(way.radius[inputs:], 1e-12))
     assert most >= 0.5
     if turned.any():
-        assert max(turned) >= 0.2 * max(tilts)
+        assert max(turned) >= 0.1 * max(tilts)
 
 
 def test_condition_is_the_norm_of_the_inverse(solver: LinkageSolver) -> None:
