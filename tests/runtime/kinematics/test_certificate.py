@@ -13,13 +13,14 @@ from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
+from kousoku.runtime.kinematics.certificate import Certifier, Way
 from kousoku.runtime.kinematics.continuation import Continuation
 from kousoku.runtime.kinematics.equations import Coordinates
+from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Mechanism, Unknown
 from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
-    from kousoku.runtime.kinematics.certificate import Way
     from kousoku.runtime.kinematics.mechanism import Array
     from kousoku.runtime.linkage import LinkageSolver
 
@@ -70,7 +71,23 @@ ram = { node = "S", through = [0, 0.5], direction = [1, 0] }
 [inputs]
 alpha = { link = "crank", about = "O", from = "87 deg", turns = 1 }
 """
-SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON}
+#: A slider moves the end of a rod, which moves a rocker: lengths alone.
+RAM = """
+name = "ram"
+unit = "m"
+[nodes]
+O = { at = [0, 0], fixed = true }
+A = { at = [0.2, 1] }
+S = { at = [2, 2] }
+[links]
+rocker = { nodes = ["O", "A"] }
+rod = { nodes = ["A", "S"] }
+[sliders]
+ram = { node = "S", through = [2, 2], direction = [3, 1] }
+[inputs]
+stroke = { slider = "ram", from = 0, to = -1.5 }
+"""
+SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON, "ram": RAM}
 
 
 @pytest.fixture(scope="module", params=SCENES)
@@ -166,3 +183,23 @@ def test_condition_is_the_norm_of_the_inverse(solver: LinkageSolver) -> None:
             inverse = np.linalg.inv(step.jacobian(number, position))
             norms.append(np.abs(inverse * block.scale[:, np.newaxis]).sum(axis=1).max())
         assert rows.condition[row] == pytest.approx(max(norms), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "c"), [(0.5, 0, 0), (0, 0.5, 0), (1, 0.5, 0), (0.2, 0, 0.4), (0.3, -0.4, 0.2)]
+)
+def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: float) -> None:
+    """A direction whose angle goes by a cubic, beside the cubics of its x and y."""
+    s = np.linspace(0.0, 1.0, 101)
+    turn = np.exp(1j * (a * s + b * s**2 + c * s**3))
+    rates = 1j * a, 1j * b - a * a / 2  # of e^(iβ) at s = 0
+    third = turn[-1] - 1 - sum(rates)
+    left = np.abs(turn - (1 + rates[0] * s + rates[1] * s**2 + third * s**3)).max()
+    block = Block(slice(0, 1), (), (0,), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
+    angle = (Input("beta", "rad", 1.0),)
+    unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
+    mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,))
+    none = np.zeros(2)
+    way = Way(*(np.array([x, 0.0]) for x in (a, b, c)), none)
+    error = float(Certifier(mechanism, block)._arms(way)[0, 0])
+    assert 0.01 * error <= 2.0 * left <= error
