@@ -51,7 +51,8 @@ static int follow(Run *run, Workspace *w, Convergence convergence)
         }
         status = advance(run, w, w->division + 1, &convergence);
         const long long gone = w->division - begin;
-        if (w->division < run->first && gone % run->divisions == 0 && is_at(w, home)) {
+        if (status == GOOD && w->division < run->first && gone % run->divisions == 0 &&
+            is_at(w, home)) {
             /* so many turns lead back, and so do as many more */
             w->division += (run->first - w->division) / gone * gone;
         }

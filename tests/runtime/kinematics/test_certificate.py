@@ -193,13 +193,13 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     s = np.linspace(0.0, 1.0, 101)
     turn = np.exp(1j * (a * s + b * s**2 + c * s**3))
     rates = 1j * a, 1j * b - a * a / 2  # of e^(iβ) at s = 0
-    third = turn[-1] - 1 - sum(rates)
-    left = np.abs(turn - (1 + rates[0] * s + rates[1] * s**2 + third * s**3)).max()
+    rest = turn[-1] - 1 - sum(rates)
+    left = np.abs(turn - (1 + rates[0] * s + rates[1] * s**2 + rest * s**3)).max()
     block = Block(slice(0, 1), (), (0,), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
     angle = (Input("beta", "rad", 1.0),)
     unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
     mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,))
-    none = np.zeros(2)
-    way = Way(*(np.array([x, 0.0]) for x in (a, b, c)), none)
+    first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
+    way = Way(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
     assert 0.01 * error <= 2.0 * left <= error

@@ -146,6 +146,12 @@ def test_dead_centre_on_the_way_keeps_the_good_rows(analysed: Analysed, method: 
     assert_links_hold(STOPS, rows)
 
 
+def test_a_stop_in_the_first_division_of_turns_before_those_wanted(analysed: Analysed) -> None:
+    rows = analysed(STOPS, divisions=1, first=3, rows=2)
+    assert (rows.status, rows.done, rows.block) == (Status.DEAD_CENTRE, 0, 1)
+    assert 1.5 < rows.reached[0] < math.pi
+
+
 def test_where_it_stops_is_written_also_into_the_last_row(analysed: Analysed) -> None:
     whole = analysed(STOPS, divisions=60, rows=61)
     last = analysed(STOPS, divisions=60, rows=whole.done + 1)
