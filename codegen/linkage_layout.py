@@ -82,6 +82,11 @@ class Layout:
         role = self.system.coordinates[term.coordinate].role
         return bool(term.factor) and role is not Role.FIXED
 
+    def place_of(self, coordinate: int) -> int:
+        """Return where a coordinate stands among the inputs and, after them, the unknowns."""
+        name, index = self.everywhere[coordinate]
+        return index if name == "alpha" else len(self.system.inputs) + index
+
     def places_in(self, number: int) -> Places:
         """Return where coordinates stand in ``known`` or ``x`` of the kernels of a block."""
         return _places((("known", self.known[number]), ("x", self.blocks[number].unknowns)))

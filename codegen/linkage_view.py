@@ -13,7 +13,9 @@ from kousoku.model.directions import HALF_TURN
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from kousoku.codegen.linkage_blocks import Block
     from kousoku.codegen.linkage_layout import Layout
+    from kousoku.model.assemble import Term
     from kousoku.model.planar import Input
 
 
@@ -77,6 +79,36 @@ class KnownView:
 
 
 @dataclass(frozen=True, slots=True)
+class CurveView:
+    """A link that bends an equation of a block.
+
+    Parameters
+    ----------
+    row : int
+        The equation, counted from 0.
+    is_arm : int
+        Whether the equation is of the direction of the link, too.
+    length : str
+        Its length.
+    x, y, angle : tuple of (int, str)
+        Places and factors of what is added up to x and y from its first to its second node, and to
+        its angle; what does not move is left out.
+    """
+
+    row: int
+    is_arm: int
+    length: str
+    x: tuple[tuple[int, str], ...]
+    y: tuple[tuple[int, str], ...]
+    angle: tuple[tuple[int, str], ...]
+
+    def padded(self, name: str) -> tuple[tuple[int, str], ...]:
+        """Return places and factors, as many as there are room for in C."""
+        terms: tuple[tuple[int, str], ...] = getattr(self, name)
+        return (terms + ((0, "0.0"),) * 2)[: 1 if name == "angle" else 2]
+
+
+@dataclass(frozen=True, slots=True)
 class BlockView:
     """A block.
 
@@ -84,22 +116,26 @@ class BlockView:
     ----------
     number : int
         Counted from 1.
-    first, first_known, jacobian : int
-        Where its unknowns, its known coordinates and its Jacobian start.
+    first, first_known, first_curve, jacobian : int
+        Where its unknowns, its known coordinates, its curves and its Jacobian start.
     unknowns, links : tuple of str
         Names of its unknowns, and of the links that hold them.
     known : tuple of KnownView
         Its known coordinates, whose places are those among the inputs and, after them, all
         unknowns.
+    curves : tuple of CurveView
+        What bends its equations.
     """
 
     number: int
     first: int
     first_known: int
+    first_curve: int
     jacobian: int
     unknowns: tuple[str, ...]
     links: tuple[str, ...]
     known: tuple[KnownView, ...]
+    curves: tuple[CurveView, ...]
 
     @property
     def size(self) -> int:
@@ -275,18 +311,55 @@ def _span(given: Input, turns: Fraction) -> Fraction:
 def _block(layout: Layout, number: int) -> BlockView:
     block, system = layout.blocks[number], layout.system
     sizes = [len(before.unknowns) for before in layout.blocks[:number]]
-    start = {"alpha": 0, "x": len(system.inputs)}
-    known = []
-    for coordinate in layout.known[number]:
-        argument, index = layout.everywhere[coordinate]
-        name = system.coordinates[coordinate].name
-        known.append(KnownView(name, start[argument] + index))
+    known = [
+        KnownView(system.coordinates[coordinate].name, layout.place_of(coordinate))
+        for coordinate in layout.known[number]
+    ]
     return BlockView(
         number=number + 1,
         first=sum(sizes),
         first_known=sum(map(len, layout.known[:number])),
+        first_curve=sum(len(_curves(layout, before)) for before in layout.blocks[:number]),
         jacobian=sum(size * size for size in sizes),
         unknowns=tuple(system.coordinates[unknown].name for unknown in block.unknowns),
         links=tuple(dict.fromkeys(system.elements[element].name for element, _ in block.rows)),
         known=tuple(known),
+        curves=_curves(layout, block),
+    )
+
+
+def _curves(layout: Layout, block: Block) -> tuple[CurveView, ...]:
+    """Return what bends the equations of a block.
+
+    ε1 alone is |d| = l. With ε2 or ε3 it is one of two rows of d = l (cos β, sin β), turned by a
+    constant angle, and where all three are there, ε3 − ε2 is linear: it adds the other angle.
+    """
+    rows, curves = set(block.rows), []
+    for row, (number, which) in enumerate(block.rows):
+        element = layout.system.elements[number]
+        angles = [element.ends[place] for k, place in ((1, 2), (2, 5)) if (number, k) in rows]
+        x1, y1, _, x2, y2, _ = element.ends
+
+        def curve(
+            ends: tuple[Sequence[tuple[int, Term]], ...],
+            angle: Sequence[Term],
+            row: int = row,
+            length: Fraction = element.length,
+        ) -> CurveView:
+            terms = (*ends, [(1, term) for term in angle])
+            x, y, turned = (_terms(layout, each) for each in terms)
+            return CurveView(row, int(bool(angle)), literal(length), x, y, turned)
+
+        curves.append(curve(([(-1, x1), (1, x2)], [(-1, y1), (1, y2)]), angles[:1]))
+        if which == 2 and len(angles) == 2:
+            curves.append(curve(([], []), angles[1:]))
+    return tuple(curves)
+
+
+def _terms(layout: Layout, terms: Iterable[tuple[int, Term]]) -> tuple[tuple[int, str], ...]:
+    """Return places and factors of the terms that move."""
+    return tuple(
+        (layout.place_of(term.coordinate), literal(sign * term.factor))
+        for sign, term in terms
+        if layout.is_moving(term)
     )

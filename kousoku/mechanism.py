@@ -211,7 +211,8 @@ class Mechanism:
         method : {"newton", "paper"}, optional
             Of linkages: full Newton, or the iteration of the paper, (27) and (28).
         turns, first_turn, from_turn : int, optional
-            Of linkages: how many turns to write, the first of them, and where to begin.
+            Of linkages: how many turns to write, the first of them, and the one that begins as the
+            scene says, 0 unless given: a turn need not lead back.
         limit : float, optional
             Of linkages: largest residual, in the unit of the scene.
         parameters : mapping of str to float, optional

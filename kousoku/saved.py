@@ -180,7 +180,8 @@ def arrays_of(result: Result) -> dict[str, Any]:
         )
     else:
         assert isinstance(result, Trajectory)
-        arrays |= {"iterations": result.iterations, "residual": result.residual}
+        counted = ("iterations", "residual", "condition")
+        arrays |= {name: getattr(result, name) for name in counted}
         if result.times is not None:
             arrays["times"] = result.times
         parts = {table: [*getattr(result, table)] for table in TABLES if getattr(result, table)}
@@ -334,6 +335,7 @@ def _trajectory(about: KeptTrajectory, arrays: Mapping[str, Any]) -> Trajectory:
         times=times,
         iterations=iterations,
         residual=arrays["residual"],
+        condition=_checked(arrays, "condition", (rows,), None),
         links=about.links,
         target=about.target,
         is_in_time=about.is_in_time,

@@ -90,7 +90,8 @@ class LinkageSolver:
         first_turn : int
             The first turn that is written, counted from 0.
         from_turn : int, optional
-            The turn in which the walk begins; the first that is written by default.
+            The turn at whose start the linkage is as in the scene, 0 by default: whole turns need
+            not lead back, and all from there on are made.
         limit : float, optional
             Largest residual, in the unit of the scene.
 
@@ -320,7 +321,7 @@ def record_of(run: Run, rows: Rows) -> Any:
         getattr(record, name)[:] = getattr(run, name)
     if run.times is not None:
         record.times = run.times.ctypes.data
-    for name in (*RESULTS, *ANGLES, "iterations", "residual"):
+    for name in (*RESULTS, *ANGLES, "iterations", "residual", "condition"):
         array = getattr(rows, name)
         setattr(record, name, array.ctypes.data if array.size else None)
     return record
@@ -347,6 +348,7 @@ def _run_type(inputs: int) -> type[ctypes.Structure]:
             *((name, ctypes.c_void_p) for name in (*RESULTS, *ANGLES)),
             ("iterations", ctypes.c_void_p),
             ("residual", ctypes.c_void_p),
+            ("condition", ctypes.c_void_p),
             ("done", ctypes.c_size_t),
             ("block", ctypes.c_size_t),
             ("reached", numbers),

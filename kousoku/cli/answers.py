@@ -359,6 +359,8 @@ class MovedLinkage(TypedDict):
     rows: int
     iterations: Iterations
     residual_max: Number
+    condition_max: Number
+    turn_gaps: dict[str, Number]
     seconds: dict[str, Number]
     errors: dict[str, Number] | None
     plots: list[str]

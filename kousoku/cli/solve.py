@@ -38,7 +38,7 @@ def solve(
     ] = None,
     from_turn: Annotated[
         int | None,
-        typer.Option(min=0, help="Of linkages: the turn to begin in; the first one written."),
+        typer.Option(min=0, help="Of linkages: the turn that begins as the scene says; 0."),
     ] = None,
     given: Set = None,
     column: Columns = None,

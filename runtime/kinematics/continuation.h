@@ -2,6 +2,7 @@
 #ifndef KOUSOKU_KINEMATICS_CONTINUATION_H
 #define KOUSOKU_KINEMATICS_CONTINUATION_H
 
+#include "certificate.h"
 #include "newton.h"
 
 #define TWO_PI 6.283185307179586
@@ -20,6 +21,15 @@ static void inputs_of(const Run *run, long long division, double *alpha, double 
             delta[i] = run->span[i] / divisions;
         }
     }
+}
+
+/* by how much inputs, counted on over the turns, are beyond those of a division */
+static double whole_turns(const Run *run, size_t input, long long division)
+{
+    const long long divisions = run->divisions, turns = run->turns[input];
+    const long long part = turns % divisions * (division % divisions) % divisions;
+    const double gone = (double)turns * (double)division - (double)part;
+    return run->times ? 0.0 : TWO_PI * rint(gone / (double)divisions);
 }
 
 /* the inputs by their laws in time, and their rates */
@@ -41,15 +51,30 @@ static double end_of(const Run *run, double now, double time)
     return time;
 }
 
-/* whether the corrections stayed small beside the motion: else another branch may be near */
-static int is_near(const Workspace *w, const double *predicted, double moved)
+/* how far the Jacobians turn along a step from w->x to w->trial, the most of all blocks; above
+ * MOST_TILT it may have left its branch */
+static double step_tilt(Run *run, const Workspace *w, double step, const double *pace,
+    const double *pace_dot, const double *predicted, double residual)
 {
-    double most = moved, corrected = 0.0;
-    for (size_t i = 0; i < UNKNOWNS; ++i) {
-        most = fmax(most, fabs(predicted[i] - w->x[i]) * unknowns[i].scale);
-        corrected = fmax(corrected, fabs(w->trial[i] - predicted[i]) * unknowns[i].scale);
+    const double half = 0.5 * step * step;
+    double most = 0.0;
+    Way way;
+    for (size_t i = 0; i < INPUTS; ++i) {
+        way.first[i] = step * pace[i];
+        way.second[i] = half * pace_dot[i];
+        way.third[i] = way.radius[i] = 0.0;
     }
-    return corrected <= 0.25 * most + SETTLED * LENGTH;
+    for (size_t i = 0; i < UNKNOWNS; ++i) {
+        way.first[INPUTS + i] = step * w->x1[i];
+        way.second[INPUTS + i] = half * w->x2[i];
+        way.third[INPUTS + i] = w->trial[i] - predicted[i];
+        way.radius[INPUTS + i] = 0.0;
+    }
+    for (size_t number = 0; number < BLOCKS && most <= MOST_TILT; ++number) {
+        most = larger(most, tilt_of(number, w, &way, residual));
+        run->block = number;
+    }
+    return most;
 }
 
 /* the corrected position becomes that of the workspace, angles next to zero */
@@ -65,31 +90,28 @@ static void accept_step(Workspace *w, const double *alpha)
 }
 
 /* to a division, or to the time of a row, in steps of at most a division: predict by (26),
- * correct, and halve the step where that fails */
+ * correct, and halve the step where that fails, or where no certificate tells that it stays on its
+ * branch */
 static int advance(Run *run, Workspace *w, long long row, Convergence *convergence)
 {
     const double none[INPUTS] = { 0.0 };
     double target[INPUTS], delta[INPUTS], left = run->times ? run->times[row] - w->time : 1.0;
     const double *pace = run->times ? w->rate : delta;
     const double *pace_dot = run->times ? run->rate_dot : none;
-    double step = left;
+    double residual = convergence->residual;
     int iterations = 0;
     inputs_of(run, row, target, delta);
     for (int tries = 0; left > 0.0; ++tries) {
-        double alpha[INPUTS], rate[INPUTS], predicted[UNKNOWNS], moved = 0.0, part = 0.0;
+        double alpha[INPUTS], rate[INPUTS], predicted[UNKNOWNS], part = 0.0, tilt = 0.0;
+        double step = w->step < left ? w->step : left;
         const double end = run->times ? end_of(run, w->time, run->times[row]) : left;
         const double rest = end - w->time, time = step < rest ? w->time + step : end;
         step = step < rest ? step : rest;
         laws_at(run, time, alpha, rate);
         for (size_t i = 0; i < INPUTS; ++i) {
-            double change = alpha[i] - w->alpha[i];
-            if (!run->times) {
-                alpha[i] = target[i] - (left - step) * delta[i];
-                change = step * delta[i];
-            }
             const double whole = delta[i] != 0.0 ? delta[i] : LENGTH / input_scales[i];
-            part = fmax(part, run->times ? fabs(change / whole) : step);
-            moved = fmax(moved, fabs(change) * input_scales[i]);
+            part = fmax(part, run->times ? fabs((alpha[i] - w->alpha[i]) / whole) : step);
+            alpha[i] = run->times ? alpha[i] : target[i] - (left - step) * delta[i];
         }
         for (size_t i = 0; i < UNKNOWNS; ++i) {
             predicted[i] = w->x[i] + step * (w->x1[i] + 0.5 * step * w->x2[i]);
@@ -100,19 +122,26 @@ static int advance(Run *run, Workspace *w, long long row, Convergence *convergen
         if (part <= 1.0) {
             status = run->method ? modified_newton(run, w, alpha, convergence)
                                  : full_newton(run, w, alpha, convergence);
-            iterations += convergence->iterations;
-            status = status == GOOD && !is_near(w, predicted, moved) ? DEAD_CENTRE : status;
+        }
+        if (status == GOOD) {
+            const double worse = larger(residual, convergence->residual);
+            tilt = step_tilt(run, w, step, pace, pace_dot, predicted, worse);
+            status = tilt <= MOST_TILT ? GOOD : DEAD_CENTRE;
         }
         if (status != GOOD) {
-            step *= 0.5;
+            w->step = 0.5 * step;
             if (0.5 * part < SMALLEST_STEP || tries > MOST_TRIES) {
                 return tries > MOST_TRIES ? TOO_FAR : status;
             }
             continue;
         }
-        accept_step(w, alpha);
+        const double next = fmax(w->step, 2.0 * step);
+        w->step = 2.0 * tilt <= MOST_TILT ? next : step;
         left -= step;
-        step *= 2.0;
+        iterations += convergence->iterations;
+        residual = convergence->residual;
+        accept_step(w, alpha);
+        w->division = row;
         if (run->times) {
             laws_at(run, time, w->alpha, w->rate);
             w->time = time;
@@ -122,7 +151,8 @@ static int advance(Run *run, Workspace *w, long long row, Convergence *convergen
             differentiate(w, pace, pace_dot, w->x1, w->x2);
         }
     }
-    convergence->iterations = iterations;
+    w->division = row;
+    *convergence = (Convergence){ iterations, residual };
     return GOOD;
 }
 

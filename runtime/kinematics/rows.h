@@ -30,6 +30,9 @@ static void write_row(const Run *run, const Workspace *w, long long division, si
     if (run->residual) {
         run->residual[row] = convergence.residual;
     }
+    if (run->condition) {
+        run->condition[row] = condition_of(w);
+    }
 }
 
 /* derivatives in time for the row, and along the way for the next prediction: in time, too, or
@@ -63,16 +66,19 @@ static void motion_at(
 }
 
 /* the inputs that were reached; after a failure the next row is where it stopped */
-static int stop(Run *run, Workspace *w, long long division, int status)
+static int stop(Run *run, const Workspace *w, int status)
 {
     const double none[UNKNOWNS] = { 0.0 };
     for (size_t i = 0; i < INPUTS; ++i) {
-        run->reached[i] = w->alpha[i];
+        run->reached[i] = w->alpha[i] + whole_turns(run, i, w->division);
     }
     if (status != GOOD && run->done < run->rows) {
-        write_row(run, w, division, run->done, none, none, (Convergence){ 0, HUGE_VAL });
+        write_row(run, w, 0, run->done, none, none, (Convergence){ 0, HUGE_VAL });
         for (size_t i = 0; run->alpha && i < INPUTS; ++i) {
-            run->alpha[INPUTS * run->done + i] = w->alpha[i];
+            run->alpha[INPUTS * run->done + i] = run->reached[i];
+        }
+        if (run->condition) {
+            run->condition[run->done] = HUGE_VAL;
         }
     }
     return status;

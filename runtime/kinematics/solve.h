@@ -7,7 +7,7 @@
  *     INPUTS, UNKNOWNS, BLOCKS, NODES, LINKS, LARGEST_BLOCK, LARGEST_KNOWN
  *     WANTS_ANGLES                      whether the angles of links are wanted, 0 or 1
  *     LENGTH                            the largest length
- *     unknowns, blocks, known_places, input_scales
+ *     unknowns, blocks, known_places, curves, input_scales
  *     defaults                          the run that the scene asks for
  *     position_kernel, velocity_kernel, acceleration_kernel
  *                                       the kernel of a block, by its number
@@ -19,27 +19,45 @@
 #include "assembly.h"
 #include "rows.h"
 
-/* from division to division, beginning at that of w->x; rows are written from run->first on */
-static int follow(Run *run, Workspace *w, long long begin, Convergence convergence)
+/* whether unknowns are those of the position, angles up to whole turns; two assemblies are not as
+ * near as that where pivots are above SINGULAR */
+static int is_at(const Workspace *w, const double *x)
 {
-    double x_dot[UNKNOWNS], x_ddot[UNKNOWNS];
-    const long long last = run->first + (long long)run->rows - 1;
-    for (long long division = begin;; ++division) {
-        if (division > begin || run->times) {
-            const int status = advance(run, w, division, &convergence);
-            if (status != GOOD) {
-                return stop(run, w, division, status);
-            }
-        }
-        motion_at(run, w, division, x_dot, x_ddot);
-        if (division >= run->first) {
-            write_row(run, w, division, run->done, x_dot, x_ddot, convergence);
+    double off[UNKNOWNS];
+    for (size_t i = 0; i < UNKNOWNS; ++i) {
+        off[i] = w->x[i] - x[i];
+        off[i] -= unknowns[i].is_angle ? TWO_PI * rint(off[i] / TWO_PI) : 0.0;
+    }
+    return largest_correction(UNKNOWNS, off, unknowns) <= SETTLED * LENGTH;
+}
+
+/* from division to division, beginning at that of w->x; rows are written from run->first on */
+static int follow(Run *run, Workspace *w, Convergence convergence)
+{
+    double x_dot[UNKNOWNS], x_ddot[UNKNOWNS], home[UNKNOWNS];
+    const long long begin = w->division;
+    int status = run->times ? advance(run, w, 0, &convergence) : GOOD;
+    for (size_t i = 0; i < UNKNOWNS; ++i) {
+        home[i] = w->x[i];
+    }
+    while (status == GOOD) {
+        motion_at(run, w, w->division, x_dot, x_ddot);
+        if (w->division >= run->first) {
+            write_row(run, w, w->division, run->done, x_dot, x_ddot, convergence);
             ++run->done;
         }
-        if (division >= last) {
-            return stop(run, w, division, GOOD);
+        if (run->done == run->rows) {
+            break;
+        }
+        status = advance(run, w, w->division + 1, &convergence);
+        const long long gone = w->division - begin;
+        if (status == GOOD && w->division < run->first && gone % run->divisions == 0 &&
+            is_at(w, home)) {
+            /* so many turns lead back, and so do as many more */
+            w->division += (run->first - w->division) / gone * gone;
         }
     }
+    return stop(run, w, status);
 }
 
 /* whether a run can be made at all */
@@ -78,17 +96,18 @@ int PUBLIC(solve)(Run *run, Workspace *workspace)
     }
     laws_at(run, 0.0, workspace->alpha, workspace->rate);
     workspace->time = 0.0;
-    const int status = assemble(run, workspace, &convergence);
-    if (status != GOOD) {
-        return stop(run, workspace, 0, status);
-    }
+    workspace->step = HUGE_VAL;
     for (size_t i = 0; i < INPUTS; ++i) {
         is_periodic = is_periodic && run->turns[i];
     }
-    /* whole turns lead back to the assembled position */
-    const long long begin = is_periodic ? run->start - run->start % run->divisions : 0;
+    /* whole turns lead to the same inputs: the first position may be that of any */
+    workspace->division = is_periodic ? run->start - run->start % run->divisions : 0;
+    const int status = assemble(run, workspace, &convergence);
+    if (status != GOOD) {
+        return stop(run, workspace, status);
+    }
     convergence.iterations = 0; /* counted are those that lead from row to row */
-    return follow(run, workspace, begin, convergence);
+    return follow(run, workspace, convergence);
 }
 
 const char *PUBLIC(message)(int status) { return message_of(status); }

@@ -60,29 +60,35 @@ class _Analysis:
             self._follow(assemble(way.newton, way.position))
         except StopError as stop:
             rows.status = stop.status
-            if rows.done < self.run.rows:
-                none = np.zeros_like(way.position.x)
-                self._write(0, none, none)
-                rows.alpha[rows.done] = way.position.alpha
-                rows.residual[rows.done] = math.inf
+        rows.reached = way.counted_inputs
+        if rows.status != Status.GOOD and rows.done < self.run.rows:
+            none = np.zeros_like(way.position.x)
+            self._write(0, none, none)
+            rows.alpha[rows.done] = rows.reached
+            rows.residual[rows.done] = rows.condition[rows.done] = math.inf
         rows.block = way.newton.at
-        rows.reached = way.position.alpha
 
     def _follow(self, residual: float) -> None:
         """Go from division to division and write the rows that are asked for."""
-        run, rows = self.run, self.rows
-        # Whole turns lead back to the assembled position.
-        begin = run.start - run.start % run.divisions if run.is_periodic else 0
-        iterations = 0
-        for division in range(begin, run.first + run.rows):
-            if division > begin or run.times is not None:
-                iterations, residual = self.way.advance(division, residual)
-            x_dot, x_ddot = self.way.motion_at(division)
-            if division >= run.first:
-                self._write(division, x_dot, x_ddot)
+        run, rows, way = self.run, self.rows, self.way
+        iterations, begin, home = 0, way.division, way.position.x
+        if run.times is not None:
+            iterations, residual = way.advance(0, residual)
+        while True:
+            x_dot, x_ddot = way.motion_at(way.division)
+            if way.division >= run.first:
+                self._write(way.division, x_dot, x_ddot)
                 rows.iterations[rows.done] = iterations
                 rows.residual[rows.done] = residual
+                rows.condition[rows.done] = way.condition
                 rows.done += 1
+            if rows.done == run.rows:
+                return
+            iterations, residual = way.advance(way.division + 1, residual)
+            gone = way.division - begin
+            if way.division < run.first and gone % run.divisions == 0 and way.is_at(home):
+                # So many turns lead back, and so do as many more.
+                way.division += (run.first - way.division) // gone * gone
 
     def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
         """Write what is wanted of the position into the next row."""

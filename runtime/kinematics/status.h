@@ -20,6 +20,8 @@ enum {
 #define ROUNDING 0x1p-48
 /* below this pivot, of columns scaled to lengths, a block has a dead centre */
 #define SINGULAR 1e-7
+/* most that the Jacobian may turn along a step, relative to itself: at 1 it might be singular */
+#define MOST_TILT 0.75
 /* smallest part of a division that is stepped before the continuation gives up */
 #define SMALLEST_STEP 0x1p-24
 /* steps, good or not, from one row to the next before it gives up */

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .certificate import Certifier, Way
 from .equations import Coordinates, differentiate
 from .newton import Convergence, Newton, largest
-from .status import MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopError
+from .status import MOST_TILT, MOST_TRIES, SETTLED, SMALLEST_STEP, Status, StopError
 
 if TYPE_CHECKING:
     from .equations import Kernels
@@ -33,20 +34,28 @@ class Continuation:
     ----------
     position : Coordinates
         Where it is.
+    division : int
+        The division, or the row, that its inputs are next to.
     time, rate : float, (inputs,) array
         When, where the inputs follow their laws in time, and their rates.
     x1, x2 : (unknowns,) array
         First and second derivatives of the unknowns along one division, or in time.
+    step : float
+        The next step to try, in divisions or in time, where a row is not nearer.
     """
 
     def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run) -> None:
         self.run = run
         self.newton = Newton(mechanism, kernels, run)
+        # Whole turns lead to the same inputs: the first position may be that of any.
+        self.division = run.start - run.start % run.divisions if run.is_periodic else 0
         self.time = 0.0
         alpha, self.rate = run.laws_at(0.0)
         x = np.array([unknown.start for unknown in mechanism.unknowns])
         self.position = Coordinates(alpha, x)
         self.x1, self.x2 = np.zeros_like(x), np.zeros_like(x)
+        self.step = math.inf
+        self._certifiers = [Certifier(mechanism, block) for block in mechanism.blocks]
         self._is_angle = np.array([unknown.is_angle for unknown in mechanism.unknowns])
         self._input_scale = np.array([given.scale for given in mechanism.inputs])
 
@@ -73,7 +82,8 @@ class Continuation:
     def advance(self, row: int, residual: float) -> Convergence:
         """Go to a division, or to the time of a row in steps of at most a division.
 
-        Predict by (26), correct, and halve the step where that fails.
+        Predict by (26), correct, and halve the step where that fails, or where no certificate
+        tells that it stays on its branch.
 
         Parameters
         ----------
@@ -89,13 +99,17 @@ class Continuation:
         """
         run, iterations, tries = self.run, 0, -1
         target, delta = run.inputs_of(row)
+        pace, pace_dot = delta, np.zeros_like(delta)
+        if run.times is not None:
+            pace, pace_dot = self.rate, np.asarray(run.rate_dot)
         whole = np.where(delta, delta, self.newton.length / self._input_scale)
         left = 1.0 if run.times is None else float(run.times[row]) - self.time
-        step, time = left, 0.0
+        time = 0.0
         while left > 0:
             tries += 1
+            step = min(self.step, left)
             if run.times is None:
-                part = step = min(step, left)
+                part = step
                 alpha, change = target - (left - step) * delta, step * delta
             else:
                 end = run.end_of(self.time, float(run.times[row]))
@@ -109,25 +123,25 @@ class Continuation:
             try:
                 if not part <= 1.0:
                     raise StopError(Status.TOO_FAR)
-                count, residual = self._correct(alpha, trial)
-                iterations += count
-                if not self._is_near(predicted, trial, change):
-                    raise StopError(Status.DEAD_CENTRE)
+                found = self._correct(alpha, trial)
+                way = self._way(step, pace, pace_dot, trial - predicted)
+                tilt = self._tilt(way, max(residual, found.residual))
             except StopError as stop:
-                step *= 0.5
+                self.step = 0.5 * step
                 if 0.5 * part < SMALLEST_STEP or tries > MOST_TRIES:
                     raise StopError(Status.TOO_FAR if tries > MOST_TRIES else stop.status) from None
                 continue
             left -= step
-            step *= 2
+            self.step = max(self.step, 2 * step) if 2 * tilt <= MOST_TILT else step
+            iterations, residual = iterations + found.iterations, found.residual
             self._accept(alpha, trial)
-            pace, pace_dot = delta, np.zeros_like(delta)
+            self.division = row
             if run.times is not None:
                 _, self.rate = run.laws_at(time)
-                self.time, left = time, float(run.times[row]) - time
-                pace, pace_dot = self.rate, np.asarray(run.rate_dot)
+                self.time, left, pace = time, float(run.times[row]) - time, self.rate
             if left > 0:
                 self.x1, self.x2 = self._derivatives(pace, pace_dot)
+        self.division = row
         return Convergence(iterations, residual)
 
     def _correct(self, alpha: Array, trial: Array) -> Convergence:
@@ -143,10 +157,44 @@ class Continuation:
     def _derivatives(self, alpha_dot: Array, alpha_ddot: Array) -> tuple[Array, Array]:
         return differentiate(self.newton.blocks, self.position, alpha_dot, alpha_ddot)
 
-    def _is_near(self, predicted: Array, trial: Array, moved: Array) -> bool:
-        """Whether corrections stayed small beside the motion: else another branch may be near."""
-        scale = self.newton.scale
-        driven = largest(moved * self._input_scale)
-        most = max(driven, largest((predicted - self.position.x) * scale))
-        corrected = largest((trial - predicted) * scale)
-        return corrected <= 0.25 * most + SETTLED * self.newton.length
+    def _way(self, step: float, pace: Array, pace_dot: Array, correction: Array) -> Way:
+        """Return the cubics of a step, (26) and what was corrected."""
+        first, second = np.concatenate((pace, self.x1)), np.concatenate((pace_dot, self.x2))
+        third = np.concatenate((np.zeros_like(pace), correction))
+        return Way(step * first, 0.5 * step * step * second, third, np.zeros_like(third))
+
+    def _tilt(self, way: Way, residual: float) -> float:
+        """Return how far the Jacobians turn along a step, the most of all blocks.
+
+        Raises
+        ------
+        StopError
+            So far that the step may have left its branch.
+        """
+        most = 0.0
+        for number, one in enumerate(self._certifiers):
+            self.newton.at = number
+            tilt = one.tilt(self.newton.blocks[number], way, residual)
+            if not tilt <= MOST_TILT:
+                raise StopError(Status.DEAD_CENTRE)
+            most = max(most, tilt)
+        return most
+
+    @property
+    def condition(self) -> float:
+        """The most that residuals move unknowns, as lengths, with the factors at hand."""
+        pairs = zip(self._certifiers, self.newton.blocks, strict=True)
+        return max(one.condition(block) for one, block in pairs)
+
+    @property
+    def counted_inputs(self) -> Array:
+        """The inputs of the position, counting on over the turns, (inputs,)."""
+        is_timed = self.run.times is not None
+        return self.position.alpha + (0.0 if is_timed else self.run.whole_turns(self.division))
+
+    def is_at(self, x: Array) -> bool:
+        """Whether unknowns are those of the position, angles up to whole turns."""
+        off = self.position.x - x
+        off -= math.tau * np.where(self._is_angle, np.rint(off / math.tau), 0.0)
+        # Two assemblies are not as near as that where pivots are above SINGULAR.
+        return largest(off * self.newton.scale) <= SETTLED * self.newton.length

@@ -11,14 +11,33 @@ typedef struct Unknown {
     int is_angle;
 } Unknown;
 
+/* A part of a sum of coordinates, whose places are among the inputs and, after them, all unknowns;
+ * the factor is 0 where there is none. */
+typedef struct Term {
+    size_t place;
+    double factor;
+} Term;
+
+/* A link that bends an equation: all that a block has of second derivatives.
+ *
+ * With d = (sum of x, sum of y) from its first to its second node, the equation is |d| = length,
+ * or with an arm one of d = length (cos beta, sin beta), in any direction. */
+typedef struct Curve {
+    size_t row; /* of the block */
+    int is_arm;
+    double length;
+    Term x[2], y[2], angle;
+} Curve;
+
 /* A block of the block-triangular equations: unknowns that are solved together.
  *
  * Its coordinates are x[first] ... x[first + size - 1]; known_count places among the inputs and,
- * after them, all unknowns stand in known_places from `known` on; its Jacobian begins at
- * `jacobian` in the workspace. */
+ * after them, all unknowns stand in known_places from `known` on, curve_count links in curves from
+ * `curve` on; its Jacobian begins at `jacobian` in the workspace. */
 typedef struct Block {
     size_t first, size;
     size_t known, known_count;
+    size_t curve, curve_count;
     size_t jacobian;
 } Block;
 

@@ -52,6 +52,35 @@ class Unknown(NamedTuple):
     is_angle: bool
 
 
+class Curve(NamedTuple):
+    """A link that bends an equation: all that a block has of second derivatives.
+
+    With d from its first to its second node, places are among the inputs and, after them, all
+    unknowns; what does not move is left out.
+
+    Parameters
+    ----------
+    row : int
+        The equation of the block, counted from 0.
+    length : float
+        In the unit of the mechanism.
+    x, y : tuple of (int, float)
+        Places and factors of the sums that are the x and the y of d.
+    is_arm : bool
+        Whether the equation is one of d = length (cos β, sin β), in any direction, or else
+        |d| = length.
+    angle : tuple of (int, float)
+        Place and factor of β, where that moves.
+    """
+
+    row: int
+    length: float
+    x: tuple[tuple[int, float], ...]
+    y: tuple[tuple[int, float], ...]
+    is_arm: bool = False
+    angle: tuple[tuple[int, float], ...] = ()
+
+
 class Block(NamedTuple):
     """A block of the block-triangular equations: unknowns that are solved together.
 
@@ -63,11 +92,14 @@ class Block(NamedTuple):
         The links and sliders whose equations determine them.
     known : tuple of int
         What it depends on: places among the inputs and, after them, all unknowns.
+    curves : tuple of Curve
+        What bends its equations.
     """
 
     unknowns: slice
     links: tuple[str, ...]
     known: tuple[int, ...]
+    curves: tuple[Curve, ...]
 
 
 @dataclass(frozen=True, slots=True)

@@ -34,7 +34,8 @@ class Run:
     limit : float
         Largest residual, in the unit of the mechanism.
     divisions, start, first, rows : int
-        Row r is division ``first + r``; the continuation begins at division ``start``.
+        Row r is division ``first + r``; the continuation begins with the first position at the
+        division where the turn of ``start`` begins.
     origin, span, rate, rate_dot : sequence of float
         Of each input, in its unit: value at division 0, what is added over all divisions, time
         derivatives at time 0.
@@ -113,6 +114,13 @@ class Run:
         turns = -np.asarray(self.rate) / np.asarray(self.rate_dot)  # not finite: never
         return float(np.min(turns[(now < turns) & (turns < time)], initial=time))
 
+    def whole_turns(self, division: int) -> Array:
+        """Return by how much the inputs, counted on, are beyond those of a division, (inputs,)."""
+        n = self.divisions
+        parts = [math.fmod(turns * division, n) for turns in self.turns]
+        pairs = zip(self.turns, parts, strict=True)
+        return np.array([math.tau * round((turns * division - p) / n) for turns, p in pairs])
+
     def counted_inputs(self, division: int) -> list[float]:
         """Return the inputs of a division, counting on over the turns."""
         part, counted = division / self.divisions, []
@@ -145,7 +153,8 @@ def request(
     turns, first_turn : int
         How many turns to write, and the first of them.
     from_turn : int, optional
-        The turn in which the continuation begins, the first that is written when left out.
+        The turn at whose start the mechanism is as in the scene, 0 when left out: turns need not
+        lead back.
     limit : float, optional
         Largest residual, in the unit of the mechanism.
 
@@ -154,7 +163,7 @@ def request(
     ValueError
         An argument is not one of these; or inputs that do not turn are to be turned on.
     """
-    begin = first_turn if from_turn is None else from_turn
+    begin = 0 if from_turn is None else from_turn
     if method not in {None, *METHODS}:
         raise ValueError(f"method: got {method!r}, wanted {' or '.join(METHODS)}")
     if (divisions is not None and divisions < 1) or turns < 1 or not 0 <= begin <= first_turn:
@@ -193,8 +202,10 @@ class Rows:
         Corrections in the step that led to the row.
     residual : (rows,) array
         Largest residual, in the unit of the mechanism.
+    condition : (rows,) array
+        The most that a residual of 1 moves a coordinate, as a length: large near a dead centre.
     reached : (inputs,) array
-        The inputs at the last good position.
+        The inputs at the last good position, counting on over the turns.
     done, block : int
         Good rows, and the block that failed.
     status : int
@@ -210,6 +221,7 @@ class Rows:
     angle_ddot: Array
     iterations: npt.NDArray[np.intc]
     residual: Array
+    condition: Array
     reached: Array
     done: int = 0
     block: int = 0
@@ -230,5 +242,6 @@ def empty_rows(mechanism: Mechanism, count: int) -> Rows:
         angle_ddot=np.zeros(links),
         iterations=np.zeros(count, dtype=np.intc),
         residual=np.zeros(count),
+        condition=np.zeros(count),
         reached=np.zeros(len(mechanism.inputs)),
     )

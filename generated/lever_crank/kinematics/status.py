@@ -15,6 +15,8 @@ SETTLED = 2.0**-28
 ROUNDING = 2.0**-48
 #: Below this pivot, of columns scaled to lengths, a block has a dead centre.
 SINGULAR = 1e-7
+#: Most that the Jacobian may turn along a step, relative to itself: at 1 it might be singular.
+MOST_TILT = 0.75
 #: Smallest part of a division that is stepped before the continuation gives up.
 SMALLEST_STEP = 2.0**-24
 #: Steps, good or not, from one row to the next before it gives up.

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.runtime.kinematics.mechanism import Block, Input, Link, Mechanism, Unknown
+from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Link, Mechanism, Unknown
 from kousoku.runtime.kinematics.rows import Run, empty_rows
 from kousoku.runtime.kinematics.solve import solve
 from kousoku.runtime.linkage import record_of
@@ -46,6 +46,17 @@ RUN = Run(
 
 def arrow(length: float, angle: float) -> Array:
     return length * np.array([math.cos(angle), math.sin(angle)])
+
+
+A = (((1, 1.0),), ((2, 1.0),))
+"""Where the end of the crank stands."""
+
+
+def arm(length: float, place: int, ends: Any = ((), ())) -> tuple[Curve, Curve]:
+    """Return what the direction of a link does to both rows of a block."""
+    x, y = ends
+    first, second = (Curve(row, length, x, y, True, ((place, 1.0),)) for row in range(2))
+    return first, second
 
 
 @dataclass(frozen=True)
@@ -79,8 +90,18 @@ class FourBar:
                 Unknown("psi", start=self.psi, scale=self.rocker, is_angle=True),
             ),
             blocks=(
-                Block(unknowns=slice(0, 2), links=("l1",), known=(0,)),
-                Block(unknowns=slice(2, 4), links=("l2", "l3"), known=(1, 2)),
+                Block(
+                    unknowns=slice(0, 2),
+                    links=("l1",),
+                    known=(0,),
+                    curves=arm(self.crank, 0, A),
+                ),
+                Block(
+                    unknowns=slice(2, 4),
+                    links=("l2", "l3"),
+                    known=(1, 2),
+                    curves=(*arm(self.coupler, 3, A), *arm(self.rocker, 4)),
+                ),
             ),
         )
 

@@ -29,13 +29,14 @@ typedef struct Run {
     const double *times;
     double *alpha, *position, *velocity, *acceleration, *angle, *angle_dot, *angle_ddot;
     int *iterations;
-    double *residual;
+    double *residual, *condition;
     size_t done, block;
     double reached[1];
 } Run;
 
 typedef struct Workspace {
-    double time, alpha[1], rate[1], matrix[8], orientation[2];
+    long long division;
+    double time, step, alpha[1], rate[1], matrix[8], orientation[2];
     double x[4], x1[4], x2[4], trial[4];
     size_t pivot[4];
 } Workspace;
@@ -46,7 +47,18 @@ static const Unknown unknowns[UNKNOWNS] = {
     {PHI, COUPLER, 1},
     {PSI, ROCKER, 1},
 };
-static const Block blocks[BLOCKS] = {{0, 2, 0, 1, 0}, {2, 2, 1, 2, 4}};
+static const Block blocks[BLOCKS] = {{0, 2, 0, 1, 0, 2, 0}, {2, 2, 1, 2, 2, 4, 4}};
+/* A = crank (cos alpha, sin alpha), and the two arms of the loop in each of its rows */
+#define A {{1, 1.0}}, {{2, 1.0}}
+#define NONE {{0, 0.0}}, {{0, 0.0}}
+static const Curve curves[] = {
+    {0, 1, CRANK, A, {0, 1.0}},
+    {1, 1, CRANK, A, {0, 1.0}},
+    {0, 1, COUPLER, A, {3, 1.0}},
+    {1, 1, COUPLER, A, {3, 1.0}},
+    {0, 1, ROCKER, NONE, {4, 1.0}},
+    {1, 1, ROCKER, NONE, {4, 1.0}},
+};
 static const size_t known_places[] = {0, 1, 2};
 static const double input_scales[INPUTS] = {CRANK};
 static const Run defaults = {.max_iterations = 50, .limit = 1e-12, .divisions = 12, .rows = 13};

@@ -1,0 +1,205 @@
+"""Certificate of a step: what it says of the tube is so, wherever it says it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.codegen.linkage import specialise
+from kousoku.codegen.linkage_emit import emit_scene
+from kousoku.codegen.store import load_frozen
+from kousoku.model.assemble import assemble
+from kousoku.model.read import scene_from_toml
+from kousoku.runtime.kinematics.assembly import assemble as place
+from kousoku.runtime.kinematics.certificate import Certifier, Way
+from kousoku.runtime.kinematics.continuation import Continuation
+from kousoku.runtime.kinematics.equations import Coordinates
+from kousoku.runtime.kinematics.mechanism import Block, Curve, Input, Mechanism, Unknown
+from kousoku.runtime.kinematics.status import MOST_TILT
+from kousoku.runtime.linkage import load_scene
+
+if TYPE_CHECKING:
+    from kousoku.runtime.kinematics.mechanism import Array
+    from kousoku.runtime.linkage import LinkageSolver
+
+SIX_BAR = """
+name = "six_bar"
+unit = "m"
+[nodes]
+O1 = { at = [0.0, 0.0], fixed = true }
+O3 = { at = [0.38, 0.0], fixed = true }
+O6 = { at = [-0.26, -1.17], fixed = true }
+A = { at = [0.504, 0.0226] }
+B = { at = [-0.901, -0.910] }
+P = { at = [0.472, -0.691] }
+Q = { at = [-0.570, -1.499] }
+[links]
+k = { nodes = ["O6", "Q"] }
+l1 = { nodes = ["O1", "A"] }
+l3 = { nodes = ["O3", "B"] }
+ab = { nodes = ["A", "B"] }
+bp = { nodes = ["B", "P"] }
+pa = { nodes = ["P", "A"] }
+rod = { nodes = ["P", "Q"] }
+[inputs]
+alpha = { link = "k", about = "O6", turns = 1 }
+"""
+#: The same with an angle of two links that are one, in the same block as all positions.
+RIGID = (
+    SIX_BAR.replace('bp = { nodes = ["B", "P"] }\n', "")
+    + """
+[rigid]
+plate = { at = "A", links = ["ab", "pa"], angle = 0.94 }
+"""
+)
+#: A crank that moves a slider, blocks one after the other; in a step of 6° from where it begins its
+#: rod turns and turns back.
+PISTON = """
+name = "piston"
+unit = "m"
+[nodes]
+O = { at = [0, 0], fixed = true }
+A = { at = [0.0523359562, 0.9986295348] }
+S = { at = [3, 0.5] }
+[links]
+crank = { nodes = ["O", "A"] }
+rod = { nodes = ["A", "S"] }
+[sliders]
+ram = { node = "S", through = [0, 0.5], direction = [1, 0] }
+[inputs]
+alpha = { link = "crank", about = "O", from = "87 deg", turns = 1 }
+"""
+#: A slider moves the end of a rod, which moves a rocker: lengths alone.
+RAM = """
+name = "ram"
+unit = "m"
+[nodes]
+O = { at = [0, 0], fixed = true }
+A = { at = [0.2, 1] }
+S = { at = [2, 2] }
+[links]
+rocker = { nodes = ["O", "A"] }
+rod = { nodes = ["A", "S"] }
+[sliders]
+ram = { node = "S", through = [2, 2], direction = [3, 1] }
+[inputs]
+stroke = { slider = "ram", from = 0, to = -1.5 }
+"""
+SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON, "ram": RAM}
+
+
+@pytest.fixture(scope="module", params=SCENES)
+def solver(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
+) -> LinkageSolver:
+    """Return a linkage's solver, whose tables the certificate reads."""
+    folder = tmp_path_factory.mktemp(request.param)
+    program = specialise(assemble(scene_from_toml(SCENES[request.param])), load_frozen("link"))
+    for name, text in emit_scene(program.package, program.solver, {}).items():
+        path = folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return load_scene(folder, target="numpy")
+
+
+class Step:
+    """A step of a linkage over a part of its turn, as the solver takes it, uncertified."""
+
+    def __init__(self, solver: LinkageSolver, divisions: float) -> None:
+        kernels: Any = solver.library
+        run = solver.request(divisions=1)
+        self.way = Continuation(solver.mechanism, kernels, run)
+        place(self.way.newton, self.way.position)
+        self.begin = self.way.position
+        self.way.motion_at(0)
+        _, self.pace = run.inputs_of(0)
+        self.part = 1 / divisions
+        self.end = self.at(1.0)
+
+    def cubics(self) -> Way:
+        """Return the way of the step, with the factors of its end at hand."""
+        predicted = self.begin.x + self.part * (self.way.x1 + 0.5 * self.part * self.way.x2)
+        for block in self.way.newton.blocks:
+            block.evaluate(self.end)
+        none = np.zeros_like(self.pace)
+        return self.way._way(self.part, self.pace, none, self.end.x - predicted)
+
+    def at(self, s: float) -> Coordinates:
+        """Return the position at s, by small steps."""
+        x, count = self.begin.x.copy(), 25
+        for k in range(1, count + 1):
+            alpha = self.begin.alpha + self.pace * (self.part * s * k / count)
+            self.way.newton.full(alpha, x)
+        return Coordinates(alpha, x)
+
+    def jacobian(self, number: int, position: Coordinates) -> Array:
+        """Return the Jacobian of a block."""
+        block = self.way.newton.blocks[number]
+        _, found = block._position(*block.known(position), position.x[block.part])
+        matrix: Array = found
+        return matrix
+
+
+@pytest.mark.parametrize("divisions", [300.0, 60.0])
+def test_what_the_certificate_says_of_the_tube_is_so(
+    solver: LinkageSolver, divisions: float
+) -> None:
+    """Solutions are within its radius of the cubics, Jacobians turn at most as it says."""
+    step = Step(solver, divisions)
+    way, blocks = step.cubics(), step.way.newton.blocks
+    pairs = zip(step.way._certifiers, blocks, strict=True)
+    tilts = np.array([one.tilt(block, way, 0.0) for one, block in pairs])
+    assert max(tilts) <= MOST_TILT
+    inputs = len(step.pace)
+    off, turned = np.zeros_like(way.radius), np.zeros(len(blocks))
+    for s in np.linspace(0.0, 1.0, 9):
+        found = step.at(s)
+        cubic = step.begin.x + (way.first * s + way.second * s * s + way.third * s**3)[inputs:]
+        off[inputs:] = np.maximum(off[inputs:], np.abs(found.x - cubic))
+        for number, (block, table) in enumerate(zip(blocks, solver.mechanism.blocks, strict=True)):
+            if any(curve.is_arm for curve in table.curves):
+                continue  # its rows turn with the arm, which is not counted
+            there = step.jacobian(number, step.end)
+            change = np.linalg.solve(there, step.jacobian(number, found) - there)
+            change *= block.scale[:, np.newaxis] / block.scale
+            turned[number] = max(turned[number], np.abs(change).sum(axis=1).max())
+    assert (off <= way.radius + 1e-13 * solver.mechanism.length).all()
+    assert (turned <= tilts + 1e-12).all()
+    # It says hardly more than what is.
+    most = np.max(off[inputs:] / np.maximum(way.radius[inputs:], 1e-12))
+    assert most >= 0.5
+    if turned.any():
+        assert max(turned) >= 0.1 * max(tilts)
+
+
+def test_condition_is_the_norm_of_the_inverse(solver: LinkageSolver) -> None:
+    rows = solver.rows(solver.request(divisions=12))
+    step = Step(solver, 12.0)
+    for row, position in ((0, step.begin), (1, step.end)):
+        norms = []
+        for number, block in enumerate(step.way.newton.blocks):
+            inverse = np.linalg.inv(step.jacobian(number, position))
+            norms.append(np.abs(inverse * block.scale[:, np.newaxis]).sum(axis=1).max())
+        assert rows.condition[row] == pytest.approx(max(norms), rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "c"), [(0.5, 0, 0), (0, 0.5, 0), (1, 0.5, 0), (0.2, 0, 0.4), (0.3, -0.4, 0.2)]
+)
+def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: float) -> None:
+    """A direction whose angle goes by a cubic, beside the cubics of its x and y."""
+    s = np.linspace(0.0, 1.0, 101)
+    turn = np.exp(1j * (a * s + b * s**2 + c * s**3))
+    rates = 1j * a, 1j * b - a * a / 2  # of e^(iβ) at s = 0
+    rest = turn[-1] - 1 - sum(rates)
+    left = np.abs(turn - (1 + rates[0] * s + rates[1] * s**2 + rest * s**3)).max()
+    block = Block(slice(0, 1), (), (0,), (Curve(0, 2.0, (), (), True, ((0, 1.0),)),))
+    angle = (Input("beta", "rad", 1.0),)
+    unknown = (Unknown("x", 0.0, 1.0, is_angle=False),)
+    mechanism = Mechanism("m", 2.0, (), (), (), angle, unknown, (block,))
+    first, second, third = (np.array([x, 0.0]) for x in (a, b, c))
+    way = Way(first, second, third, np.zeros(2))
+    error = float(Certifier(mechanism, block)._arms(way)[0, 0])
+    assert 0.01 * error <= 2.0 * left <= error
