@@ -75,7 +75,9 @@ def generate_dynamics(
     wanted = scene.outputs if outputs is None else outputs
     made = composed(scene, wanted)
     program, system = made.program, made.system
-    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
+    more = {}
+    if references:
+        more[REFERENCE_FILE] = solver_references(program, system, made.written)
     return emit_dynamics(inline(program), system, wanted, more, made.about)
 
 
@@ -91,12 +93,15 @@ class Composed:
         Degrees of freedom.
     about : About
         What is told of the scene.
+    written : System
+        The scene after assembly, before anything is simplified.
     """
 
     program: Program
     system: System
     degrees: int
     about: About
+    written: System
 
 
 def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
@@ -128,7 +133,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     changes = changes_of_assembly(given, placed)
     notes = (*notes_of_assembly(changes, given.unit, scene.unit), *_of_reactions(program))
     about = replace(About.of(scene, notes), moved=tuple(one.as_data() for one in changes))
-    return Composed(program, system, freedom.degrees, about)
+    return Composed(program, system, freedom.degrees, about, without_held(placed))
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
