@@ -18,7 +18,9 @@ from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetE
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.independent_verify import independent_rows
+from kousoku.runtime.importing import import_source
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
+from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Report, Row
 from kousoku.runtime.run_stop import key_of
@@ -78,6 +80,11 @@ def verify_solver(
     rows = [row for solver in solvers for row in _rows(solver, points)]
     rows += [row for solver in solvers for row in independent_rows(solver, independent)]
     problems += [str(row) for row in rows if not row.ok]
+    if solvers:
+        problems += table_problems(folder, files)
+    if solvers and data and data["is_smooth"]:
+        methods = import_source(folder, files, "integrate/methods.py").METHODS
+        problems += shown_order_problems(solvers[0], methods, {})
     if len(solvers) > 1:
         is_exact = bool(data and data["is_exact"])
         problems += _differences(solvers[0], solvers[1], _parameters(points), is_exact=is_exact)

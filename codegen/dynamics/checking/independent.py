@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
 #: How far states are from the start: as a part of the length of the scene or a radian, in seconds,
 #: and how fast, as a part of the length or a radian in a second. Those that come first are tried
-#: first; so many states are wanted.
+#: first, and so many that move are wanted.
 TRIALS = ((2.0**-5, 0.3), (2.0**-6, 0.04), (2.0**-8, 2.0**-8), (2.0**-12, 2.0**-12), (0.0, 0.0))
-STATES = 2
+STATES = 1
 #: Singular values that are zero, and the least that a state may have, as parts of the largest.
 ZERO, WEAK = 1e-10, 1e-4
 #: Steps onto the constraints at most, and what may be left of them.
@@ -52,7 +52,7 @@ UNIQUE = 1e-7
 #: An angle that is further from what it is counted to may have another turn [rad].
 NEAR = 2.5
 #: The unit of error at a condition of one, as a part of the largest number of a sort.
-UNIT = 2.0**-46
+UNIT = 2.0**-42
 
 
 class _UnsuitableError(Exception):
@@ -71,6 +71,8 @@ class Given:
         Where the solver has its bodies.
     q, v : array
         Its start.
+    turning : dict of int to str
+        Entries of q that are angles with their turns, and the coordinates.
     momenta : sequence of (names, linear, angular, about)
         Which momenta it computes: bodies, directions, and the point of the ground, None for the
         centre of mass.
@@ -82,6 +84,7 @@ class Given:
     layout: Layout
     q: Array
     v: Array
+    turning: Mapping[int, str]
     momenta: Sequence[tuple[Sequence[str], Any, Any, Any]]
     is_weighed: bool
 
@@ -131,14 +134,24 @@ class _States:
         yield "start", 0.0, given.q, given.v
         stream = Stream(f"independent states of {given.system.name}")
         for size, time in TRIALS:
-            for _ in range(STATES):
+            for _ in range(2 * STATES):
                 numbers = [stream.sign() * stream.magnitude() for _ in range(2 * len(given.v))]
                 shift, speed = np.array(numbers).reshape(2, -1) * self.sizes
                 try:
                     q, v = self._onto(time, self.moved(given.q, size * shift), given.v + speed)
                 except (_UnsuitableError, ArithmeticError, ValueError, TypeError):
                     continue
-                yield "beside the start, moving", time, q, v
+                yield "beside the start, moving", time, self._counted(q, v), v
+
+    def _counted(self, q: Array, v: Array) -> Array:
+        """Return q with the angles that it has there."""
+        found, poses, equations = q.copy(), self.poses(q, v, DOUBLES), self.equations
+        rates = equations.rates(poses)
+        at = equations.courses(range(len(poses)), poses, rates, np.zeros(equations.count).tolist())
+        places = {one.name: k for k, one in enumerate(self.given.system.coordinates)}
+        for entry, name in self.given.turning.items():
+            found[entry] = equations.coordinate(places[name], at).x
+        return found
 
     def moved(self, q: Array, change: Array) -> Array:
         """Return q after small shifts and turns, in the columns of v."""
@@ -168,10 +181,16 @@ class _States:
 
     def velocities(self, q: Array) -> Array:
         """Return the velocities of all bodies for each velocity of the solver, (n, nv)."""
-        columns = []
-        for unit in np.eye(len(self.given.v)):
-            columns.append(self.equations.rates(self.poses(q, unit, DOUBLES)))
-        return np.array(columns, dtype=float).reshape(len(self.given.v), -1).T
+        found = np.zeros((self.equations.count, len(self.given.v)))
+        columns = [dict.fromkeys(k for k in (*one.v, *one.omega_b) if isinstance(k, int)) for one in self.bodies]
+        for k, (place, body) in enumerate(zip(self.bodies, self.given.system.bodies, strict=True)):
+            for column in columns[k]:
+                unit = np.zeros(len(self.given.v))
+                unit[column] = 1.0
+                pose = _pose(place, body, q, unit, DOUBLES)
+                own = [*pose.v, *(() if body.is_point else pose.omega_b)]
+                found[self.equations.own(k), column] = own
+        return found
 
     def _onto(self, time: float, q: Array, v: Array) -> tuple[Array, Array]:
         """Return a state that is on all joints and drivers."""
@@ -257,11 +276,11 @@ class _Solved:
         matrix[:count, count:], matrix[count:, :count] = scaled.T, scaled
         if not np.isfinite(matrix).all():
             raise _UnsuitableError
-        left, values, right = np.linalg.svd(matrix)
-        keep = values > ZERO * values.max(initial=0.0)
+        values, vectors = np.linalg.eigh(matrix)
+        keep = np.abs(values) > ZERO * np.abs(values).max(initial=0.0)
         scale = np.concatenate([columns, rows])
-        inverse = (right[keep].T / values[keep]) @ left[:, keep].T
-        self.free = right[~keep] * scale
+        inverse = (vectors[:, keep] / values[keep]) @ vectors[:, keep].T
+        self.free = vectors[:, ~keep].T * scale
         wanted = [*force, *(line.gamma for line in lines)]
         found_x = [equations.digits.number(0)] * (count + m)
         for _ in range(REFINED):
@@ -427,7 +446,9 @@ class _Values:
     def _forces(self) -> Iterator[tuple[str, dict[str, object]]]:
         """Yield forces and moments about the origin of frame O, and powers."""
         shares = self._shares()
-        strength = max(self.solved.inertia_force, *(abs(float(x)) for x in self.found.force))
+        forces = [abs(float(x)) for x in self.found.force]
+        heaviest = max((body.mass for body in self.equations.bodies), default=0.0)
+        strength = max(self.solved.inertia_force, heaviest * self.acceleration, *forces)
         lam = [float(x) for x in self.solved.lam]
         for row in shares.values():
             for one in row[:3]:

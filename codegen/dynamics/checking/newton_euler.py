@@ -283,23 +283,26 @@ class BodyEquations:
             bodies = [body for body in one.bodies if body != GROUND_INDEX]
             at = self.courses(bodies, poses, rates, rest)
             along = self._residuals(one, at, time)
-            still = self._residuals(one, self.courses(bodies, poses, rest, rest), time)
+            at_rest = self.courses(bodies, poses, rest, rest)
+            still = self._residuals(one, at_rest, time)
             own = [
                 Line(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)
             ]
-            for column in (k for body in bodies for k in self.own(body)):
-                ahead = self._residuals(one, self._unit(bodies, poses, column), time)
+            for column, ahead_at in self._each(at_rest, bodies, poses):
+                ahead = self._residuals(one, ahead_at, time)
                 for line, a, s in zip(own, ahead, still, strict=True):
                     line.slopes[column] = a.d - s.d
             found += own
         return found
 
-    def _unit(self, bodies: Sequence[int], poses: Sequence[Pose], column: int) -> dict[int, Course]:
-        """Return the ways of bodies where one velocity is one and all others are zero."""
-        rest = [self.digits.number(0)] * self.count
-        rates = [*rest]
-        rates[column] = self.digits.number(1)
-        return self.courses(bodies, poses, rates, rest)
+    def _each(
+        self, at_rest: Mapping[int, Course], bodies: Sequence[int], poses: Sequence[Pose]
+    ) -> Iterator[tuple[int, dict[int, Course]]]:
+        """Yield each column of bodies, and their ways where that velocity alone is one."""
+        for body in bodies:
+            for k, column in enumerate(self.own(body)):
+                rates = [self.digits.number(k == n) for n in range(6)]
+                yield column, {**at_rest, body: Course.of(poses[body], rates, [0] * 6)}
 
     # The forces.
 
@@ -469,9 +472,10 @@ class BodyEquations:
                 tau = lost - given["stiffness"][0] * beyond
                 energy = given["stiffness"][0] * beyond**2 / 2
         bodies = [body for body in dict.fromkeys((force.i, force.j)) if body != GROUND_INDEX]
-        for column in (k for body in bodies for k in self.own(body)):
-            ahead = self.coordinate(force.coordinate, self._unit(bodies, poses, column))
-            found.force[column] += tau * ahead.d
+        rest = [self.digits.number(0)] * self.count
+        at_rest = self.courses(bodies, poses, rest, rest)
+        for column, ahead in self._each(at_rest, bodies, poses):
+            found.force[column] += tau * self.coordinate(force.coordinate, ahead).d
         return lost * value.d, energy
 
     # What bodies do.

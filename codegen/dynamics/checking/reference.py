@@ -18,6 +18,7 @@ import numpy as np
 from kousoku.codegen.dynamics.checking.independent import Given, independent_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
 from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.auxiliary import TURNS
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import GIVEN, motion_data
 from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
@@ -132,6 +133,11 @@ def _known(program: Program, system: System, written: System) -> Given:
         layout=Layout.from_data(data).at(np.array(numbers, dtype=float)),
         q=np.array(data["q"], dtype=float),
         v=np.array(data["v"], dtype=float),
+        turning={
+            one.place.slot - program.region("q").base: one.name
+            for one in program.auxiliary
+            if one.kind == TURNS
+        },
         momenta=[
             (own, part.linear, part.angular, part.about)
             for own, part in zip(names, program.kept, strict=True)
