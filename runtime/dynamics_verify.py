@@ -17,8 +17,8 @@ import numpy as np
 from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
-from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
@@ -82,7 +82,7 @@ def verify_solver(
     problems += [str(row) for row in rows if not row.ok]
     if solvers:
         problems += table_problems(folder, files)
-    if solvers and data and data["is_smooth"]:
+    if data and data["is_smooth"] and solvers and solvers[0].target.name == "c":
         methods = import_source(folder, files, "integrate/methods.py").METHODS
         problems += shown_order_problems(solvers[0], methods, {})
     if len(solvers) > 1:

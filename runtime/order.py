@@ -14,6 +14,7 @@ import math
 import re
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
@@ -77,7 +78,10 @@ def _size(tree: Tree) -> int:
 
 
 def _density(tree: Tree) -> int:
-    return _size(tree) * math.prod(map(_density, tree))
+    found = _size(tree)
+    for branch in tree:
+        found *= _density(branch)
+    return found
 
 
 class _Weights:
@@ -110,8 +114,7 @@ class _Weights:
 
 
 def _whole(x: float) -> int:
-    exact = Fraction(x) * 2**GRAIN
-    return round(exact)
+    return int(Fraction(x) * 2**GRAIN)
 
 
 def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
@@ -128,26 +131,29 @@ def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
     dense = import_source(folder, files, "integrate/dense_output.py")
     text = files["integrate/methods.h"].decode()
     for method in methods:
-        yield from _conditions(method)
-        yield from _inside(method, dense)
-        if list(_in_c(method.name, text)) != list(_in_python(method)):
+        yield from wrong_conditions(method)
+        yield from wrong_inside(method, dense)
+        if _in_c(method.name, text) != _in_python(method):
             yield f"{method.name}: integrate/methods.h has other numbers than integrate/methods.py"
 
 
-def _in_c(name: str, text: str) -> Iterator[float]:
-    for table in re.findall(rf"double {name}_\w+\[\] = \{{([^}}]*)\}}", text):
-        for number in re.findall(r"[-+]?[0-9.]+(?:e[-+]?[0-9]+)?", table):
-            yield float(number)
+def _in_c(name: str, text: str) -> dict[str, list[float]]:
+    """Return the tables of a method in its header, by name."""
+    found = {}
+    for table, numbers in re.findall(rf"double {name}_(\w+)\[\] = \{{([^}}]*)\}}", text):
+        found[table] = [float(x) for x in numbers.replace(",", " ").split()]
+    return found
 
 
-def _in_python(method: Method) -> Iterator[float]:
-    yield from method.c
-    for table in (method.a, method.errors, method.dense):
-        for row in table:
-            yield from row
+def _in_python(method: Method) -> dict[str, list[float]]:
+    """Return the same as the method has them."""
+    found = {"c": [*method.c], "error": [*method.errors[0]]}
+    found |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
+    tables = {"a": method.a, "dense": method.dense}
+    return found | {name: [x for row in rows for x in row] for name, rows in tables.items()}
 
 
-def _conditions(method: Method) -> Iterator[str]:
+def wrong_conditions(method: Method) -> Iterator[str]:
     """Yield which conditions the end of a step, its nodes and its estimates do not meet."""
     weights = _Weights(method.a)
     for k, row in enumerate(method.a):
@@ -173,7 +179,7 @@ def _conditions(method: Method) -> Iterator[str]:
             break
 
 
-def _inside(method: Method, dense: ModuleType) -> Iterator[str]:
+def wrong_inside(method: Method, dense: ModuleType) -> Iterator[str]:
     """Yield where the polynomial inside of a step has not the order that it should have."""
     weights, order = _Weights(method.a), INSIDE[method.name]
     for x in PLACES:
@@ -285,7 +291,7 @@ def _shown(
         nq_nv = 1 + len(solver.q) + len(solver.v)
         found.append(run.save().rows[:, 1:nq_nv])
     size = max(float(np.abs(found[-1]).max(initial=0.0)), 1e-300)
-    first, second = (float(np.abs(a - b).max()) / size for a, b in zip(found, found[1:], strict=False))
-    if not (LEAST < second and first < MOST):
+    first, second = (float(np.abs(a - b).max()) / size for a, b in pairwise(found))
+    if not (second > LEAST and first < MOST):
         return None
     return math.log2(first / second)

@@ -7,7 +7,7 @@ itself, with residuals in 50 digits. What forces of joints are not unique is lef
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +22,6 @@ from kousoku.codegen.dynamics.checking.newton_euler import (
 )
 from kousoku.codegen.stream import Stream
 from kousoku.model.mechanism import GROUND_INDEX
-from kousoku.runtime.integrate.motion import Layout
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.checking.newton_euler import Found, Line
     from kousoku.model.mechanism import System
     from kousoku.runtime.integrate.body_tables import BodyPlaces
+    from kousoku.runtime.integrate.motion import Layout
 
     Array = npt.NDArray[np.float64]
 
@@ -109,7 +109,7 @@ def independent_points(given: Given) -> list[dict[str, object]]:
     found = []
     for state in finder.states():
         try:
-            found.append(_point(given, finder, *state))
+            found.append(_point(given, finder, state))
         except (_UnsuitableError, ArithmeticError, ValueError, TypeError):
             continue
         if len(found) > STATES:
@@ -182,7 +182,10 @@ class _States:
     def velocities(self, q: Array) -> Array:
         """Return the velocities of all bodies for each velocity of the solver, (n, nv)."""
         found = np.zeros((self.equations.count, len(self.given.v)))
-        columns = [dict.fromkeys(k for k in (*one.v, *one.omega_b) if isinstance(k, int)) for one in self.bodies]
+        columns = [
+            dict.fromkeys(k for k in (*one.v, *one.omega_b) if isinstance(k, int))
+            for one in self.bodies
+        ]
         for k, (place, body) in enumerate(zip(self.bodies, self.given.system.bodies, strict=True)):
             for column in columns[k]:
                 unit = np.zeros(len(self.given.v))
@@ -267,6 +270,9 @@ class _Solved:
         columns = 1 / np.sqrt(usual)
         slopes = dense(lines, count)
         sizes = np.sqrt(((slopes * columns) ** 2).sum(axis=1)) if lines else np.zeros(0)
+        # A row of a cross product may be rounding, where an axis lies along a coordinate.
+        sizes = np.where(sizes > ZERO * sizes.max(initial=0.0), sizes, 0.0)
+        slopes[sizes == 0] = 0.0
         rows = 1 / np.where(sizes > 0, sizes, 1.0)
         scaled = rows[:, np.newaxis] * slopes * columns
         self.condition = _condition(scaled)
@@ -292,7 +298,9 @@ class _Solved:
                     rest[column] -= x * found_x[count + k]
                     rest[count + k] -= x * found_x[column]
             step = scale * (inverse @ (scale * np.array([float(x) for x in rest])))
-            found_x = [a + equations.digits.number(float(b)) for a, b in zip(found_x, step, strict=True)]
+            found_x = [
+                a + equations.digits.number(float(b)) for a, b in zip(found_x, step, strict=True)
+            ]
         self.v_dot, self.lam = found_x[:count], found_x[count:]
         self.inertia_force = max(
             (abs(float(a * b)) for a, b in zip(inertia, self.v_dot, strict=True)), default=0.0
@@ -311,9 +319,10 @@ def _condition(scaled: Array) -> float:
 
 
 def _point(
-    given: Given, finder: _States, label: str, time: float, q: Array, v: Array
+    given: Given, finder: _States, state: tuple[str, float, Array, Array]
 ) -> dict[str, object]:
     """Return a state, and what a solver must compute there."""
+    label, time, q, v = state
     equations = BodyEquations(given.system, FIFTY)
     poses = finder.poses(q, v, FIFTY)
     at_time = FIFTY.number(time)
@@ -369,7 +378,10 @@ class _Values:
         made = dict([*self._accelerations(), *self._coordinates()])
         sizes = {"q_moved": self.reach, "dv": self.speed, "dq": self.reach}
         sizes |= {"C": self.reach, "C_dot": self.speed, "C_ddot": self.acceleration}
-        rests = {name: self._made([""], [0.0], max(size, size / self.length)) for name, size in sizes.items()}
+        rests = {
+            name: self._made([""], [0.0], max(size, size / self.length))
+            for name, size in sizes.items()
+        }
         made |= rests
         if self.given.is_weighed:
             made |= dict([*self._energies(), *self._forces()])
@@ -387,7 +399,10 @@ class _Values:
         loose = self._loose(own)
         names = [body.name for body in self.equations.bodies]
         for n, (what, size) in enumerate(
-            (("acceleration", self.acceleration), ("angular_acceleration", self.acceleration / self.length))
+            (
+                ("acceleration", self.acceleration),
+                ("angular_acceleration", self.acceleration / self.length),
+            )
         ):
             labels = [name for name, row in zip(names, own, strict=True) for _ in row[n]]
             numbers = [x for row in own for x in row[n]]
@@ -402,7 +417,9 @@ class _Values:
         for free in self.solved.free:
             if np.abs(free[:count]).max(initial=0.0) <= UNIQUE * np.abs(free).max():
                 continue
-            other = [a + FIFTY.number(float(b)) for a, b in zip(self.solved.v_dot, free, strict=False)]
+            other = [
+                a + FIFTY.number(float(b)) for a, b in zip(self.solved.v_dot, free, strict=False)
+            ]
             at = self.equations.courses(range(len(self.poses)), self.poses, self.rates, other)
             for marks, new, old in zip(found, self.equations.origins(at, other), own, strict=True):
                 for mark, a, b in zip(marks, new, old, strict=True):
@@ -413,7 +430,10 @@ class _Values:
     def _coordinates(self) -> Iterator[tuple[str, dict[str, object]]]:
         """Yield value, rate and second derivative of coordinates that are shown."""
         system = self.given.system
-        shown = [(system.coordinates[k].name, self.equations.coordinate(k, self.at)) for k in system.shown]
+        shown = [
+            (system.coordinates[k].name, self.equations.coordinate(k, self.at))
+            for k in system.shown
+        ]
         for place, (_, value) in zip(system.shown, shown, strict=True):
             one = system.coordinates[place]
             if one.kind == "angle" and abs(float(value.x) - one.near) > NEAR:
@@ -438,7 +458,9 @@ class _Values:
             for vector, whole in ((linear, first), (angular, second)):
                 for direction in vector:
                     names.append("")
-                    numbers.append(sum(FIFTY.number(a) * b for a, b in zip(direction, whole, strict=True)))
+                    numbers.append(
+                        sum(FIFTY.number(a) * b for a, b in zip(direction, whole, strict=True))
+                    )
         mass = sum(body.mass for body in self.equations.bodies)
         size = mass * self.speed * max(1.0, self.reach + self.length)
         yield "momenta", self._made(names, numbers, size)
@@ -470,7 +492,14 @@ class _Values:
                 drivers.setdefault(line.instance.joint, []).append((k, -line.nu))
         rows = {name: self._unique(one, free) for name, one in drivers.items()}
         names = [*powers, *rows]
-        yield "power", self._made(names, [*powers.values(), *rows.values()], strength * self.speed * max(1.0, 1 / self.length))
+        yield (
+            "power",
+            self._made(
+                names,
+                [*powers.values(), *rows.values()],
+                strength * self.speed * max(1.0, 1 / self.length),
+            ),
+        )
 
     def _unique(self, one: Sequence[tuple[int, High]], free: Array) -> High | None:
         """Return Σ a λ, None where it is not unique."""

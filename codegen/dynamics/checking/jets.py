@@ -1,7 +1,7 @@
 """Numbers with their first and second derivative by time, in doubles or in 50 digits.
 
-Whatever is computed of a motion r(t), A(t) comes with its rates: a residual C of a joint gives Ċ and
-C̈, and nobody has to derive a Jacobian.
+Whatever is computed of a motion r(t), A(t) comes with its rates: a residual C of a joint gives Ċ
+and C̈, and nobody has to derive a Jacobian.
 """
 
 from __future__ import annotations
@@ -140,38 +140,38 @@ def formula(expression: Expression, names: Mapping[str, Jet], digits: Digits) ->
 
 
 def _applied(function: Function, args: Sequence[Jet], digits: Digits) -> Jet:
+    if function in _SIMPLE:
+        return _SIMPLE[function](*args)
     a, b = args[0], args[-1]
     match function:
-        case Function.ADD:
-            return sum(args[1:], a)
-        case Function.MUL:
-            return a * b
-        case Function.DIV:
-            return a / b
-        case Function.NEG:
-            return -a
         case Function.POW:
             return _power(a, b, digits)
         case Function.ATAN2:
             return atan2(a, b, digits)
         case Function.SQRT:
             return sqrt(a, digits)
+        case Function.SIGN:
+            return Jet(digits.number((a.x > 0) - (a.x < 0)))
         case Function.SIN | Function.COS:
             sine, cosine = digits.functions.sin(a.x), digits.functions.cos(a.x)
             if function is Function.SIN:
                 return a.through(sine, cosine, -sine)
             return a.through(cosine, -sine, -cosine)
-        case Function.MIN:
-            return a if a.x <= b.x else b
-        case Function.MAX:
-            return a if a.x >= b.x else b
-        case Function.ABS:
-            return a if a.x >= 0 else -a
-        case Function.SIGN:
-            return Jet(digits.number((a.x > 0) - (a.x < 0)))
         case _:
             value = getattr(digits.functions, function.value)(a.x)
             return a.through(value, *_SLOPES[function](a.x, value))
+
+
+#: Functions that need no others.
+_SIMPLE: dict[Function, Callable[..., Jet]] = {
+    Function.ADD: lambda a, *rest: sum(rest, a),
+    Function.MUL: lambda a, b: a * b,
+    Function.DIV: lambda a, b: a / b,
+    Function.NEG: lambda a: -a,
+    Function.MIN: lambda a, b: a if a.x <= b.x else b,
+    Function.MAX: lambda a, b: a if a.x >= b.x else b,
+    Function.ABS: lambda a: a if a.x >= 0 else -a,
+}
 
 
 def _power(a: Jet, b: Jet, digits: Digits) -> Jet:

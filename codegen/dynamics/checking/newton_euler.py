@@ -98,7 +98,14 @@ class Course:
         omega, alpha = (0, *rates[3:]), (0, *second[3:])
         first = [x / 2 for x in composed(pose.p, omega)]
         halves = zip(composed(first, omega), composed(pose.p, alpha), strict=True)
-        return cls(r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, first, halves, strict=True)])
+        return cls(
+            r, [Jet(x, d, (a + b) / 2) for x, d, (a, b) in zip(pose.p, first, halves, strict=True)]
+        )
+
+    def with_rates(self, rates: Sequence[High]) -> Course:
+        """Return the way from the same place with other rates, which do not change."""
+        here = Pose([x.x for x in self.r], [x.x for x in self.p], (), ())
+        return Course.of(here, rates, [0] * 6)
 
     def vector(self, a: Sequence[High]) -> Vector:
         """Return a body-fixed vector in frame O."""
@@ -285,24 +292,22 @@ class BodyEquations:
             along = self._residuals(one, at, time)
             at_rest = self.courses(bodies, poses, rest, rest)
             still = self._residuals(one, at_rest, time)
-            own = [
-                Line(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)
-            ]
-            for column, ahead_at in self._each(at_rest, bodies, poses):
+            own = [Line(one, c.x, -s.d, -c.dd, {}) for c, s in zip(along, still, strict=True)]
+            for column, ahead_at in self._each(at_rest):
                 ahead = self._residuals(one, ahead_at, time)
                 for line, a, s in zip(own, ahead, still, strict=True):
                     line.slopes[column] = a.d - s.d
             found += own
         return found
 
-    def _each(
-        self, at_rest: Mapping[int, Course], bodies: Sequence[int], poses: Sequence[Pose]
-    ) -> Iterator[tuple[int, dict[int, Course]]]:
+    def _each(self, at: Mapping[int, Course]) -> Iterator[tuple[int, dict[int, Course]]]:
         """Yield each column of bodies, and their ways where that velocity alone is one."""
-        for body in bodies:
-            for k, column in enumerate(self.own(body)):
+        zeros = [self.digits.number(0)] * 6
+        at_rest = {body: course.with_rates(zeros) for body, course in at.items()}
+        for body, course in at_rest.items():
+            for k, column in enumerate(self.own(body) if body != GROUND_INDEX else ()):
                 rates = [self.digits.number(k == n) for n in range(6)]
-                yield column, {**at_rest, body: Course.of(poses[body], rates, [0] * 6)}
+                yield column, {**at_rest, body: course.with_rates(rates)}
 
     # The forces.
 
@@ -315,7 +320,7 @@ class BodyEquations:
         for k, (body, pose) in enumerate(zip(self.bodies, poses, strict=True)):
             self._weigh(body, pose, fall, self.own(k), found)
         for force in self.system.forces:
-            self._act(force, poses, at, time, found)
+            self._act(force, at, time, found)
         return found
 
     def _fall(self) -> list[High]:
@@ -336,7 +341,9 @@ class BodyEquations:
         for k in range(3):
             found.force[own[k]] += mass * fall[k]
         if not body.is_point:
-            spin = [self.digits.number(a) * b for a, b in zip(body.inertia, pose.omega_b, strict=True)]
+            spin = [
+                self.digits.number(a) * b for a, b in zip(body.inertia, pose.omega_b, strict=True)
+            ]
             kinetic += sum(a * b for a, b in zip(spin, pose.omega_b, strict=True)) / 2
             for k, x in enumerate(cross(pose.omega_b, spin)):
                 found.force[own[3 + k]] -= x
@@ -347,7 +354,6 @@ class BodyEquations:
     def _act(
         self,
         force: ForceElement,
-        poses: Sequence[Pose],
         at: Mapping[int, Course],
         time: High,
         found: Found,
@@ -363,7 +369,7 @@ class BodyEquations:
             for name, values in force.constants
         }
         if force.coordinate >= 0:
-            power, energy = self._along(force, poses, at, names, given, found)
+            power, energy = self._along(force, at, names, given, found)
         elif force.kind == "spring_damper":
             power, energy = self._spring(force, at, names, given, found)
         else:
@@ -384,7 +390,9 @@ class BodyEquations:
             names |= {one.name: value, f"{one.name}{RATE}": Jet(value.d)}
         return names
 
-    def _push(self, body: int, at: Course, arm: Sequence[High], force: Sequence[High], found: Found) -> None:
+    def _push(
+        self, body: int, at: Course, arm: Sequence[High], force: Sequence[High], found: Found
+    ) -> None:
         """Add a force in frame O that acts on a point of a body: F, and s′ × Aᵀ F."""
         if body == GROUND_INDEX:
             return
@@ -451,7 +459,6 @@ class BodyEquations:
     def _along(
         self,
         force: ForceElement,
-        poses: Sequence[Pose],
         at: Mapping[int, Course],
         names: Mapping[str, Jet],
         given: Mapping[str, Sequence[High]],
@@ -471,10 +478,8 @@ class BodyEquations:
                 lost = -given["damping"][0] * value.d
                 tau = lost - given["stiffness"][0] * beyond
                 energy = given["stiffness"][0] * beyond**2 / 2
-        bodies = [body for body in dict.fromkeys((force.i, force.j)) if body != GROUND_INDEX]
-        rest = [self.digits.number(0)] * self.count
-        at_rest = self.courses(bodies, poses, rest, rest)
-        for column, ahead in self._each(at_rest, bodies, poses):
+        own_at = {body: at[body] for body in (force.i, force.j)}
+        for column, ahead in self._each(own_at):
             found.force[column] += tau * self.coordinate(force.coordinate, ahead).d
         return lost * value.d, energy
 
