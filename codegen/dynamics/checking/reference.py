@@ -187,7 +187,10 @@ def _point(program: Program, system: System, state: State) -> dict[str, object] 
         given["parameters"] = state.parameters
     for name, values in given.items():
         work[name] = [HIGH.number(Fraction(x)) for x in values]
-    regions = [one for one in program.regions if one.size and one.name not in GIVEN]
+    # What loops find is no task of the program.
+    given_too = {"reactions"} if program.shares_out else set()
+    hidden = {*GIVEN, *given_too}
+    regions = [one for one in program.regions if one.size and one.name not in hidden]
     slots = [one.base + k for one in regions for k in range(one.size)]
     try:
         before = ["setup"] if program.design else []

@@ -50,7 +50,7 @@ from kousoku.codegen.dynamics.operations.mechanics import (
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.redundancy.left_out import others, rows_of, take_over
+from kousoku.codegen.dynamics.redundancy.left_out import others, rows_of, shares_out, take_over
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.turned import named_back, turned, turned_row
@@ -359,7 +359,10 @@ class _Composer:
         length = characteristic_length(self.system)
         told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
         known = partial(self.reduced.wrenches, *told)
-        record = record or partial(record_reactions, held=self.held, known=known)
+        count = len(rows_of(self.left_out))
+        in_loops = "checks" in self.wanted and shares_out(self.rows, count)
+        how = {"held": self.held, "known": known, "in_loops": in_loops}
+        record = record or partial(record_reactions, **how)
         record(
             self.recorder,
             self.schur,
