@@ -361,8 +361,7 @@ class _Composer:
         known = partial(self.reduced.wrenches, *told)
         count = len(rows_of(self.left_out))
         in_loops = "checks" in self.wanted and shares_out(self.rows, count)
-        how = {"held": self.held, "known": known, "in_loops": in_loops}
-        record = record or partial(record_reactions, **how)
+        record = record or partial(record_reactions, held=self.held, known=known, in_loops=in_loops)
         record(
             self.recorder,
             self.schur,
