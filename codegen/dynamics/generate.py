@@ -160,14 +160,13 @@ def independent(
     Freedom
         What was found: degrees of freedom, and the rows that were left out.
     """
-    program = compose(system, wanted, may_be_planar=may_be_planar)
+    outline = compose(system, wanted, may_be_planar=may_be_planar, is_outline=True)
     fixed = fixed_system(system)
-    require_unmoved_rows_hold(fixed, program)
-    freedom = freedom_of(fixed, program)
-    if freedom.dropped:
-        rows = kept_rows(freedom, program)
-        sets = [one.joints for one in freedom.dependent if one.is_everywhere]
-        program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
+    require_unmoved_rows_hold(fixed, outline)
+    freedom = freedom_of(fixed, outline)
+    rows = kept_rows(freedom, outline) if freedom.dropped else None
+    sets = [one.joints for one in freedom.dependent if one.is_everywhere and rows]
+    program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
     return program, freedom
 
 
