@@ -1,8 +1,10 @@
 """Check the solver of a scene of bodies: against 50 digits at a few states, and target by target.
 
 At each state of ``reference.json.gz`` all that the solver computes is computed again, by C and by
-NumPy, and its error is told in units of what rounding can do there. Then both make the same few
-steps: a scene without sines or logarithms must give the same bits.
+NumPy, and its error is told in units of what rounding can do there. What the solver was composed of
+has no part in the states of :mod:`kousoku.runtime.independent_verify`. The tables of its methods
+must meet the conditions of their orders, and its steps show them. Then both targets make the same
+few steps: a scene without sines or logarithms must give the same bits.
 """
 
 from __future__ import annotations
@@ -15,8 +17,11 @@ import numpy as np
 from kousoku.model.errors import LoadError, NoCompilerError, SolveError, TargetError, VerifyError
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
+from kousoku.runtime.importing import import_source
+from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.result import key_of
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
+from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Report, Row
 
@@ -31,7 +36,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-FORMAT = 1
+FORMAT = 2
 NAMES: dict[str, str] = {"c": "C", "numpy": "NumPy"}
 #: Regions with one number for each constraint.
 BY_ROW = ("C", "C_dot", "C_ddot", "lam", "pivots")
@@ -71,8 +76,15 @@ def verify_solver(
         problems.append("nothing was checked, because nothing could be run")
     points = data["points"] if data else []
     notes += _without(folder, data)
+    independent = data["independent"] if data else []
     rows = [row for solver in solvers for row in _rows(solver, points)]
+    rows += [row for solver in solvers for row in independent_rows(solver, independent)]
     problems += [str(row) for row in rows if not row.ok]
+    if solvers:
+        problems += table_problems(folder, files)
+    if data and data["is_smooth"] and solvers and solvers[0].target.name == "c":
+        methods = import_source(folder, files, "integrate/methods.py").METHODS
+        problems += shown_order_problems(solvers[0], methods, {})
     if len(solvers) > 1:
         is_exact = bool(data and data["is_exact"])
         problems += _differences(solvers[0], solvers[1], _parameters(points), is_exact=is_exact)
@@ -89,6 +101,7 @@ def _read(folder: Path, files: Mapping[str, bytes]) -> dict[str, Any] | None:
         if data["format"] != FORMAT:
             raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
         _ = [(point["label"], point["outputs"]) for point in data["points"]], data["is_exact"]
+        _ = [(one["label"], one["values"]) for one in data["independent"]], data["is_smooth"]
     except (ValueError, KeyError, TypeError) as error:
         raise VerifyError(f"{path} cannot be read: {error!r}") from None
     return data

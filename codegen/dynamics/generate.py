@@ -74,7 +74,9 @@ def generate_dynamics(
     wanted = scene.outputs if outputs is None else outputs
     made = composed(scene, wanted)
     program, system = made.program, made.system
-    more = {REFERENCE_FILE: solver_references(program, system)} if references else {}
+    more = {}
+    if references:
+        more[REFERENCE_FILE] = solver_references(program, system, made.written)
     return emit_dynamics(inline(program), system, wanted, more, made.about)
 
 
@@ -90,12 +92,15 @@ class Composed:
         Degrees of freedom.
     about : About
         What is told of the scene.
+    written : System
+        The scene after assembly, before anything is simplified.
     """
 
     program: Program
     system: System
     degrees: int
     about: About
+    written: System
 
 
 def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
@@ -127,7 +132,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     changes = changes_of_assembly(given, placed)
     notes = (*notes_of_assembly(changes, given.unit, scene.unit), *_of_reactions(program))
     about = replace(About.of(scene, notes), moved=tuple(one.as_data() for one in changes))
-    return Composed(program, system, freedom.degrees, about)
+    return Composed(program, system, freedom.degrees, about, without_held(placed))
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
@@ -153,14 +158,13 @@ def independent(
     Freedom
         What was found: degrees of freedom, and the rows that were left out.
     """
-    program = compose(system, wanted, may_be_planar=may_be_planar)
+    outline = compose(system, wanted, may_be_planar=may_be_planar, is_outline=True)
     fixed = fixed_system(system)
-    require_unmoved_rows_hold(fixed, program)
-    freedom = freedom_of(fixed, program)
-    if freedom.dropped:
-        rows = kept_rows(freedom, program)
-        sets = [one.joints for one in freedom.dependent if one.is_everywhere]
-        program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
+    require_unmoved_rows_hold(fixed, outline)
+    freedom = freedom_of(fixed, outline)
+    rows = kept_rows(freedom, outline) if freedom.dropped else None
+    sets = [one.joints for one in freedom.dependent if one.is_everywhere and rows]
+    program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
     return program, freedom
 
 

@@ -162,7 +162,8 @@ int PUBLIC(evaluate)(
     position(w);
     move(w);
     velocity(w);
-    reaction(w);
+    if (HAS_ROW_SWITCH) ((Work *)workspace)->all.is_on = 0.0;
+    find_reactions((Work *)workspace, 0);
     coordinate(w);
     energy(w);
     momentum(w);

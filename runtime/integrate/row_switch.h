@@ -77,13 +77,13 @@ static void multiply_rows(Work *work)
 }
 
 /* C_q M^-1 C_q^T of all rows becomes L D L^T of NC rows, those of drivers and those with the
- * largest pivots; the smallest pivot relative to the largest of them and of all steps, 0 if
- * one is not positive */
-static double factorise_rows(Work *work, const State *s)
+ * largest pivots; the smallest pivot relative to the largest of them and of all steps, the inverse
+ * of which is known unless it is 0; 0 if one is not positive */
+static double factorise_rows(Work *work, double known)
 {
     RowSwitch *all = &work->all;
     double least = HUGE_VAL;
-    double most = s->least_inverse_pivot > 0.0 ? 1.0 / s->least_inverse_pivot : 0.0;
+    double most = known > 0.0 ? 1.0 / known : 0.0;
     set_order(all->order);
     multiply_rows(work);
     for (size_t r = 0; r != NC; ++r) {
@@ -209,6 +209,18 @@ static void least_norm_reactions(Work *work)
     wrench(w);
 }
 
+/* takes the multipliers of the rows that are kept for those of all rows, and finds the factors that
+ * tell which others there are; without these no force is known */
+static void take_multipliers(Work *work)
+{
+    RowSwitch *all = &work->all;
+    memset(all->lam, 0, NCHECK * sizeof(double));
+    memcpy(all->lam, work->w + W_LAM, NC * sizeof(double));
+    write_jacobian(work);
+    if (factorise_rows(work, 0.0) > 0.0) return;
+    for (size_t k = 0; k != NC; ++k) all->lam[k] = NAN;
+}
+
 /* brings v_dot, and the multipliers of all rows, nearer to C_q v_dot = gamma */
 static void refine_all_rows(Work *work)
 {
@@ -243,7 +255,7 @@ static int are_all_rows_better(double ratio, Work *work, const State *s)
     RowSwitch *all = &work->all;
     if (ratio < HELPS * all->tried && all->tried < HELPS * ratio) return 0;
     write_jacobian(work);
-    all->ratio = factorise_rows(work, s);
+    all->ratio = factorise_rows(work, s->least_inverse_pivot);
     const int found = all->ratio > HELPS * ratio;
     all->tried = found ? 0.0 : ratio;
     return found;
@@ -275,6 +287,6 @@ static void note_usual_ratio(Work *work, State *s)
     forget_trials(work);
     const double ratio = pivot_ratio(work, s);
     write_jacobian(work);
-    const double all = factorise_rows(work, s);
+    const double all = factorise_rows(work, s->least_inverse_pivot);
     s->largest_pivot_ratio = ratio < FALL_BACK * all ? all : ratio;
 }

@@ -58,11 +58,11 @@ def exchange(a: npt.NDArray[Any], i: int, j: int) -> None:
     a[[i, j]] = a[[j, i]]
 
 
-def factorise_rows(all_rows: RowMemory, work: Work, state: State) -> float:
+def factorise_rows(all_rows: RowMemory, work: Work, known: float) -> float:
     """Make L D Lᵀ of nc rows of C_q M⁻¹ C_qᵀ, those of drivers and those with the largest pivots.
 
-    Returns the smallest pivot relative to the largest of them and of all steps, 0 if one is not
-    positive.
+    Returns the smallest pivot relative to the largest of them and of all steps, the inverse of
+    which is known unless it is 0; 0 if one is not positive.
     """
     scene, a, order = work.scene, all_rows.matrix, all_rows.order
     first = scene.drivers[:, 0].tolist()  # their multipliers are wanted whatever happens
@@ -71,7 +71,6 @@ def factorise_rows(all_rows: RowMemory, work: Work, state: State) -> float:
     a[:] = 0.0
     for k in range(scene.nv):
         a += np.outer(rows[:, k] * weights[k], rows[:, k])
-    known = state.least_inverse_pivot
     least, most = math.inf, 1.0 / known if known > 0.0 else 0.0
     for r in range(scene.nc):
         best = r
@@ -176,6 +175,18 @@ def least_norm_reactions(all_rows: RowMemory, work: Work) -> None:
     w.run("wrench")
 
 
+def take_multipliers(all_rows: RowMemory, work: Work) -> None:
+    """Take the multipliers of the rows that are kept for those of all rows.
+
+    The factors that are found tell which others there are; without these no force is known.
+    """
+    count = work.scene.nc
+    all_rows.lam[:count], all_rows.lam[count:] = work.w.lam, 0.0
+    write_jacobian(all_rows, work)
+    if not factorise_rows(all_rows, work, 0.0) > 0.0:
+        all_rows.lam[:count] = math.nan
+
+
 def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
     """Bring v̇, and the multipliers of all rows, nearer to C_q v̇ = γ."""
     work.w.run("check")
@@ -208,7 +219,7 @@ def are_all_rows_better(ratio: float, all_rows: RowMemory, work: Work, state: St
     if ratio < HELPS * all_rows.tried and all_rows.tried < HELPS * ratio:
         return False
     write_jacobian(all_rows, work)
-    all_rows.ratio = factorise_rows(all_rows, work, state)
+    all_rows.ratio = factorise_rows(all_rows, work, state.least_inverse_pivot)
     found = all_rows.ratio > HELPS * ratio
     all_rows.tried = 0.0 if found else ratio
     return found
@@ -242,5 +253,5 @@ def note_usual_ratio(all_rows: RowMemory, work: Work, state: State) -> None:
     forget_trials(work)
     ratio = pivot_ratio(work, state)
     write_jacobian(all_rows, work)
-    every = factorise_rows(all_rows, work, state)
+    every = factorise_rows(all_rows, work, state.least_inverse_pivot)
     state.largest_pivot_ratio = every if ratio < FALL_BACK * every else ratio

@@ -11,7 +11,7 @@ from .dense_output import differentiate, interpolate
 from .methods import METHODS
 from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
-from .row_switch import find_geometry, forget_trials, least_norm_reactions
+from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
 from .scene import larger
 from .settings import COMES_OPEN, Status
 
@@ -99,12 +99,22 @@ def note_not_finite(row: Array, state: State) -> None:
 
 
 def find_reactions(work: Work, *, is_passed: bool) -> None:
-    """Find the forces and torques of joints, those of least norm where rows are dependent."""
-    is_asked = "reactions" in work.scene.parts and not is_passed
-    if is_asked and work.all is not None and work.all.is_on:
-        least_norm_reactions(work.all, work)
-    else:
+    """Find the forces and torques of joints, those of least norm where rows are dependent.
+
+    Scenes with many dependent rows share them out here, others in their own code.
+    """
+    rows, shares_out = work.all, work.scene.shares_out
+    if rows is None or not (shares_out or ("reactions" in work.scene.parts and rows.is_on)):
         work.w.run("reaction")
+    elif is_passed and shares_out:
+        work.w.all_lam[:] = math.nan
+        work.w.run("wrench")
+    elif is_passed:
+        work.w.run("reaction")
+    else:
+        if not rows.is_on:
+            take_multipliers(rows, work)
+        least_norm_reactions(rows, work)
 
 
 def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: Array) -> Status:

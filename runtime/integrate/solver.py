@@ -14,7 +14,7 @@ from .methods import METHODS
 from .pivot_monitor import note_largest_pivot, pivot_ratio
 from .projection import project
 from .row_switch import note_usual_ratio
-from .rows import energy_balance, write_row
+from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, larger, smaller, state_of
 from .settings import Status
 from .stepper import first_step, step
@@ -30,11 +30,9 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: The segments of an evaluation, in order.
-EVALUATED = (
-    *("geometry", "position", "move", "velocity", "acceleration"),
-    *("reaction", "coordinate", "energy", "momentum", "check"),
-)
+#: The segments of an evaluation, in order: before the forces of joints, and behind.
+FOUND_FIRST = ("geometry", "position", "move", "velocity", "acceleration")
+FOUND_LAST = ("coordinate", "energy", "momentum", "check")
 
 
 class Solver:
@@ -240,13 +238,17 @@ class Solver:
         given = self.scene.parameters if parameters is None else parameters
         if not _are_numbers(time, q, v, given):
             return Status.BAD_ARGUMENT
-        w = Workspace(self.scene, workspace)
+        work = Work(self.scene, workspace)
+        w = work.w
         with np.errstate(all="ignore"):
             w.prepare(given)
             if self.scene.has_design and not is_possible(w):
                 return Status.BAD_ARGUMENT
             w.place(time, np.concatenate((q, v)))
-            for segment in EVALUATED:
+            for segment in FOUND_FIRST:
+                w.run(segment)
+            find_reactions(work, is_passed=False)
+            for segment in FOUND_LAST:
                 w.run(segment)
         return Status.GOOD
 

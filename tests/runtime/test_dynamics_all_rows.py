@@ -12,6 +12,7 @@ import math
 import sys
 from importlib import import_module
 from itertools import pairwise
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -22,25 +23,26 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.emission.view_numbers import inverse_masses
-from kousoku.codegen.dynamics.generate import LEDGER, independent
+from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics, independent
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.redundancy import left_out
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import scene_from_toml
+from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
-from kousoku.runtime.integrate.scene import Work, state_of
+from kousoku.runtime.integrate.scene import Work
 from kousoku.runtime.integrate.settings import Status
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
+SCENES = Path(__file__).parents[2] / "scenes"
 Array = Any
 OUTPUTS = ("accelerations", "reactions", "energies")
 START, RATE, END = 1.0, 1.5, 1.0
@@ -215,12 +217,12 @@ def test_driver_is_solved_for_however_heavy_what_it_moves(folders: dict[str, Pat
     target: Any = solver.target
     scene, slots = target.solver.scene, np.zeros(target.work_size)
     target.evaluate(0.0, solver.q, solver.v, scene.parameters, slots)
-    work, state = Work(scene, slots), state_of(scene, np.zeros(target.state_size))
+    work = Work(scene, slots)
     assert work.all is not None
     row_switch.write_jacobian(work.all, work)
     ((motor, _),) = scene.drivers
     work.all.rows[motor] *= 1e-9
-    assert 0.0 < row_switch.factorise_rows(work.all, work, state) < 1e-17
+    assert 0.0 < row_switch.factorise_rows(work.all, work, 0.0) < 1e-17
     assert motor in work.all.order[: scene.nc]
 
 
@@ -291,3 +293,31 @@ def test_thin_bodies_have_the_thickness_with_all_rows_that_they_have_with_those_
     assert (len(solver.rows), len(solver.left_out)) == (24, 7)
     assert motion.ledger.fallbacks > 0
     assert motion.ledger.growth > 1e-4
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver")
+@pytest.mark.parametrize("name", ["bricard", "oldham_coupling"])
+def test_loops_share_out_forces_as_the_code_of_a_scene_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    scene = read_scene(SCENES / f"{name}.toml")
+    found = {}
+    for how, most in (("in_code", 2000), ("in_loops", 0)):
+        monkeypatch.setattr(left_out, "MOST_UNROLLED", most)
+        tree = generate_dynamics(scene, ("reactions", "accelerations"))
+        assert ("static void reaction(double *w) { (void)w; }" in tree["solver.c"]) == (not most)
+        write_tree(tmp_path / how, tree)
+        solvers = [load_dynamics(tmp_path / how, target=target) for target in ("c", "numpy")]
+        one, other = (solver.simulate(0.1, samples=3, tolerance=1e-5).rows for solver in solvers)
+        np.testing.assert_array_equal(one, other)
+        one, other = (solver.evaluate()["reactions"] for solver in solvers)
+        np.testing.assert_array_equal(one, other)
+        found[how] = solvers[0].simulate(0.1, samples=3, tolerance=1e-5).rows, one
+    for one, other in zip(found["in_code"], found["in_loops"], strict=True):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-11 * np.abs(one).max())
+
+
+def test_code_shares_out_what_is_little_and_loops_what_is_much() -> None:
+    assert not left_out.shares_out(29, 1)
+    assert left_out.shares_out(150, 39)
+    assert not left_out.shares_out(190, 39), "loops are over 200 rows at most"

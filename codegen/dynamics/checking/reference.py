@@ -1,7 +1,8 @@
-"""What a scene's solver must give at a few states: in 50 digits, from the program before emission.
+"""What a scene's solver must give at a few states, in 50 digits, from two sources.
 
 The tasks of the program are run as they were composed; straight-line code, C and Python have no
-part in it.
+part in it. What the composition itself does wrong shows against :mod:`.independent`, in which it
+has none.
 """
 
 from __future__ import annotations
@@ -12,10 +13,14 @@ from fractions import Fraction
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from kousoku.codegen.dynamics.checking.independent import Given, independent_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
 from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.auxiliary import TURNS
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.emission.motion_data import GIVEN
+from kousoku.codegen.dynamics.emission.motion_data import GIVEN, motion_data
 from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
 from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.graph import EXACT_OPS, Op
@@ -23,6 +28,8 @@ from kousoku.codegen.interpret import HIGH
 from kousoku.codegen.stream import Stream
 from kousoku.model.jsontext import to_text
 from kousoku.model.traced import other_value
+from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.motion import Layout
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,13 +37,15 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import System
 
-FORMAT = 1
+FORMAT = 2
 #: Programs with more operations get no reference values: they would take minutes.
 MOST_OPERATIONS = 100_000
 #: No unit is smaller, as a part of the largest of its region: roundings of roundings count there.
 SECOND_ORDER = 2.0**-40
 #: What is a number and not an operation.
 LEAVES = frozenset({Op.CONST, Op.INPUT})
+#: Operations whose derivatives jump.
+KINKS = frozenset({Op.ABS, Op.MAX})
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +71,7 @@ class State:
     parameters: list[float]
 
 
-def solver_references(program: Program, system: System) -> str:
+def solver_references(program: Program, system: System, written: System) -> str:
     """Return the text of the reference values of a scene of bodies.
 
     Parameters
@@ -71,36 +80,70 @@ def solver_references(program: Program, system: System) -> str:
         Tasks, as composed.
     system : System
         What it was composed of.
+    written : System
+        The same after assembly alone: all bodies and joints of the scene.
 
     Returns
     -------
     str
         For each state time, q and v, and for each region of the workspace lists ``high``, ``low``
         and ``unit``, as kernels have them; the unit is that of
-        :mod:`kousoku.codegen.dynamics.checking.rounding`. Without states where the program has more
-        than :data:`MOST_OPERATIONS` operations.
+        :mod:`kousoku.codegen.dynamics.checking.rounding`; then ``independent``, the states of
+        :mod:`kousoku.codegen.dynamics.checking.independent`. Without states where the program has
+        more than :data:`MOST_OPERATIONS` operations.
     """
     count = operations(program)
     found: list[dict[str, object]] = []
+    independent: list[dict[str, object]] = []
     if count <= MOST_OPERATIONS:
         states = _states(program, system)
         found = [point for state in states if (point := _point(program, system, state))]
+        independent = independent_points(_known(program, system, written))
     return to_text(
         {
             "format": FORMAT,
             "package": system.name,
-            "is_exact": _is_exact(program),
+            "is_exact": _uses(program, EXACT_OPS | LEAVES),
+            "is_smooth": _uses(program, frozenset(Op) - KINKS),
             "operations": count,
             "most_operations": MOST_OPERATIONS,
             "points": found,
+            "independent": independent,
         }
     )
 
 
-def _is_exact(program: Program) -> bool:
-    """Return whether every target must give the same bits."""
-    allowed = EXACT_OPS | LEAVES
+def _uses(program: Program, allowed: frozenset[Op]) -> bool:
+    """Return whether a program has no other operations."""
     return all(node.op in allowed for kernel in program.kernels for node in kernel.nodes)
+
+
+def _known(program: Program, system: System, written: System) -> Given:
+    """Return what is known of a solver beside what it computes: where it has its bodies."""
+    data = motion_data(program, system)
+    numbers = Workspace(program)["design"] if program.design else []
+    names = [
+        [one.name for one in system.carried if one.carrier in part.bodies]
+        if system.carried
+        else [system.bodies[k].name for k in part.bodies]
+        for part in program.kept
+    ]
+    return Given(
+        system=fixed_system(written),
+        layout=Layout.from_data(data).at(np.array(numbers, dtype=float)),
+        q=np.array(data["q"], dtype=float),
+        v=np.array(data["v"], dtype=float),
+        turning={
+            one.place.slot - program.region("q").base: one.name
+            for one in program.auxiliary
+            if one.kind == TURNS
+        },
+        momenta=[
+            (own, part.linear, part.angular, part.about)
+            for own, part in zip(names, program.kept, strict=True)
+        ],
+        is_weighed=program.is_weighed,
+    )
 
 
 def _states(program: Program, system: System) -> list[State]:
@@ -144,7 +187,10 @@ def _point(program: Program, system: System, state: State) -> dict[str, object] 
         given["parameters"] = state.parameters
     for name, values in given.items():
         work[name] = [HIGH.number(Fraction(x)) for x in values]
-    regions = [one for one in program.regions if one.size and one.name not in GIVEN]
+    # What loops find is no task of the program.
+    given_too = {"reactions"} if program.shares_out else set()
+    hidden = {*GIVEN, *given_too}
+    regions = [one for one in program.regions if one.size and one.name not in hidden]
     slots = [one.base + k for one in regions for k in range(one.size)]
     try:
         before = ["setup"] if program.design else []

@@ -48,9 +48,9 @@ from kousoku.codegen.dynamics.operations.mechanics import (
     Orientation,
 )
 from kousoku.codegen.dynamics.operations.sums import summed
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Program
+from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.redundancy.left_out import others, rows_of, take_over
+from kousoku.codegen.dynamics.redundancy.left_out import others, rows_of, shares_out, take_over
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.turned import named_back, turned, turned_row
@@ -75,6 +75,7 @@ def compose(
     dependent: Sequence[Sequence[str]] = (),
     may_be_planar: bool = True,
     most_free: int = -1,
+    is_outline: bool = False,
 ) -> Program:
     """Return the program of a system: its segments are those of ``SEGMENTS``.
 
@@ -96,6 +97,8 @@ def compose(
     most_free : int
         Bodies on a joint with the ground that leaves so many velocities at most are described by
         these, see ``simplification.reduction``; not together with ``rows``.
+    is_outline : bool
+        Whether rows and coordinates are enough: then it has no segments.
 
     Returns
     -------
@@ -114,13 +117,14 @@ def compose(
     if shift is None:
         require_masses(system, is_planar=False)
         composer = _Composer(system, wanted, kept, dependent, is_planar=False, most_free=most_free)
-        return composer.program()
+        return composer.outline() if is_outline else composer.program()
     other = turned(system, shift)
     require_masses(other, is_planar=True)
     kinds = [instance.kind for instance in system.constraints]
     kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
     composer = _Composer(other, wanted, kept, dependent, is_planar=True, most_free=most_free)
-    return named_back(composer.program(), system, shift)
+    found = composer.outline() if is_outline else composer.program()
+    return named_back(found, system, shift)
 
 
 class _Composer:
@@ -180,6 +184,10 @@ class _Composer:
         """Say that tasks belong to a body."""
         return self.recorder.of(self.system.bodies[index].name)
 
+    def outline(self) -> Program:
+        """Return the program without segments."""
+        return self._program(())
+
     def program(self) -> Program:
         """Record all segments."""
         self._geometry()
@@ -199,6 +207,10 @@ class _Composer:
             self._check()
             self._where_rank_drops()
         record_switching(self.recorder, self.system, self.parameters)
+        return self._program(kept)
+
+    def _program(self, kept: tuple[Kept, ...]) -> Program:
+        """Return what was recorded."""
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
         design = record_setup(self.recorder, self.system, self.parameters, places)
@@ -359,7 +371,9 @@ class _Composer:
         length = characteristic_length(self.system)
         told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
         known = partial(self.reduced.wrenches, *told)
-        record = record or partial(record_reactions, held=self.held, known=known)
+        count = len(rows_of(self.left_out))
+        in_loops = "checks" in self.wanted and shares_out(self.rows, count)
+        record = record or partial(record_reactions, held=self.held, known=known, in_loops=in_loops)
         record(
             self.recorder,
             self.schur,

@@ -97,6 +97,7 @@ def record_reactions(
     scale: Scale,
     held: Sequence[JointBlocks] = (),
     known: Callable[[], Mapping[tuple[str, int], Block]] = dict,
+    in_loops: bool = False,
 ) -> None:
     """Record force and torque of each joint on the bodies that :func:`ends_of` gives.
 
@@ -118,11 +119,15 @@ def record_reactions(
         Joints with the ground that bodies are put onto.
     known : callable
         Records force and torque of these, by the name of the joint and the body.
+    in_loops : bool
+        Whether a run finds them with :func:`record_wrenches`: then there is their region alone.
     """
     joints, left_out = rows
     found = reactions_of(joints, left_out, held)
     widths = [len(body(end).columns) for one in found for end in one.ends]
     target = recorder.region("reactions", sum(widths))
+    if in_loops:
+        return
     lam = recorder.known("lam")
     recorder.begin("reaction")
     told = known()

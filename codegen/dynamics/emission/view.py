@@ -389,6 +389,7 @@ def _switches(program: Program, system: System, found: Mapping[str, Table]) -> d
         "HAS_ROW_SWITCH": has_row_switch(program),
         "HAS_VARYING_MASSES": bool(found["mass_places"]),
         "HAS_REACTIONS": "reactions" in parts,
+        "SHARES_OUT": "reactions" in parts and program.shares_out,
         "HAS_ENERGIES": "energies" in parts,
         "ACCELERATES": bool(parts & {"v_dot", "coordinates", "reactions"}),
     }

@@ -251,6 +251,12 @@ class Program:
     design: Design = field(default_factory=Design)
     is_inlined: bool = False
 
+    @property
+    def shares_out(self) -> bool:
+        """Whether forces of joints that are not unique are found by loops over all rows."""
+        has_regions = any(one.name == "reactions" for one in self.regions)
+        return has_regions and all(one.name != "reaction" for one in self.segments)
+
     def region(self, name: str) -> Region:
         """Return a region by its name."""
         for region in self.regions:

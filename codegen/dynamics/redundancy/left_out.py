@@ -16,11 +16,22 @@ if TYPE_CHECKING:
 
 #: Rows up to which all of them are solved for at once.
 MOST_DENSE = 200
+#: Products of the numbers of rows that are kept and left out up to which forces of joints are
+#: found by code of the scene.
+MOST_UNROLLED = 2000
 
 
 def take_over(kept: int, left_out: int) -> bool:
     """Return whether rows that are left out take over where those that are kept lose rank."""
     return left_out > 0 and kept + left_out <= MOST_DENSE
+
+
+def shares_out(kept: int, left_out: int) -> bool:
+    """Return whether forces that are not unique are found by loops, not by code of the scene.
+
+    That code has some multiple of these operations, and compilers take minutes for a million.
+    """
+    return take_over(kept, left_out) and kept * left_out > MOST_UNROLLED
 
 
 def others(system: System, rows: Mapping[int, Sequence[int]]) -> dict[int, Sequence[int]]:

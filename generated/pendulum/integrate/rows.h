@@ -80,14 +80,19 @@ static void note_not_finite(const double *row, size_t n, State *s)
     s->not_finite += 1;
 }
 
-/* finds the forces and torques of joints, those of least norm where rows are dependent */
+/* finds the forces and torques of joints, those of least norm where rows are dependent; scenes with
+ * many dependent rows share them out here, others in their own code */
 static void find_reactions(Work *work, int is_passed)
 {
-    if (HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0 && !is_passed) {
-        least_norm_reactions(work);
-    } else {
-        reaction(work->w);
+    const int has_all = HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0;
+    if (SHARES_OUT && is_passed) {
+        for (size_t k = 0; k != NCHECK; ++k) work->w[W_ALL_LAM + k] = NAN;
+        wrench(work->w);
+        return;
     }
+    if (SHARES_OUT && !has_all) take_multipliers(work);
+    if ((SHARES_OUT || has_all) && !is_passed) least_norm_reactions(work);
+    else reaction(work->w);
 }
 
 /* writes the state at a time of the last step: on the manifold, as at every time that is asked

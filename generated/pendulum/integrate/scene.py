@@ -188,6 +188,11 @@ class Scene:
         return "refinement" in self.tasks
 
     @property
+    def shares_out(self) -> bool:
+        """Whether forces of joints that are not unique are found by loops over all rows."""
+        return "reactions" in self.parts and "reaction" not in self.tasks
+
+    @property
     def accelerates(self) -> bool:
         """Whether a row takes what geometry and accelerations leave."""
         return any(part in self.parts for part in ("v_dot", "coordinates", "reactions"))

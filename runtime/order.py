@@ -1,0 +1,297 @@
+"""The order of Runge-Kutta methods: the conditions that their tables must meet.
+
+A method has order p where Σ b_k Φ_k(t) = 1/γ(t) for each rooted tree t of at most p nodes, with
+Φ_k of a tree the product of Σ_m a_km Φ_m over its branches, and γ(t) the count of its nodes times
+the product of those of its branches; a polynomial that tells the state inside of a step has order
+p where Σ b_k(x) Φ_k(t) = x^n/γ(t), n the count of nodes. Hairer, Nørsett and Wanner, *Solving
+Ordinary Differential Equations I* (1993), theorems II.2.13 and II.6.1. The sums over the tables are
+exact: what they leave is that the coefficients are rounded to doubles.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from kousoku.model.errors import MotionError, SolveError
+from kousoku.runtime.importing import import_source
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from pathlib import Path
+    from types import ModuleType
+
+    import numpy.typing as npt
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.integrate.methods import Method
+
+    Array = npt.NDArray[np.float64]
+    Tree = tuple["Tree", ...]
+
+#: Orders of the polynomials inside of a step, and of what the estimates of errors leave out.
+INSIDE = {"dopri5": 4, "dop853": 7}
+ESTIMATES = {"dopri5": (4,), "dop853": (5, 3)}
+#: Where inside of a step the polynomials are looked at.
+PLACES = (0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
+#: What rounding may leave of a condition, as a part of the sizes of its terms: in the table, and
+#: of a polynomial, which is evaluated in doubles.
+ROUNDING, ROUNDING_INSIDE = 2.0**-53, 2.0**-52
+#: Doubles are whole numbers of this unit: none of a table is below 2⁻⁶⁰, unless it is zero.
+GRAIN = 112
+
+#: The first step is found with this tolerance; how often the time is doubled that is looked at.
+TOLERANCE, DOUBLED = 1e-5, 4
+#: Differences of halved steps that tell an order, as parts of the largest number: not yet rounding.
+LEAST, MOST = 1e-12, 1e-3
+#: A method of order p whose steps show less than p less this, twice at least, is none.
+SHORT = 2.0
+#: Parts of the time at which rows are written: inside of steps.
+ROWS = (0.0, 0.31, 0.57, 0.83, 1.0)
+
+
+@cache
+def trees(nodes: int) -> tuple[Tree, ...]:
+    """Return all rooted trees of so many nodes, each as the tuple of its branches."""
+    return tuple(dict.fromkeys(_forests(nodes - 1)))
+
+
+def _forests(nodes: int) -> Iterator[Tree]:
+    """Yield branches of so many nodes together, in order."""
+    if nodes == 0:
+        yield ()
+    for size in range(1, nodes + 1):
+        for tree in trees(size):
+            for rest in _forests(nodes - size):
+                yield tuple(sorted((tree, *rest)))
+
+
+def _size(tree: Tree) -> int:
+    return 1 + sum(map(_size, tree))
+
+
+def _density(tree: Tree) -> int:
+    found = _size(tree)
+    for branch in tree:
+        found *= _density(branch)
+    return found
+
+
+class _Weights:
+    """Φ of the trees for each stage of a method: exact as whole numbers, and of |a| in doubles."""
+
+    def __init__(self, a: Sequence[Sequence[float]]) -> None:
+        self._exact = [[_whole(x) for x in row] for row in a]
+        self._size = [[abs(x) for x in row] for row in a]
+        self._known: dict[Tree, tuple[list[int], list[float]]] = {}
+
+    def __call__(self, tree: Tree) -> tuple[list[int], list[float]]:
+        """Return Φ in units of 2^(−GRAIN · branches' nodes), and what its terms add up to."""
+        if tree not in self._known:
+            exact, sizes = [1] * len(self._exact), [1.0] * len(self._exact)
+            for branch in tree:
+                inner, inner_sizes = self(branch)
+                for k, (row, row_sizes) in enumerate(zip(self._exact, self._size, strict=True)):
+                    exact[k] *= sum(x * y for x, y in zip(row, inner, strict=False))
+                    sizes[k] *= sum(x * y for x, y in zip(row_sizes, inner_sizes, strict=False))
+            self._known[tree] = exact, sizes
+        return self._known[tree]
+
+    def left(self, b: Sequence[float], tree: Tree, wanted: Fraction) -> tuple[float, float]:
+        """Return what a condition leaves, and what rounding of the table may leave of it."""
+        exact, sizes = self(tree)
+        total = sum(_whole(x) * y for x, y in zip(b, exact, strict=False))
+        found = Fraction(total, 2 ** (GRAIN * _size(tree))) - wanted
+        size = sum(abs(x) * y for x, y in zip(b, sizes, strict=False))
+        return abs(float(found)), _size(tree) * max(size, float(wanted))
+
+
+def _whole(x: float) -> int:
+    return int(Fraction(x) * 2**GRAIN)
+
+
+def table_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
+    """Yield what is wrong with the tables of the methods of a folder.
+
+    Parameters
+    ----------
+    folder : Path
+        A scene's folder.
+    files : mapping of str to bytes
+        Its files.
+    """
+    methods = import_source(folder, files, "integrate/methods.py").METHODS
+    dense = import_source(folder, files, "integrate/dense_output.py")
+    text = files["integrate/methods.h"].decode()
+    for method in methods:
+        yield from wrong_conditions(method)
+        yield from wrong_inside(method, dense)
+        if _in_c(method.name, text) != _in_python(method):
+            yield f"{method.name}: integrate/methods.h has other numbers than integrate/methods.py"
+
+
+def _in_c(name: str, text: str) -> dict[str, list[float]]:
+    """Return the tables of a method in its header, by name."""
+    found = {}
+    for table, numbers in re.findall(rf"double {name}_(\w+)\[\] = \{{([^}}]*)\}}", text):
+        found[table] = [float(x) for x in numbers.replace(",", " ").split()]
+    return found
+
+
+def _in_python(method: Method) -> dict[str, list[float]]:
+    """Return the same as the method has them."""
+    found = {"c": [*method.c], "error": [*method.errors[0]]}
+    found |= {f"error_{k + 1}": [*row] for k, row in enumerate(method.errors) if k}
+    tables = {"a": method.a, "dense": method.dense}
+    return found | {name: [x for row in rows for x in row] for name, rows in tables.items()}
+
+
+def wrong_conditions(method: Method) -> Iterator[str]:
+    """Yield which conditions the end of a step, its nodes and its estimates do not meet."""
+    weights = _Weights(method.a)
+    for k, row in enumerate(method.a):
+        if abs(math.fsum((*row, -method.c[k]))) > ROUNDING * math.fsum(map(abs, (*row, 1.0))):
+            yield f"{method.name}: the coefficients of stage {k} do not add up to its node c[{k}]"
+    end = method.a[method.stages]
+    sought = [("the end of a step", end, method.order, True)]
+    for k, order in enumerate(ESTIMATES[method.name]):
+        sought.append((f"estimate {k + 1} of its error", method.errors[k], order, False))
+    for what, row, order, is_step in sought:
+        for nodes in range(1, order + 1):
+            for tree in trees(nodes):
+                wanted = Fraction(int(is_step), _density(tree))
+                left, size = weights.left(row, tree, wanted)
+                if left > ROUNDING * size:
+                    yield (
+                        f"{method.name}: {what} has not the order {order}: of a condition of order"
+                        f" {nodes} it leaves {left:.3g}"
+                    )
+                    break
+            else:
+                continue
+            break
+
+
+def wrong_inside(method: Method, dense: ModuleType) -> Iterator[str]:
+    """Yield where the polynomial inside of a step has not the order that it should have."""
+    weights, order = _Weights(method.a), INSIDE[method.name]
+    for x in PLACES:
+        row = _at(method, dense, x)
+        for nodes in range(1, order + 1):
+            for tree in trees(nodes):
+                exact, sizes = weights(tree)
+                grain = 2 ** (GRAIN * (nodes - 1))
+                found = math.fsum(b * (phi / grain) for b, phi in zip(row, exact, strict=True))
+                size = sum(s * t for s, t in zip(_sizes(method), sizes, strict=True))
+                left = abs(found - x**nodes / _density(tree))
+                if left > ROUNDING_INSIDE * size:
+                    yield (
+                        f"{method.name}: dense output has not the order {order}: at {x} of a step"
+                        f" it leaves {left:.3g} of a condition of order {nodes}"
+                    )
+                    return
+
+
+def _sizes(method: Method) -> list[float]:
+    """Return how large the parts of the polynomial's weights are, stage by stage."""
+    found = [1.0] * method.all
+    for row in (method.a[method.stages], *method.dense):
+        for k, x in enumerate(row):
+            found[k] += abs(x)
+    return found
+
+
+def _at(method: Method, dense: ModuleType, x: float) -> list[float]:
+    """Return b(x): what each derivative adds at the part x of a step of length one."""
+    found = []
+    for k in range(method.all):
+        rows = np.zeros((method.all, 1))
+        rows[k] = 1.0
+        end = method.a[method.stages]
+        state = SimpleNamespace(
+            y=np.array([end[k] if k < len(end) else 0.0]),
+            y_before=np.zeros(1),
+            time=1.0,
+            time_before=0.0,
+            dense=np.zeros((3 + len(method.dense), 1)),
+        )
+        state.f = rows[method.stages]
+        work: Any = SimpleNamespace(k=rows)
+        dense.prepare_dense(method, work, state)
+        y = np.zeros(1)
+        dense.interpolate(method, x, state, y)
+        found.append(float(y[0]))
+    return found
+
+
+def shown_order_problems(
+    solver: DynamicsSolver, methods: Sequence[Method], values: Mapping[str, float]
+) -> Iterator[str]:
+    """Yield methods whose steps, halved and halved again, show a lower order than they have.
+
+    Rows inside of steps are among what is compared, so that dense output counts. Where motions are
+    too short, at rest, or led by drivers, nothing shows, and nothing is said.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        A scene whose equations are smooth.
+    methods : sequence of Method
+        Of its folder.
+    values : mapping of str to float
+        Parameters.
+    """
+    for method in methods if not solver.is_driven else ():
+        orders: list[float] = []
+        time = _first_time(solver, method.name, values)
+        for _ in range(DOUBLED if time else 0):
+            order = _shown(solver, method.name, values, time)
+            if order is not None:
+                orders.append(order)
+                if order > method.order - SHORT:
+                    break
+            time *= 2
+        if len(orders) > 1 and max(orders) < method.order - SHORT:
+            yield (
+                f"solver, {method.name}: halving its steps shows the order {max(orders):.1f}, not"
+                f" {method.order}"
+            )
+
+
+def _first_time(solver: DynamicsSolver, method: str, values: Mapping[str, float]) -> float:
+    """Return how far two steps go, zero where there are none."""
+    try:
+        run = solver.begin([0.0, 1.0], tolerance=TOLERANCE, method=method, parameters=values)
+        run.advance(max_steps=2)
+    except (SolveError, MotionError):
+        return 0.0
+    return run.time
+
+
+def _shown(
+    solver: DynamicsSolver, method: str, values: Mapping[str, float], time: float
+) -> float | None:
+    """Return the order that 2, 4 and 8 steps show, None where rounding or more hides it."""
+    found = []
+    for count in (2, 4, 8):
+        times = time * np.array(ROWS)
+        how: dict[str, Any] = {"method": method, "parameters": values, "checks": False}
+        try:
+            run = solver.begin(times, step=time / count, **how)
+            run.finish()
+        except (SolveError, MotionError):
+            return None
+        nq_nv = 1 + len(solver.q) + len(solver.v)
+        found.append(run.save().rows[:, 1:nq_nv])
+    size = max(float(np.abs(found[-1]).max(initial=0.0)), 1e-300)
+    first, second = (float(np.abs(a - b).max()) / size for a, b in pairwise(found))
+    if not (second > LEAST and first < MOST):
+        return None
+    return math.log2(first / second)

@@ -1,0 +1,438 @@
+"""What is composed wrongly, and generated anew with its own references, is refused by `verify`.
+
+Each fault is planted in the composition, the operations, the simplification or the integrator, then
+the scene is generated. Its references follow the fault; each body's own equations do not.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+import textwrap
+from dataclasses import replace
+from itertools import islice
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pytest
+from typer.testing import CliRunner
+
+from kousoku.cli.app import app
+from kousoku.codegen.dynamics.checking import reference
+from kousoku.codegen.dynamics.composition import (
+    combinations,
+    compose,
+    coordinate_tasks,
+    energies,
+    force_tasks,
+    momentum,
+)
+from kousoku.codegen.dynamics.emission import emit
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.dynamics.operations import (
+    coordinates,
+    elimination,
+    forces,
+    forces_along,
+    mechanics,
+    reduced_operations,
+)
+from kousoku.codegen.dynamics.recording import recorder
+from kousoku.codegen.emit import along
+from kousoku.codegen.generate import write_tree
+from kousoku.model.read import read_scene, scene_from_toml
+from kousoku.runtime import dynamics_verify, verify
+from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate import dense_output, methods
+from kousoku.runtime.order import (
+    shown_order_problems,
+    table_problems,
+    trees,
+    wrong_conditions,
+    wrong_inside,
+)
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.model.scene import Scene
+
+SCENES = Path(__file__).parents[2] / "scenes"
+WANTED = ("accelerations", "coordinates", "reactions", "energies")
+pytestmark = pytest.mark.usefixtures("warm_cache")
+
+RICH = """
+name = "rich"
+unit = "m"
+gravity = [1, 2, -9.81]
+parameters = { k = 40 }
+
+[bodies.top]
+position = [0, 0, 0]
+mass = 3
+center = [0.1, 0.5, 0.2]
+inertia = { xx = 0.2, yy = 0.3, zz = 0.45 }
+
+[bodies.arm]
+position = [0, 1, 0]
+mass = 2
+center = [0.3, 0, 0.1]
+inertia = { xx = 0.1, yy = 0.25, zz = 0.2 }
+
+[bodies.wheel]
+position = [3, 0, 0]
+mass = 4
+center = [0.2, 0, 0]
+inertia = { xx = 0.3, yy = 0.35, zz = 0.4 }
+
+[joints]
+tip = { type = "spherical", bodies = ["ground", "top"], at = [0, 0, 0] }
+elbow = { type = "revolute", bodies = ["top", "arm"], at = [0, 1, 0], axis = [1, 1, 0] }
+axle = { type = "revolute", bodies = ["ground", "wheel"], at = [3, 0, 0], axis = [0, 0, 1] }
+
+[coordinates]
+bend = { joint = "elbow" }
+reach = { bodies = ["ground", "arm"], points = [[1, 2, 2], [0.3, 0, 0.2]] }
+
+[drivers]
+motor = { joint = "axle", value = "2*t + 0.5*t^2" }
+
+[forces]
+pull = { type = "along", coordinate = "bend", force = "5*cos(bend) - 0.3*bend_dot" }
+push = { type = "force", body = "arm", point = [0.4, 0.2, 0.1], force = [7, "3*sin(2*t)", 2] }
+blow = { type = "force", body = "top", point = [0, 0.3, 0.2], force_b = [1, -2, 6] }
+twist = { type = "torque", body = "top", torque = [2, 3, -4] }
+screw = { type = "torque", body = "arm", torque_b = [3, -1, 2] }
+
+[forces.line]
+type = "spring_damper"
+bodies = ["ground", "arm"]
+points = [[2, 2, 1], [0.2, 0.1, 0]]
+stiffness = 30
+damping = 4
+free_length = 0.5
+
+[forces.law]
+type = "spring_damper"
+bodies = ["ground", "top"]
+points = [[-2, 1, 0], [0, 0.4, 0.1]]
+tension = "20*x^3 + 2*v"
+
+[forces.hinge]
+type = "rotational_spring_damper"
+joint = "elbow"
+stiffness = "k"
+damping = 3
+free_angle = 0.4
+"""
+
+OF_LOAD = "forces = (*zeros, *(orientation.T @ given).flat)"
+#: What is wrong, by name: the scene, and where: a module or class, its function, what stands there,
+#: and what is written instead.
+FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
+    # the two of these that everybody thinks of first
+    "gyroscopic sign": (
+        *("rich", mechanics.FreeAcceleration, "__call__"),
+        *("mul(ratios[k],", "mul(trace.graph.neg(ratios[k]),"),
+    ),
+    "kinetic energy doubled": (
+        *("rich", energies, "record_energies"),
+        *("[mass / 2] * 3 + [number(x) / 2", "[mass] * 3 + [number(x)"),
+    ),
+    # bodies
+    "order of inertia": (
+        *("rich", compose, "gyroscopic_ratios"),
+        *("moments[(k + 2) % 3]", "moments[(k + 3) % 3]"),
+    ),
+    "sign of gravity": (
+        *("rich", mechanics.FreeAcceleration, "__call__"),
+        *("for x in (*gravity, *spin)", "for x in (*map(trace.graph.neg, gravity), *spin)"),
+    ),
+    "kinetic energy without turning": (
+        *("rich", mechanics.Energy, "__call__"),
+        *("(*v, *omega), strict=True", "v, strict=False"),
+    ),
+    "sign of potential energy": (
+        *("rich", force_tasks.ForceTasks, "weight"),
+        *("[-mass *", "[mass *"),
+    ),
+    "rates of Euler parameters": (
+        *("rich", mechanics, "orientation_of"),
+        *(
+            "Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3)",
+            "Matrix(trace.graph, tuple(tuple(nodes[k : k + 3]) for k in (0, 3, 6)), 3).T",
+        ),
+    ),
+    # loads
+    "frame of a torque": ("rich", forces.Load, "__call__", OF_LOAD, OF_LOAD.replace(".T", "")),
+    "frame of a torque in the body": (
+        *("rich", forces.Load, "__call__"),
+        *("forces = (*zeros, *given.flat)", "forces = (*zeros, *(orientation @ given).flat)"),
+    ),
+    "frame of a force in the body": (
+        *("rich", forces.Load, "__call__"),
+        *("*(orientation @ given).flat, *torque", "*given.flat, *torque"),
+    ),
+    "force without its torque": (
+        *("rich", forces, "_at_point"),
+        *('*found["N_b"]', "*rest[:3]"),
+    ),
+    "power of a force": (
+        *("rich", forces.Load, "__call__"),
+        *("(*v.flat, *omega.flat)", "(*v.flat, *map(trace.graph.neg, omega.flat))"),
+    ),
+    "second formula of a force left out": (
+        *("rich", forces.Load, "__call__"),
+        *("sum(constants[1:], constants[0])", "constants[0]"),
+    ),
+    # springs
+    "law of a spring": (
+        *("rich", forces.Spring, "_tension"),
+        *('found["l"] - free', 'found["l"] + free'),
+    ),
+    "tension of a spring": (
+        *("rich", forces.Spring, "__call__"),
+        *('found | law)["T"]', 'found | law)["V"]'),
+    ),
+    "power of a damper": (
+        *("rich", forces.Spring, "__call__"),
+        *("return *added, -(damped", "return *added, (damped"),
+    ),
+    "energy of a spring": (
+        *("rich", forces.Stored, "__call__"),
+        *('["V"].flat', '["T"].flat'),
+    ),
+    "sign of a rotational spring": (
+        *("rich", forces_along.Resist, "__call__"),
+        *("(value - free) + damped", "(value + free) + damped"),
+    ),
+    "damping of a rotational spring": (
+        *("rich", forces_along.Resist, "__call__"),
+        *("damped = damping @ rate", "damped = damping @ rate + damping @ rate"),
+    ),
+    "energy of a rotational spring": (
+        *("rich", forces_along.Held, "__call__"),
+        *("graph.const(2)", "graph.const(1)"),
+    ),
+    "one side of a force along a coordinate": (
+        *("rich", forces_along.Push, "__call__"),
+        *("left.scaled(weights_i).T @ tau", "-(left.scaled(weights_i).T @ tau)"),
+    ),
+    # coordinates
+    "second derivative of a coordinate": (
+        *("rich", coordinate_tasks.CoordinateTasks, "show"),
+        *("self.gamma(place), into", "None, into"),
+    ),
+    "curvature of a coordinate": (
+        *("rich", coordinates.Curvature, "__call__"),
+        *('(found["gamma"][0],)', '(trace.graph.neg(found["gamma"][0]),)'),
+    ),
+    # joints
+    "gamma of joints": (
+        *("rich", mechanics.Rates, "__call__"),
+        *("(total - stack(", "(total + stack("),
+    ),
+    "Jacobian of body j": (
+        *("rich", mechanics, "_by_body"),
+        *("side * COLUMNS + k", "k"),
+    ),
+    "coupling of joints": (
+        *("four_bar", elimination, "_updated"),
+        *("graph.sub(", "graph.add("),
+    ),
+    "backward substitution": (
+        *("rich", elimination.Backward, "__call__"),
+        *("graph.sub(total", "graph.add(total"),
+    ),
+    "reaction of a joint with the ground": (
+        *("rich", reduced_operations.Wrench, "__call__"),
+        *(".T - others", ".T + others"),
+    ),
+    "arm of a joint with the ground": (
+        *("rich", reduced_operations.Drift, "__call__"),
+        *("point.cross(omega)", "omega.cross(point)"),
+    ),
+    "body of a reaction": (
+        *("rich", compose._Composer, "_by_body"),
+        *("region.part(blocks.v, len(blocks.columns))", "region.part(0, len(blocks.columns))"),
+    ),
+    # drivers
+    "effort of a driver": (
+        *("rich", reduced_operations.Driven, "__call__"),
+        *("(second - free)", "(second + free)"),
+    ),
+    "acceleration of a driver": (
+        *("rich", combinations.Combinations, "rate"),
+        *("self.law(one, 2)", "self.law(one, 1)"),
+    ),
+    "factor of a combination": (
+        *("gears", combinations.Combinations, "_weighted"),
+        *("constant((term.factor,))", "constant((abs(term.factor),))"),
+    ),
+    # momenta
+    "linear momentum": (
+        *("free", momentum.Share, "__call__"),
+        *("momentum, arm = v @ mass", "momentum, arm = (v + v) @ mass"),
+    ),
+    "spin in the angular momentum": (
+        *("free", momentum.Share, "__call__"),
+        *("orientation @ own", "own"),
+    ),
+}
+
+
+def scene_named(name: str) -> Scene:
+    if name == "rich":
+        return scene_from_toml(RICH)
+    file = {"free": "free_body", "gears": "gear_train", "four_bar": "lever_crank_bodies"}[name]
+    return read_scene(SCENES / f"{file}.toml")
+
+
+def wanted_of(scene: Scene) -> tuple[str, ...]:
+    return tuple(x for x in WANTED if x != "coordinates" or scene.coordinates)
+
+
+def plant(patch: pytest.MonkeyPatch, owner: Any, name: str, old: str, new: str) -> None:
+    """Write a function of a module or class anew with something else in one place."""
+    was = getattr(owner, name)
+    source = textwrap.dedent(inspect.getsource(was))
+    assert source.count(old) >= 1, (owner, name, old)
+    module = sys.modules[was.__module__]
+    found = dict(vars(module))
+    exec(f"from __future__ import annotations\n{source.replace(old, new)}", found)
+    patch.setattr(owner, name, found[name])
+    if inspect.ismodule(owner) and owner is not module:
+        return
+    if inspect.ismodule(owner):  # where it was imported by its name
+        for other in [*sys.modules.values()]:
+            is_ours = getattr(other, "__name__", "").startswith("kousoku.codegen")
+            if is_ours and vars(other).get(name) is was:
+                patch.setattr(other, name, found[name])
+
+
+@pytest.fixture
+def no_old_traces(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Trace operations anew, with the fault and then without; leave states of the program out."""
+    monkeypatch.setattr(reference, "_states", lambda *_: [])
+    recorder._traced_kernel.cache_clear()
+    yield
+    recorder._traced_kernel.cache_clear()
+
+
+def verified(folder: Path) -> tuple[int, str]:
+    found = CliRunner().invoke(app, ["verify", str(folder), "--target", "numpy"])
+    return found.exit_code, found.output
+
+
+@pytest.mark.usefixtures("no_old_traces")
+@pytest.mark.parametrize("name", ["rich", "free", "gears", "four_bar"])
+def test_what_is_right_is_verified(tmp_path: Path, name: str) -> None:
+    scene = scene_named(name)
+    write_tree(tmp_path / "right", generate_dynamics(scene, wanted_of(scene), references=True))
+    report = verify(tmp_path / "right", target="numpy")
+
+    assert report.problems == ()
+    outputs = {row.output for row in report.rows if row.kernel == "newton_euler"}
+    assert {"acceleration", "angular_acceleration", "energy", "C", "C_ddot", "dv"} <= outputs
+    if name == "rich":
+        assert {"force", "moment", "power", "coordinate_acceleration"} <= outputs
+
+
+@pytest.mark.usefixtures("no_old_traces")
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_fault_in_the_composition_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, fault: str
+) -> None:
+    name, owner, function, old, new = FAULTS[fault]
+    monkeypatch.setattr(dynamics_verify, "table_problems", lambda *_: [])
+    scene = scene_named(name)
+    plant(monkeypatch, owner, function, old, new)
+    write_tree(tmp_path / "wrong", generate_dynamics(scene, wanted_of(scene), references=True))
+
+    code, output = verified(tmp_path / "wrong")
+    assert code == 1
+    assert "WRONG: newton_euler:" in output
+
+
+#: A number of ``dop853`` as it is printed, and a wrong one: of a stage, of the end of a step, of a
+#: stage for dense output, of an estimate, and of the polynomial.
+COEFFICIENTS = {
+    "a stage": ("-43.48988418106996", "-43.48988418206996"),
+    "the end": ("0.04471061572777259", "0.04471061572877259"),
+    "a stage inside": ("2.9475147891527724", "2.9475147791527724"),
+    "a node": ("0.6512820512820513", "0.6512820512920513"),
+    "an estimate": ("-0.4957589496572502", "-0.4957589486572502"),
+    "dense output": ("387.0373087493518", "387.0373088493518"),
+}
+
+
+def changed(method: methods.Method, old: float, new: float) -> methods.Method:
+    """Return a method with one number in place of another."""
+
+    def with_new(table: Any) -> Any:
+        if isinstance(table, tuple):
+            return tuple(map(with_new, table))
+        return new if table == old else -new if table == -old else table
+
+    tables = {name: with_new(getattr(method, name)) for name in ("c", "a", "errors", "dense")}
+    return replace(method, **tables)
+
+
+@pytest.mark.usefixtures("no_old_traces")
+@pytest.mark.parametrize("where", COEFFICIENTS)
+def test_a_changed_coefficient_in_all_files_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, where: str
+) -> None:
+    old, new = COEFFICIENTS[where]
+    wrong = changed(methods.DOP853, float(old), float(new))
+    assert wrong != methods.DOP853
+    integrator = along("integrate")
+    text = integrator["integrate/methods.py"]
+    assert old in text
+    integrator["integrate/methods.py"] = text.replace(old, new)
+    monkeypatch.setattr(emit, "METHODS", (methods.DOPRI5, wrong))
+    monkeypatch.setattr(emit, "along", lambda _: integrator)
+    scene = read_scene(SCENES / "pendulum.toml")
+    write_tree(tmp_path / "wrong", generate_dynamics(scene, references=True))
+
+    code, output = verified(tmp_path / "wrong")
+    assert code == 1
+    assert "WRONG: dop853:" in output
+
+
+def test_tables_that_c_and_python_do_not_share_are_refused(tmp_path: Path) -> None:
+    tree = generate_dynamics(read_scene(SCENES / "pendulum.toml"), references=True)
+    header = tree["integrate/methods.h"]
+    tree["integrate/methods.h"] = header.replace("387.0373087493518", "387.0373087493517")
+    assert tree["integrate/methods.h"] != header
+    files = {name: text.encode() for name, text in tree.items()}
+    (problem,) = table_problems(tmp_path, files)
+    assert "dop853: integrate/methods.h has other numbers" in problem
+
+
+def test_there_are_as_many_trees_as_conditions() -> None:
+    assert [len(trees(n)) for n in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+
+
+@pytest.mark.parametrize("method", methods.METHODS, ids=lambda one: one.name)
+def test_each_coefficient_matters(method: methods.Method) -> None:
+    assert not [*wrong_conditions(method), *wrong_inside(method, dense_output)]
+    numbers = [method.c, *method.a, *method.errors, *method.dense]
+    for number in islice({x for row in numbers for x in row if x not in {0.0, 1.0}}, 0, None, 9):
+        wrong = changed(method, number, number * (1 + 1e-9))
+        assert [*wrong_conditions(wrong), *wrong_inside(wrong, dense_output)], number
+
+
+@pytest.mark.usefixtures("compiler")
+def test_halved_steps_show_the_order(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A table that is wrong shows in the motion, too."""
+    scene = read_scene(SCENES / "pendulum.toml")
+    wrong = changed(methods.DOP853, 4.450312892752409, 4.4503)
+    for name, used in (("right", methods.DOP853), ("wrong", wrong)):
+        monkeypatch.setattr(emit, "METHODS", (methods.DOPRI5, used))
+        write_tree(tmp_path / name, generate_dynamics(scene))
+        solver = load_dynamics(tmp_path / name, target="c")
+        problems = [*shown_order_problems(solver, methods.METHODS, {})]
+        assert [problem.partition(":")[0] for problem in problems] == (
+            ["solver, dop853"] if name == "wrong" else []
+        )
