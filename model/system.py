@@ -118,6 +118,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         parameters=tuple(scene.parameters.items()),
         only_held=len(coordinates.records) - needed,
         positive=(*positive_numbers(scene), *_moments(scene, bodies)),
+        closure_tolerance=scene.closure_tolerance,
     )
 
 

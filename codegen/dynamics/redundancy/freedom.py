@@ -21,7 +21,8 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.codegen.dynamics.redundancy.branch import Branch
+from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
+from kousoku.codegen.dynamics.redundancy.closure import closed_rows, near_branch, require_gap
 from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.program import Program, Row
     from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import Part
     from kousoku.codegen.dynamics.redundancy.rank import Factors
     from kousoku.model.mechanism import System
@@ -87,6 +89,9 @@ class Freedom:
         known of them.
     drivers : int
         How many of the rows are those of drivers in loops.
+    closed : tuple of Closed
+        Of the rows that are left out those that others imply but for less than the closure
+        tolerance, and not to rounding.
     """
 
     columns: int
@@ -98,6 +103,7 @@ class Freedom:
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
+    closed: tuple[Closed, ...] = ()
 
     @property
     def degrees(self) -> int:
@@ -141,6 +147,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
             worst=min(total.worst, found.worst),
             positions=min(total.positions or found.positions, found.positions),
             drivers=total.drivers + found.drivers,
+            closed=total.closed + found.closed,
         )
     return total
 
@@ -167,25 +174,47 @@ def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
 
 
 def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
-    residuals, first = _residuals(system, part)
+    residuals, first = part_residuals(system, part)
     joints, driven = _sorted(system, rows)
     chosen = [first[row.instance] + row.row for row in joints]
-    columns = _columns(program, part)
-    branch = Branch(residuals, chosen, columns, Metric(system).size)
     others = [(row, first[row.instance] + row.row) for row in driven]
-    drivers = Drivers(system, branch, list(zip(joints, chosen, strict=True)), others)
+    pairs = list(zip(joints, chosen, strict=True))
+    bodies = [system.bodies[k] for k in part.bodies]
+    columns, length = _columns(program, part), Metric(system).size
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
-    positions: list[Position] = []
-    for position in branch.positions([system.bodies[k] for k in part.bodies]):
-        positions.append(position)
-        are_free = drivers.look(position)
-        depends = position.factors.rank < len(joints)
-        if len(positions) == count or (are_free and not depends):
-            break
-    drivers.require_free()
     few = min(len(joints), len(columns))
-    is_stuck = len(positions) == 1 and positions[0].factors.rank < few
-    found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+
+    def looked(branch: Branch) -> tuple[list[Position], Drivers]:
+        drivers = Drivers(system, branch, pairs, others)
+        positions: list[Position] = []
+        for position in branch.positions(bodies):
+            positions.append(position)
+            are_free = drivers.look(position)
+            depends = branch.clear(position) < len(joints)
+            if len(positions) == count or (are_free and not depends):
+                break
+        return positions, drivers
+
+    found = None
+    near = near_branch(
+        residuals,
+        chosen,
+        columns,
+        length=length,
+        bodies=bodies,
+        tolerance=system.closure_tolerance,
+    )
+    if near is not None:
+        positions, drivers = looked(near)
+        require_gap(system, near, joints, positions)
+        if near.is_redundant(positions, few):
+            found = _dependences(joints, positions)
+            found = replace(found, closed=closed_rows(near, joints, found.dropped, positions))
+    if found is None or not found.closed:
+        positions, drivers = looked(Branch(residuals, chosen, columns, length))
+        is_stuck = len(positions) == 1 and positions[0].factors.rank < few
+        found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+    drivers.require_free()
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
@@ -194,12 +223,10 @@ def _is_independent(system: System, program: Program, part: Part, rows: Sequence
 
     Then none does along the branch, but at some of its positions.
     """
-    residuals, first = _residuals(system, part)
+    residuals, first = part_residuals(system, part)
     length = Metric(system).size
     bodies = [system.bodies[k] for k in part.bodies]
-    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
-    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
-    _, at, columns, values = residuals.elements(r, p)
+    _, at, columns, values = residuals.elements(*places_of(bodies))
     is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
     is_row[[first[row.instance] + row.row for row in rows]] = True
     is_column[_columns(program, part)] = True
@@ -265,7 +292,7 @@ def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
     return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 
 
-def _residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
+def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
     """Return the rows of a part between its own bodies, and the first row of each instance."""
     place = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
     instances = [system.constraints[k] for k in part.instances]
