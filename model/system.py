@@ -62,6 +62,9 @@ METRES = {
 }
 """Length of each unit of a scene."""
 
+UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.items()}
+"""Names of units by their lengths in metres."""
+
 
 def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     """Return the system of a spatial scene, at the positions and velocities that the scene gives.

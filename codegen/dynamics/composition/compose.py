@@ -72,7 +72,7 @@ def compose(
     wanted: Collection[str] = (),
     *,
     rows: Mapping[int, Sequence[int]] | None = None,
-    dependent: Sequence[Sequence[str]] = (),
+    dependent: Sequence[Sequence[str]] | None = None,
     may_be_planar: bool = True,
     most_free: int = -1,
 ) -> Program:
@@ -91,6 +91,7 @@ def compose(
         rows that are.
     dependent : sequence of sequence of str
         The joints of each set of rows that depend on each other: what they carry is not unique.
+        All joints are one set unless given.
     may_be_planar : bool
         Whether a scene that stays in a coordinate plane gets planar coordinates.
     most_free : int
@@ -131,7 +132,7 @@ class _Composer:
         system: System,
         wanted: Collection[str],
         rows: Mapping[int, Sequence[int]],
-        dependent: Sequence[Sequence[str]],
+        dependent: Sequence[Sequence[str]] | None,
         *,
         is_planar: bool,
         most_free: int,

@@ -52,14 +52,14 @@ class Scale:
         The point of each joint that has one, as :func:`points_of` returns them.
     length : float [m]
         ℓ.
-    groups : sequence of sequence of str
+    groups : sequence of sequence of str, optional
         The joints of each set of rows that depend on each other; where it is empty, all joints are
         one.
     """
 
     points: Mapping[str, Vector]
     length: float
-    groups: Sequence[Sequence[str]] = ()
+    groups: Sequence[Sequence[str]] | None = None
 
 
 def points_of(system: System) -> dict[str, Vector]:

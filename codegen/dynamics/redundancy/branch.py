@@ -179,8 +179,8 @@ class Branch:
         return bool(self._residuals.in_metres[self._rows[place]])
 
     def missed(self, position: Position) -> Array:
-        """Return what is left of the rows of joints, in metres and radians."""
-        found: Array = position.c / self._rows_by
+        """Return what is left of the rows of joints, in lengths of the scene and radians."""
+        found: Array = position.c * self._missed_by
         return found
 
     def _position(self, r: Array, p: Array, near: Array) -> Position:
@@ -237,8 +237,8 @@ class Branch:
         From there to here they may miss as much more as the step is a part of the longest: where
         rows are dependent at a position only, what they miss grows with the square of a step.
         """
-        c, before = c * self._missed_by, here.c * self._missed_by
-        more = float(np.abs(c - before)[list(here.factors.left)].max(initial=0.0))
+        c = c * self._missed_by
+        more = float(np.abs(c - self.missed(here))[list(here.factors.left)].max(initial=0.0))
         part = float(np.abs(step * self._steps_by).max()) / STEP
         return bool(np.abs(c).max() <= self._tolerance and more <= self._tolerance * part)
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
@@ -29,13 +30,15 @@ from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.system import UNIT_NAMES
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.recording.program import Row
     from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
     from kousoku.model.mechanism import MovingBody, System
 
@@ -55,16 +58,16 @@ class Closed:
     ----------
     row : Row
         Which; it is left out.
-    unit : str
-        Of what it misses.
+    is_length : bool
+        Whether what it misses is a length, or else an angle.
     pivot : float
         What it misses per unit of a motion that the other rows allow, in lengths and radians.
-    missed : float [m or rad]
+    missed : float [lengths of the scene, or rad]
         The most that it misses at the positions that were looked at.
     """
 
     row: Row
-    unit: str
+    is_length: bool
     pivot: float
     missed: float
 
@@ -192,6 +195,9 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
     }
     if max(map(max, angles.values())) > NEARLY_PARALLEL:
         return ""
+    if len(axes) == 2:
+        both = " and ".join(f"joints.{name}" for name in axes)
+        return f"the axes of {both} are {max(map(max, angles.values())):.3g} rad apart; "
     name = max(angles, key=lambda joint: sum(angles[joint]))
     return f"the axis of joints.{name} leans by {max(angles[name]):.3g} rad; "
 
@@ -210,9 +216,31 @@ def closed_rows(
     regular = next(position for position in positions if position.factors.rank == rank)
     pivots = branch.left_over(regular, places).tolist()
     missed = np.abs([branch.missed(position) for position in positions]).max(axis=0)
-    units = ["m" if branch.is_length(place) else "rad" for place in places]
-    found = zip(left, units, pivots, missed[places].tolist(), strict=True)
+    is_length = [branch.is_length(place) for place in places]
+    found = zip(left, is_length, pivots, missed[places].tolist(), strict=True)
     return tuple(Closed(*one) for one in found if one[2] > ROUNDING or one[3] > HOLDS)
+
+
+def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
+    """Yield notes on rows that were taken as redundant, and on scenes in which nothing moves."""
+    worst: dict[tuple[str, bool], float] = {}
+    for one in freedom.closed:
+        key = (key_of(system.constraints[one.row.instance]), one.is_length)
+        worst[key] = max(worst.get(key, 0.0), one.missed)
+    if max(worst.values(), default=0.0) > HOLDS:
+        size, unit = Metric(system).size / system.unit, UNIT_NAMES[system.unit]
+        texts = [
+            f"{key} by {x * size:.3g} {unit}" if is_length else f"{key} by {x:.3g} rad"
+            for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])
+        ]
+        more = f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else ""
+        yield (
+            f"closed within closure_tolerance {system.closure_tolerance:g}: other joints imply"
+            f" rows of these but for so much, and they are left out: {', '.join(texts[:SHOWN])}"
+            f"{more}"
+        )
+    if freedom.is_still and not any(one.is_driver for one in system.constraints):
+        yield "nothing can move: joints hold all bodies where they are"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
+from kousoku.codegen.dynamics.redundancy.branch import CLEARLY, Branch, places_of
 from kousoku.codegen.dynamics.redundancy.closure import closed_rows, near_branch, require_gap
 from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
@@ -92,6 +92,8 @@ class Freedom:
     closed : tuple of Closed
         Of the rows that are left out those that others imply but for less than the closure
         tolerance, and not to rounding.
+    is_stuck : bool
+        Whether rows of a part leave something free to first order, and yet nothing of it moves.
     """
 
     columns: int
@@ -104,11 +106,17 @@ class Freedom:
     unknown: tuple[str, ...] = ()
     drivers: int = 0
     closed: tuple[Closed, ...] = ()
+    is_stuck: bool = False
 
     @property
     def degrees(self) -> int:
         """Degrees of freedom."""
         return self.columns - self.rank
+
+    @property
+    def is_still(self) -> bool:
+        """Whether nothing moves."""
+        return not self.degrees
 
     @property
     def not_unique(self) -> tuple[str, ...]:
@@ -148,6 +156,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
             positions=min(total.positions or found.positions, found.positions),
             drivers=total.drivers + found.drivers,
             closed=total.closed + found.closed,
+            is_stuck=total.is_stuck or found.is_stuck,
         )
     return total
 
@@ -208,7 +217,7 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
         positions, drivers = looked(near)
         require_gap(system, near, joints, positions)
         if near.is_redundant(positions, few):
-            found = _dependences(joints, positions)
+            found = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
             found = replace(found, closed=closed_rows(near, joints, found.dropped, positions))
     if found is None or not found.closed:
         positions, drivers = looked(Branch(residuals, chosen, columns, length))
@@ -255,16 +264,18 @@ def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     return joints, [row for row, is_driven in zip(rows, drives, strict=True) if is_driven]
 
 
-def _dependences(rows: Sequence[Row], positions: Sequence[Position]) -> Freedom:
+def _dependences(
+    rows: Sequence[Row], positions: Sequence[Position], takes_part: float = TAKES_PART
+) -> Freedom:
     """Return what is known of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
     dependences = [position.factors.dependences() for position in regular]
     left, worst = rows_to_leave(dependences)
-    everywhere = _components([position.factors for position in regular])
+    everywhere = _components([position.factors for position in regular], takes_part)
     sets = [_set(rows, places, count, is_everywhere=True) for places, count in everywhere]
     if positions[0].factors.rank < rank:
-        for places, count in _components([positions[0].factors]):
+        for places, count in _components([positions[0].factors], takes_part):
             more = count - sum(n for other, n in everywhere if set(other) <= set(places))
             if more > 0:
                 sets.append(_set(rows, places, more, is_everywhere=False))
@@ -287,9 +298,9 @@ def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
     """
     sets = [
         _set(rows, places, count, is_everywhere=False)
-        for places, count in _components([position.factors])
+        for places, count in _components([position.factors], TAKES_PART)
     ]
-    return Freedom(0, len(rows), rank, tuple(sets), positions=1)
+    return Freedom(0, len(rows), rank, tuple(sets), positions=1, is_stuck=True)
 
 
 def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
@@ -324,20 +335,21 @@ def _columns(program: Program, part: Part) -> list[int]:
     ]
 
 
-def _components(factors: Sequence[Factors]) -> list[tuple[tuple[int, ...], int]]:
+def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tuple[int, ...], int]]:
     """Return the sets of rows that depend on each other at some of the positions, and dimensions.
 
-    Rows are in one set when a row that depends on others is made of them.
+    Rows are in one set when a row that depends on others is made of them by more than
+    ``takes_part``. A row that nothing changes depends on no other.
     """
     together = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
     for one in factors:
-        takes_part = np.abs(one.combinations()) > TAKES_PART
-        for row, parts in zip(one.left, takes_part, strict=True):
+        is_part = np.abs(one.combinations()) > takes_part
+        for row, parts in zip(one.left, is_part, strict=True):
             for k in np.flatnonzero(parts):
                 together.join(row, one.taken[int(k)])
     left = factors[0].left
     sets = [(tuple(rows), sum(row in rows for row in left)) for rows in together.sets()]
-    return [(rows, count) for rows, count in sets if count]
+    return [(rows, count) for rows, count in sets if count and len(rows) > 1]
 
 
 def _set(
