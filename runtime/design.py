@@ -98,7 +98,7 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     )
 
 
-def not_closed(solver: DynamicsSolver, work: Array, limit: float) -> str:
+def not_closed(solver: DynamicsSolver, work: Array) -> str:
     """Return the joints that are open where a row was left out, and by how much.
 
     Parameters
@@ -107,12 +107,10 @@ def not_closed(solver: DynamicsSolver, work: Array, limit: float) -> str:
         A scene.
     work : array
         Where its solver evaluated the rows that were left out.
-    limit : float
-        Residuals up to it are closed, relative to a length.
     """
     base, size = solver.places["C_left_out"]
     sizes = np.abs(work[base : base + size])
-    rows = (*solver.left_out, *solver.reduced)
+    rows, limit = (*solver.left_out, *solver.reduced), solver.layout.closure_tolerance
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
         joint, unit = rows[k]

@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.runtime.integrate.result import Named
-from kousoku.runtime.integrate.settings import COMES_OPEN
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_stop import SHOWN, key_of
-from kousoku.runtime.trust import trust_of
+from kousoku.runtime.trust import MISSES, trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.motion import Layout
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options
     from kousoku.runtime.trust import Trust
@@ -126,10 +126,12 @@ class RunLedger:
     violations : mapping of str to Violation
         What is left of the constraints by joint, of those too that depend on others and are not
         solved for; empty where rows were not checked.
+    missed : mapping of str to (float, float) [m], [rad]
+        By how much joints were open at rows that were left out, because others imply them but for
+        the scene's closure tolerance: what they missed at most; empty where it is rounding.
     released : tuple of str
-        Joints that came open by more than 1e-6 of a length of the scene, or 1e-6 rad, at a
-        constraint that was left out because it depends on others: elsewhere it does not, and the
-        motion is not that of the scene.
+        Those of them that came open by more than that tolerance: elsewhere these rows are not
+        redundant, and the motion is not that of the scene.
     moved : mapping of str to Moved
         What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
         speed: bodies, the one that changed most first.
@@ -162,6 +164,7 @@ class RunLedger:
     works: Mapping[str, float]
     momenta: tuple[Momentum, ...]
     violations: Mapping[str, Violation]
+    missed: Mapping[str, tuple[float, float]]
     released: tuple[str, ...]
     moved: Mapping[str, Moved]
     seconds: Mapping[str, float]
@@ -199,6 +202,7 @@ class RunLedger:
             joint: {"metres": list(one.metres), "radians": list(one.radians)}
             for joint, one in self.violations.items()
         }
+        named["missed"] = {joint: list(one) for joint, one in self.missed.items()}
         named["works"] = dict(self.works)
         named["moved"] = {body: one._asdict() for body, one in self.moved.items()}
         named["momenta"] = [one.as_data() for one in self.momenta]
@@ -216,11 +220,18 @@ class RunLedger:
                 f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per},"
                 f" most at {key_of(self.worst_joint(level))}"
             )
+        if self.missed:
+            texts = [
+                f"{key_of(joint)} by {metres:.1e} m, {radians:.1e} rad"
+                for joint, (metres, radians) in self.missed.items()
+            ]
+            more = ", …" * (len(texts) > SHOWN)
+            yield f"closed within closure_tolerance, at most: {', '.join(texts[:SHOWN])}{more}"
         if self.released:
             yield (
-                f"came open: {_listed(self.released)}; a constraint that was left out, because it"
-                " depends on others where it was looked at, does not depend on them here: this is"
-                " not the motion of the scene"
+                f"came open: {_listed(self.released)}; a constraint that was left out, because"
+                " others imply it where it was looked at, is not implied by them here: this is not"
+                " the motion of the scene"
             )
         if self.factorisations:
             yield (
@@ -305,7 +316,11 @@ def ledger_of(
         works = _works(state["y"], layout.works, options)
     if options.checks:
         violations = _violations(worst, checked, layout.checked)
-    released = _released(worst[0], first, checked[first:], layout.length) if options.checks else ()
+    end = first + len(solver.left_out)
+    left = worst[0][first:end] if options.checks else np.zeros(end - first)
+    missed, released = _missed(left, solver.left_out, layout)
+    others = [*checked[:first], *checked[end:]]
+    solved = np.delete(worst[0], range(first, end))
     changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
@@ -322,13 +337,16 @@ def ledger_of(
         works=Named(works),
         momenta=momenta_of(solver.kept, changes) if options.checks else (),
         violations=Named(violations),
+        missed=Named(missed),
         released=released,
         moved=Named(solver.moved),
         seconds=Named(seconds),
         trust=trust_of(
             single,
             options,
-            constraints=_relative(worst[0], checked, layout.length) if options.checks else None,
+            constraints=_relative(solved, others, layout.length) if options.checks else None,
+            missed=_relative(left, solver.left_out, layout.length),
+            closure_tolerance=layout.closure_tolerance,
             is_weighed=solver.is_weighed,
             released=_listed(released),
             error=error,
@@ -364,15 +382,19 @@ def _relative(worst: Array, rows: Sequence[tuple[str, str]], length: float) -> f
     return float(np.max(worst / sizes, initial=0.0))
 
 
-def _released(
-    worst: Array, first: int, left_out: Sequence[tuple[str, str]], length: float
-) -> tuple[str, ...]:
-    """Return the joints that came open where a row was left out: those rows from the first on."""
-    sizes = worst[first : first + len(left_out)].tolist()
-    limits = [COMES_OPEN * (length if unit == "m" else 1.0) for _, unit in left_out]
-    open_rows = [
-        joint
-        for (joint, _), size, limit in zip(left_out, sizes, limits, strict=True)
-        if not size <= limit
-    ]
-    return tuple(dict.fromkeys(open_rows))
+def _missed(
+    sizes: Array, rows: Sequence[tuple[str, str]], layout: Layout
+) -> tuple[dict[str, tuple[float, float]], tuple[str, ...]]:
+    """Return by joint what rows that are left out missed, the worst first, and what came open."""
+    found: dict[str, list[float]] = {}
+    relative: dict[str, float] = {}
+    for (joint, unit), size in zip(rows, sizes.tolist(), strict=True):
+        own = found.setdefault(joint, [0.0, 0.0])
+        place = UNITS.index(unit)
+        own[place] = max(own[place], size)
+        part = size / (layout.length if unit == "m" else 1.0)
+        relative[joint] = max(relative.get(joint, 0.0), part)
+    worst = sorted(relative, key=lambda joint: -relative[joint])
+    missed = {x: (found[x][0], found[x][1]) for x in worst if relative[x] > MISSES}
+    opened = [x for x in relative if not relative[x] <= layout.closure_tolerance]
+    return missed, tuple(opened)

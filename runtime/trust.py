@@ -22,6 +22,8 @@ FIXED = 1e-9
 LEAST = 1e-11
 #: What energies are known to, and constraints, relative to what they are compared with.
 ROUNDING = 1e-12
+#: What rows that are left out miss is rounding below that, in lengths of the scene or radians.
+MISSES = 1e-9
 #: An energy that is no motion: that of heat, of one freedom at room temperature [J].
 HEAT = 4e-21
 
@@ -38,7 +40,9 @@ class Trust:
         checked, or drivers move bodies without mass.
     constraints : float or None
         Largest residual of a constraint in position, relative to a length of the scene, or in
-        radians; None where rows were not checked.
+        radians; None where rows were not checked. Rows that are left out are not among them.
+    missed, closure_tolerance : float
+        What rows that are left out miss at most, in the same units, and what they may.
     drift, row_drift : float or None
         Largest correction onto the constraints of a step, and of a row between steps, which the
         dense output tells, relative to a length of the scene; None where drivers lead.
@@ -56,6 +60,8 @@ class Trust:
     energy_error: float | None
     energy_moved: float | None
     constraints: float | None
+    missed: float
+    closure_tolerance: float
     drift: float | None
     row_drift: float | None
     pivot_ratio: float | None
@@ -84,6 +90,8 @@ class Trust:
             yield "constraints at rounding"
         else:
             yield f"constraints {shortly(self.constraints)}"
+        if self.missed > MISSES:
+            yield f"redundant rows miss {shortly(self.missed)} of {self.closure_tolerance:g}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         yield "error not estimated" if self.error is None else str(self.error)
@@ -103,6 +111,8 @@ def trust_of(
     options: Options,
     *,
     constraints: float | None,
+    missed: float,
+    closure_tolerance: float,
     is_weighed: bool,
     released: str,
     error: ErrorEstimate | None,
@@ -117,6 +127,8 @@ def trust_of(
         How it was made.
     constraints : float or None
         Largest residual in position, relative to a length of the scene, where rows were checked.
+    missed, closure_tolerance : float
+        The same of rows that are left out, and what they may miss.
     is_weighed : bool
         Whether energies are known.
     released : str
@@ -142,7 +154,10 @@ def trust_of(
             " times, or write it without the quotient that is 0/0"
         )
     if released:
-        problems.append(f"{released} came open: this is not the motion of the scene")
+        problems.append(
+            f"{released} came open by more than closure_tolerance, {closure_tolerance:g}: this is"
+            " not the motion of the scene"
+        )
     if lost is not None and moved is not None:
         known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)
         allowed = max(limit * moved, known, HEAT)
@@ -168,6 +183,8 @@ def trust_of(
         energy_error=lost,
         energy_moved=moved,
         constraints=constraints,
+        missed=missed,
+        closure_tolerance=closure_tolerance,
         drift=drift,
         row_drift=row_drift,
         pivot_ratio=single["least_pivot_ratio"] if has_pivots else None,

@@ -72,6 +72,7 @@ def motion_data(
         "is_driven": is_driven(program, system),
         "is_weighed": program.is_weighed,
         "length": characteristic_length(system),
+        "closure_tolerance": system.closure_tolerance,
         "rows": [row_of(row, system) for row in program.rows],
         "left_out": [row_of(row, system) for row in program.left_out],
         "reduced": [row_of(row, system) for row in program.reduced],

@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.branch import Position
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
-    from kousoku.model.mechanism import MovingBody, System
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
 #: Pivots below it are rounding.
 ROUNDING = 1e-12
@@ -113,7 +113,8 @@ def near_branch(
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     """Return scales that compare lengths with that of the part, turns with the arms of a body."""
     arms = [0.0] * (len(bodies) + 1)  # the ground last
-    for one in (*residuals.constraints, *residuals.coordinates):
+    sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
+    for one in sources:
         for name, values in one.constants:
             if name in {"s_i_b", "s_j_b"}:
                 body = one.i if name == "s_i_b" else one.j
@@ -180,7 +181,7 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
 
     That is the one that is furthest from the others.
     """
-    axes = {}
+    axes: dict[str, Array] = {}
     for one in system.constraints:
         if one.joint in joints and one.kind.startswith("p1"):
             axis = np.array(dict(one.constants)["a_i_b"])

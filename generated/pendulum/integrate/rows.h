@@ -9,11 +9,12 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* whether the rows that are left out, which stand behind C, hold where they were evaluated last */
-static int are_closed(const double *w, double limit)
+/* whether the rows that are left out, which stand behind C, held where they were evaluated last but
+ * for CLOSURE_TOLERANCE, relative to LENGTH */
+static int are_closed(const double *w)
 {
     for (size_t k = NC; k != NCHECK; ++k) {
-        const double most = left_is_length[k - NC] ? limit * LENGTH : limit;
+        const double most = CLOSURE_TOLERANCE * (left_is_length[k - NC] ? LENGTH : 1.0);
         if (!(fabs(w[W_C + k]) <= most)) return 0;
     }
     return 1;
@@ -117,7 +118,7 @@ static int write_row(
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
     if (settings->checks) note_checks(w, s);
-    if (settings->checks && !is_passed && !are_closed(w, COMES_OPEN)) return NOT_CLOSED;
+    if (settings->checks && !is_passed && !are_closed(w)) return NOT_CLOSED;
     find_reactions(work, is_passed);
     coordinate(w);
     double *next = row;

@@ -13,7 +13,7 @@ from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions
 from .scene import larger
-from .settings import COMES_OPEN, Status
+from .settings import Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -37,9 +37,12 @@ def energy_balance(work: Work, state: State) -> float:
     return float(balance)
 
 
-def are_closed(work: Work, limit: float) -> bool:
-    """Return whether the rows that are left out hold where they were evaluated last."""
-    limits = limit * work.scene.left_lengths
+def are_closed(work: Work) -> bool:
+    """Return whether the rows that are left out held where they were evaluated last.
+
+    They do but for the closure tolerance.
+    """
+    limits = work.scene.closure_tolerance * work.scene.left_lengths
     return bool((np.abs(work.w.C_left_out) <= limits).all())
 
 
@@ -136,7 +139,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         w.run("energy")
     if s.checks:
         note_checks(work, state)
-    if s.checks and not is_passed and not are_closed(work, COMES_OPEN):
+    if s.checks and not is_passed and not are_closed(work):
         return Status.NOT_CLOSED
     find_reactions(work, is_passed=is_passed)
     w.run("coordinate")

@@ -8,11 +8,6 @@ from __future__ import annotations
 from enum import IntEnum
 from typing import NamedTuple
 
-#: A row that is left out does not hold at the start, or later, when its residual is larger,
-#: relative to a length of the scene; memory.h has them, too.
-STAYS_OPEN = 1e-9
-COMES_OPEN = 1e-6
-
 
 class Settings(NamedTuple):
     """How a run is made.
