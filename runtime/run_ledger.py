@@ -348,6 +348,8 @@ def ledger_of(
             missed=_relative(left, solver.left_out, layout.length),
             closure_tolerance=layout.closure_tolerance,
             is_weighed=solver.is_weighed,
+            is_still=not solver.is_driven
+            and len(solver.v) == len(solver.rows) + len(solver.reduced),
             released=_listed(released),
             error=error,
         ),

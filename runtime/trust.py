@@ -114,6 +114,7 @@ def trust_of(
     missed: float,
     closure_tolerance: float,
     is_weighed: bool,
+    is_still: bool,
     released: str,
     error: ErrorEstimate | None,
 ) -> Trust:
@@ -131,6 +132,8 @@ def trust_of(
         The same of rows that are left out, and what they may miss.
     is_weighed : bool
         Whether energies are known.
+    is_still : bool
+        Whether joints hold all that could move: what energy there is is rounding.
     released : str
         The joints that came open, empty where none did.
     error : ErrorEstimate or None
@@ -158,7 +161,7 @@ def trust_of(
             f"{released} came open by more than closure_tolerance, {closure_tolerance:g}: this is"
             " not the motion of the scene"
         )
-    if lost is not None and moved is not None:
+    if lost is not None and moved is not None and not is_still:
         known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)
         allowed = max(limit * moved, known, HEAT)
         if not lost <= allowed:

@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.emission.motion_data import is_flat
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
-from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of, kept_rows
+from kousoku.codegen.dynamics.redundancy.freedom import Freedom, by_instance, freedom_of, kept_rows
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
@@ -179,7 +179,14 @@ def independent(
     if freedom.dropped:
         rows = kept_rows(freedom, program)
         sets = [one.joints for one in freedom.dependent if one.is_everywhere]
-        program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
+        program = compose(
+            system,
+            wanted,
+            rows=rows,
+            dependent=sets,
+            idle=by_instance(freedom.idle),
+            may_be_planar=may_be_planar,
+        )
     return Independent(program, freedom, system)
 
 

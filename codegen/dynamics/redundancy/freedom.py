@@ -89,6 +89,8 @@ class Freedom:
         known of them.
     drivers : int
         How many of the rows are those of drivers in loops.
+    idle : tuple of Row
+        Of the rows that are left out those that nothing changes.
     closed : tuple of Closed
         Of the rows that are left out those that others imply but for less than the closure
         tolerance, and not to rounding.
@@ -105,6 +107,7 @@ class Freedom:
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
+    idle: tuple[Row, ...] = ()
     closed: tuple[Closed, ...] = ()
     is_stuck: bool = False
 
@@ -155,6 +158,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
             worst=min(total.worst, found.worst),
             positions=min(total.positions or found.positions, found.positions),
             drivers=total.drivers + found.drivers,
+            idle=total.idle + found.idle,
             closed=total.closed + found.closed,
             is_stuck=total.is_stuck or found.is_stuck,
         )
@@ -163,13 +167,20 @@ def freedom_of(system: System, program: Program) -> Freedom:
 
 def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]:
     """Return the rows of instances of which some are left out, as composing wants them."""
-    left = dict.fromkeys((row.instance, row.row) for row in freedom.dropped)
-    touched = dict.fromkeys(row.instance for row in freedom.dropped)
-    kept: dict[int, list[int]] = {instance: [] for instance in touched}
+    left = by_instance(freedom.dropped)
+    kept: dict[int, list[int]] = {instance: [] for instance in left}
     for row in program.rows:
-        if row.instance in kept and (row.instance, row.row) not in left:
+        if row.row not in left.get(row.instance, (row.row,)):
             kept[row.instance].append(row.row)
     return kept
+
+
+def by_instance(rows: Iterable[Row]) -> Mapping[int, Sequence[int]]:
+    """Return rows by the places of their constraints."""
+    found: dict[int, list[int]] = {}
+    for row in rows:
+        found.setdefault(row.instance, []).append(row.row)
+    return found
 
 
 def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
@@ -273,6 +284,8 @@ def _dependences(
     dependences = [position.factors.dependences() for position in regular]
     left, worst = rows_to_leave(dependences)
     everywhere = _components([position.factors for position in regular], takes_part)
+    alone = [places[0] for places, _ in everywhere if len(places) == 1]
+    everywhere = [(places, count) for places, count in everywhere if len(places) > 1]
     sets = [_set(rows, places, count, is_everywhere=True) for places, count in everywhere]
     if positions[0].factors.rank < rank:
         for places, count in _components([positions[0].factors], takes_part):
@@ -285,6 +298,7 @@ def _dependences(
         rank=rank,
         dependent=tuple(sets),
         dropped=tuple(rows[place] for place in left),
+        idle=tuple(rows[place] for place in alone),
         worst=worst,
         positions=len(positions),
     )
@@ -339,7 +353,7 @@ def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tup
     """Return the sets of rows that depend on each other at some of the positions, and dimensions.
 
     Rows are in one set when a row that depends on others is made of them by more than
-    ``takes_part``. A row that nothing changes depends on no other.
+    ``takes_part``. One that nothing changes is alone.
     """
     together = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
     for one in factors:
@@ -349,7 +363,7 @@ def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tup
                 together.join(row, one.taken[int(k)])
     left = factors[0].left
     sets = [(tuple(rows), sum(row in rows for row in left)) for rows in together.sets()]
-    return [(rows, count) for rows, count in sets if count and len(rows) > 1]
+    return [(rows, count) for rows, count in sets if count]
 
 
 def _set(
