@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
+from kousoku.runtime.integrate.rows import CLEARLY
 from kousoku.runtime.run_stop import SHOWN, key_of
 
 if TYPE_CHECKING:
@@ -110,7 +111,7 @@ def not_closed(solver: DynamicsSolver, work: Array) -> str:
     """
     base, size = solver.places["C_left_out"]
     sizes = np.abs(work[base : base + size])
-    rows, limit = (*solver.left_out, *solver.reduced), solver.layout.closure_tolerance
+    rows, limit = (*solver.left_out, *solver.reduced), CLEARLY * solver.layout.closure_tolerance
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
         joint, unit = rows[k]

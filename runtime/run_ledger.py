@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.runtime.integrate.result import Named
+from kousoku.runtime.integrate.rows import CLEARLY
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.options import KINEMATICS
 from kousoku.runtime.run_stop import SHOWN, key_of
@@ -130,8 +131,8 @@ class RunLedger:
         By how much joints were open at rows that were left out, because others imply them but for
         the scene's closure tolerance: what they missed at most; empty where it is rounding.
     released : tuple of str
-        Those of them that came open by more than that tolerance: elsewhere these rows are not
-        redundant, and the motion is not that of the scene.
+        Those of them that came open by more than ten times that tolerance: elsewhere these rows
+        are not redundant, and the motion is not that of the scene.
     moved : mapping of str to Moved
         What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
         speed: bodies, the one that changed most first.
@@ -226,7 +227,8 @@ class RunLedger:
                 for joint, (metres, radians) in self.missed.items()
             ]
             more = ", …" * (len(texts) > SHOWN)
-            yield f"closed within closure_tolerance, at most: {', '.join(texts[:SHOWN])}{more}"
+            listed = ", ".join(texts[:SHOWN]) + more
+            yield f"redundant rows, which others imply, missed at most: {listed}"
         if self.released:
             yield (
                 f"came open: {_listed(self.released)}; a constraint that was left out, because"
@@ -398,5 +400,5 @@ def _missed(
         relative[joint] = max(relative.get(joint, 0.0), part)
     worst = sorted(relative, key=lambda joint: -relative[joint])
     missed = {x: (found[x][0], found[x][1]) for x in worst if relative[x] > MISSES}
-    opened = [x for x in relative if not relative[x] <= layout.closure_tolerance]
+    opened = [x for x in relative if not relative[x] <= CLEARLY * layout.closure_tolerance]
     return missed, tuple(opened)

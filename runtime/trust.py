@@ -91,7 +91,7 @@ class Trust:
         else:
             yield f"constraints {shortly(self.constraints)}"
         if self.missed > MISSES:
-            yield f"redundant rows miss {shortly(self.missed)} of {self.closure_tolerance:g}"
+            yield f"redundant rows miss {shortly(self.missed)}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         yield "error not estimated" if self.error is None else str(self.error)
@@ -158,8 +158,8 @@ def trust_of(
         )
     if released:
         problems.append(
-            f"{released} came open by more than closure_tolerance, {closure_tolerance:g}: this is"
-            " not the motion of the scene"
+            f"{released} came open by more than ten times closure_tolerance,"
+            f" {closure_tolerance:g}: this is not the motion of the scene"
         )
     if lost is not None and moved is not None and not is_still:
         known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)

@@ -9,12 +9,15 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* whether the rows that are left out, which stand behind C, held where they were evaluated last but
- * for CLOSURE_TOLERANCE, relative to LENGTH */
+/* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
+#define CLEARLY 10.0
+
+/* whether the rows that are left out, which stand behind C, are implied where they were evaluated
+ * last; what they miss is relative to LENGTH */
 static int are_closed(const double *w)
 {
     for (size_t k = NC; k != NCHECK; ++k) {
-        const double most = CLOSURE_TOLERANCE * (left_is_length[k - NC] ? LENGTH : 1.0);
+        const double most = CLEARLY * CLOSURE_TOLERANCE * (left_is_length[k - NC] ? LENGTH : 1.0);
         if (!(fabs(w[W_C + k]) <= most)) return 0;
     }
     return 1;

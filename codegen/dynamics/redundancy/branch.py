@@ -180,7 +180,11 @@ class Branch:
 
     def missed(self, position: Position) -> Array:
         """Return what is left of the rows of joints, in lengths of the scene and radians."""
-        found: Array = position.c * self._missed_by
+        return self.in_units(position.c, range(len(self._rows)))
+
+    def in_units(self, scaled: Array, places: Sequence[int]) -> Array:
+        """Return values of some rows of joints, scaled, in lengths of the scene and radians."""
+        found: Array = scaled * self._missed_by[list(places)]
         return found
 
     def _position(self, r: Array, p: Array, near: Array) -> Position:
@@ -240,7 +244,8 @@ class Branch:
         c = c * self._missed_by
         more = float(np.abs(c - self.missed(here))[list(here.factors.left)].max(initial=0.0))
         part = float(np.abs(step * self._steps_by).max()) / STEP
-        return bool(np.abs(c).max() <= self._tolerance and more <= self._tolerance * part)
+        most = CLEARLY * self._tolerance
+        return bool(np.abs(c).max() <= most and more <= most * part)
 
     def _settled_damped(self, here: Position, step: Array) -> tuple[Array, Array] | None:
         """Return the position after a step, back on all rows: damped, as their rank may differ."""

@@ -211,14 +211,22 @@ def _between(a: Array, b: Array) -> float:
 def closed_rows(
     branch: Branch, rows: Sequence[Row], left: Sequence[Row], positions: Sequence[Position]
 ) -> tuple[Closed, ...]:
-    """Return those of the rows that are left out that others do not imply to rounding."""
+    """Return those of the rows that are left out that others do not imply to rounding.
+
+    With yᵀ C_q = 0 what all rows miss at a position comes to the rows that are left out where the
+    others hold: yᵀ C stays.
+    """
     places = [rows.index(row) for row in left]
     rank = max(position.factors.rank for position in positions)
-    regular = next(position for position in positions if position.factors.rank == rank)
-    pivots = branch.left_over(regular, places).tolist()
-    missed = np.abs([branch.missed(position) for position in positions]).max(axis=0)
+    regular = [position for position in positions if position.factors.rank == rank]
+    pivots = branch.left_over(regular[0], places).tolist()
+    missed = np.zeros(len(left))
+    for position in regular:
+        y = position.factors.dependences()
+        alone: Array = np.linalg.lstsq(y[:, places], y @ position.c, rcond=None)[0]
+        missed = np.maximum(missed, np.abs(branch.in_units(alone, places)))
     is_length = [branch.is_length(place) for place in places]
-    found = zip(left, is_length, pivots, missed[places].tolist(), strict=True)
+    found = zip(left, is_length, pivots, missed.tolist(), strict=True)
     return tuple(Closed(*one) for one in found if one[2] > ROUNDING or one[3] > HOLDS)
 
 
@@ -231,14 +239,14 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
     if max(worst.values(), default=0.0) > HOLDS:
         size, unit = Metric(system).size / system.unit, UNIT_NAMES[system.unit]
         texts = [
-            f"{key} by {x * size:.3g} {unit}" if is_length else f"{key} by {x:.3g} rad"
+            f"{key} but for {x * size:.3g} {unit}" if is_length else f"{key} but for {x:.3g} rad"
             for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])
         ]
         more = f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else ""
         yield (
-            f"closed within closure_tolerance {system.closure_tolerance:g}: other joints imply"
-            f" rows of these but for so much, and they are left out: {', '.join(texts[:SHOWN])}"
-            f"{more}"
+            f"redundant within closure_tolerance, {system.closure_tolerance:g}: other joints imply"
+            f" rows of {', '.join(texts[:SHOWN])}{more}; they are left out, and miss so much along"
+            " the motion"
         )
     if freedom.is_still and not any(one.is_driver for one in system.constraints):
         yield "nothing can move: joints hold all bodies where they are"
