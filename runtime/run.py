@@ -51,6 +51,8 @@ MESSAGES: dict[int, str] = {
     " others where they were looked at, do not depend on them here",
     Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
+#: What a note says where bodies have no freedom.
+STILL = "nothing can move"
 #: What a run that is not over goes on after.
 GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
 #: Instead of the first of them, where drivers determine the motion.
@@ -205,6 +207,7 @@ class Run:
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             where = "" if status == Status.NOT_CLOSED else self._where()
+            where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
 
     def _unmet(self, status: int) -> str:

@@ -223,7 +223,7 @@ def closed_rows(
     missed = np.zeros(len(left))
     for position in regular:
         y = position.factors.dependences()
-        alone: Array = np.linalg.lstsq(y[:, places], y @ position.c, rcond=None)[0]
+        alone = factorise(y[:, places]).least_change((y * position.c).sum(axis=1))
         missed = np.maximum(missed, np.abs(branch.in_units(alone, places)))
     is_length = [branch.is_length(place) for place in places]
     found = zip(left, is_length, pivots, missed.tolist(), strict=True)
@@ -248,7 +248,7 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
             f" rows of {', '.join(texts[:SHOWN])}{more}; they are left out, and miss so much along"
             " the motion"
         )
-    if freedom.is_still and not any(one.is_driver for one in system.constraints):
+    if not freedom.degrees and not any(one.is_driver for one in system.constraints):
         yield "nothing can move: joints hold all bodies where they are"
 
 

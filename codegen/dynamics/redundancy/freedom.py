@@ -94,8 +94,6 @@ class Freedom:
     closed : tuple of Closed
         Of the rows that are left out those that others imply but for less than the closure
         tolerance, and not to rounding.
-    is_stuck : bool
-        Whether rows of a part leave something free to first order, and yet nothing of it moves.
     """
 
     columns: int
@@ -109,17 +107,11 @@ class Freedom:
     drivers: int = 0
     idle: tuple[Row, ...] = ()
     closed: tuple[Closed, ...] = ()
-    is_stuck: bool = False
 
     @property
     def degrees(self) -> int:
         """Degrees of freedom."""
         return self.columns - self.rank
-
-    @property
-    def is_still(self) -> bool:
-        """Whether nothing moves."""
-        return not self.degrees
 
     @property
     def not_unique(self) -> tuple[str, ...]:
@@ -160,7 +152,6 @@ def freedom_of(system: System, program: Program) -> Freedom:
             drivers=total.drivers + found.drivers,
             idle=total.idle + found.idle,
             closed=total.closed + found.closed,
-            is_stuck=total.is_stuck or found.is_stuck,
         )
     return total
 
@@ -314,7 +305,7 @@ def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
         _set(rows, places, count, is_everywhere=False)
         for places, count in _components([position.factors], TAKES_PART)
     ]
-    return Freedom(0, len(rows), rank, tuple(sets), positions=1, is_stuck=True)
+    return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 
 
 def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
