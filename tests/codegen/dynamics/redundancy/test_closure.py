@@ -66,8 +66,7 @@ def door(by: float) -> str:
         hinge("h", "ground", "d", (0, 0, 0)),
         hinge("g", "ground", "d", (by, 0, 1), (0, by, 1)),
     ]
-    box = "d = { boxes = [{ mass = 5, size = [1, 0.1, 2], at = [0.5, 0, 0.5] }] }"
-    return scene("door", "", [box], joints)
+    return scene("door", "", [body("d", (0.5, 0, 0.5))], joints)
 
 
 def bricard(digits: int) -> str:
