@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.integrate.rows import CLEARLY
 from kousoku.runtime.run_stop import SHOWN, key_of
 
 if TYPE_CHECKING:
@@ -99,7 +98,7 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     )
 
 
-def not_closed(solver: DynamicsSolver, work: Array) -> str:
+def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
     """Return the joints that are open where a row was left out, and by how much.
 
     Parameters
@@ -108,10 +107,12 @@ def not_closed(solver: DynamicsSolver, work: Array) -> str:
         A scene.
     work : array
         Where its solver evaluated the rows that were left out.
+    times : float
+        So many times the closure tolerance is what they may miss.
     """
     base, size = solver.places["C_left_out"]
     sizes = np.abs(work[base : base + size])
-    rows, limit = (*solver.left_out, *solver.reduced), CLEARLY * solver.layout.closure_tolerance
+    rows, limit = (*solver.left_out, *solver.reduced), times * solver.layout.closure_tolerance
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
         joint, unit = rows[k]

@@ -22,6 +22,7 @@ from kousoku.runtime.given import (
 )
 from kousoku.runtime.initial import Initial, started_at
 from kousoku.runtime.integrate.motion import Motion
+from kousoku.runtime.integrate.rows import CLEARLY
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import KINEMATICS, with_values
 from kousoku.runtime.run_ledger import ledger_of
@@ -216,7 +217,7 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work)
+            joints = not_closed(self.solver, self._memory.work, 1.0)
             return (
                 f"with {given}: joints stay open, or come open where bodies move: {joints}; only"
                 " with the parameters of the scene their rows depend on those of other joints:"
@@ -343,7 +344,7 @@ class Run:
 
     def _stop(self) -> str:
         if self._status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work)
+            joints = not_closed(self.solver, self._memory.work, CLEARLY)
             time = f"before t = {self.times[self.written]:.9g} s"
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL

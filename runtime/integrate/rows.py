@@ -41,9 +41,12 @@ def energy_balance(work: Work, state: State) -> float:
 CLEARLY = 10.0
 
 
-def are_closed(work: Work) -> bool:
-    """Return whether the rows that are left out are implied where they were evaluated last."""
-    limits = CLEARLY * work.scene.closure_tolerance * work.scene.left_lengths
+def are_closed(work: Work, times: float) -> bool:
+    """Return whether rows that are left out miss so many times the closure tolerance at most.
+
+    That is where they were evaluated last.
+    """
+    limits = times * work.scene.closure_tolerance * work.scene.left_lengths
     return bool((np.abs(work.w.C_left_out) <= limits).all())
 
 
@@ -140,7 +143,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         w.run("energy")
     if s.checks:
         note_checks(work, state)
-    if s.checks and not is_passed and not are_closed(work):
+    if s.checks and not is_passed and not are_closed(work, CLEARLY):
         return Status.NOT_CLOSED
     find_reactions(work, is_passed=is_passed)
     w.run("coordinate")
