@@ -16,13 +16,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.assembly.residuals import unit_of
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.interpret import ARRAY
 from kousoku.codegen.interpret import evaluate as evaluated
 from kousoku.labels import columns_of, is_turn, rows_of
@@ -140,7 +140,7 @@ class Equations:
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.system = without_held(assemble(system_of(scene, ())))
+        self.system = without_held(put_together(system_of(scene, ())))
         self._recorded = system_equations(self.system)
         self._program = self._recorded.program
         self._workspace = Workspace(self._program)

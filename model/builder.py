@@ -62,6 +62,9 @@ class SceneBuilder:
         One line for people.
     duration : float [s], optional
         How long the mechanism moves unless a run says so.
+    closure_tolerance : float, optional
+        Rows of joints that others imply but for less, in lengths of the scene and rad, are
+        redundant; 1e-4 when left out.
     divisions : int, optional
         Steps from the first to the last value of the inputs; 60 when left out.
 
@@ -90,6 +93,7 @@ class SceneBuilder:
         unit: Unit,
         title: str = "",
         duration: float | None = None,
+        closure_tolerance: float | None = None,
         divisions: int | None = None,
     ) -> None:
         self._tree: dict[str, Any] = _plain(
@@ -98,6 +102,7 @@ class SceneBuilder:
                 "title": title,
                 "unit": unit,
                 "duration": duration,
+                "closure_tolerance": closure_tolerance,
                 "divisions": divisions,
             }
         )

@@ -17,6 +17,9 @@ GROUND_INDEX = -1
 COMBINATION = "linear_combination"
 """The kind of an instance that combines coordinates."""
 
+CLOSURE_TOLERANCE = 1e-4
+"""What joints may miss that others imply, in lengths of the scene or rad, unless it says so."""
+
 SPRINGS = ("spring_damper", "coordinate_spring")
 """Kinds of forces that hold potential energy unless they have a law of their own."""
 
@@ -297,6 +300,8 @@ class System:
         How many coordinates, the last, nothing needs but what is held.
     positive : tuple of (str, float)
         Keys of the scene whose numbers depend on parameters and must be positive, and the numbers.
+    closure_tolerance : float [lengths of the scene, rad]
+        Rows of joints that others imply but for less are redundant.
     """
 
     name: str
@@ -315,6 +320,7 @@ class System:
     resting: float = 0.0
     only_held: int = 0
     positive: tuple[tuple[str, float], ...] = ()
+    closure_tolerance: float = CLOSURE_TOLERANCE
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""

@@ -11,6 +11,7 @@ import msgspec
 
 from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
+from kousoku.model.mechanism import CLOSURE_TOLERANCE
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Joint
 from kousoku.model.text import counted
@@ -78,6 +79,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Prescribed motions; they all take their division k at the same time.
     duration : float [s], optional
         How long the mechanism moves unless a run says so.
+    closure_tolerance : float [lengths of the scene, rad]
+        Rows of joints that others imply but for less are redundant, of a spatial mechanism; above
+        ten times that they are independent.
     divisions : int
         Steps from the first to the last value of the inputs: rows 0 … divisions are computed.
     outputs : tuple of str
@@ -104,6 +108,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     gravity: Components = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
     duration: float | None = None
+    closure_tolerance: float = CLOSURE_TOLERANCE
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")
     method: Method = Method()

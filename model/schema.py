@@ -19,13 +19,14 @@ from kousoku.model.joints import NAMES
 from kousoku.model.loads import KEYS
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
-from kousoku.model.validate import LONGEST_TITLE, MOST_DIVISIONS, MOST_ITERATIONS
+from kousoku.model.validate import LONGEST_TITLE, MOST_CLOSURE, MOST_DIVISIONS, MOST_ITERATIONS
 
 LIMITS: dict[str, dict[str, dict[str, object]]] = {
     "Scene": {
         "name": {"pattern": PATTERN, "maxLength": LONGEST},
         "title": {"maxLength": LONGEST_TITLE},
         "duration": {"exclusiveMinimum": 0},
+        "closure_tolerance": {"exclusiveMinimum": 0, "maximum": MOST_CLOSURE},
         "divisions": {"minimum": 1, "maximum": MOST_DIVISIONS},
     },
     "Link": {"length": {"exclusiveMinimum": 0}},

@@ -62,6 +62,9 @@ METRES = {
 }
 """Length of each unit of a scene."""
 
+UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.items()}
+"""Names of units by their lengths in metres."""
+
 
 def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     """Return the system of a spatial scene, at the positions and velocities that the scene gives.
@@ -118,6 +121,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         parameters=tuple(scene.parameters.items()),
         only_held=len(coordinates.records) - needed,
         positive=(*positive_numbers(scene), *_moments(scene, bodies)),
+        closure_tolerance=scene.closure_tolerance,
     )
 
 

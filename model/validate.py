@@ -10,6 +10,7 @@ from kousoku.model.decode import join
 from kousoku.model.design_numbers import with_numbers
 from kousoku.model.errors import SceneError
 from kousoku.model.grashof import check_closure
+from kousoku.model.mechanism import CLOSURE_TOLERANCE
 from kousoku.model.mobility import check_mobility
 from kousoku.model.names import name_problem, scene_name_problem
 from kousoku.model.problems import Problems
@@ -30,6 +31,9 @@ MOST_DIVISIONS = 10_000_000
 
 MOST_ITERATIONS = 100_000
 """Largest limit of iterations in one step that is accepted."""
+
+MOST_CLOSURE = 0.01
+"""Largest ``closure_tolerance``: ten times that is told from what joints do not imply."""
 
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""
@@ -86,6 +90,9 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
         if any(scene.gravity):
             problem = "belongs to bodies; a linkage of nodes and links has no masses"
             problems.add(problem, "gravity")
+        if scene.closure_tolerance != CLOSURE_TOLERANCE:
+            problem = "belongs to bodies and joints; a linkage is closed to rounding"
+            problems.add(problem, "closure_tolerance")
         if scene.forces or problems.touches("forces"):
             problem = "belong to bodies; a linkage of nodes and links has no masses"
             problems.add(problem, "forces")
@@ -142,6 +149,9 @@ def _check_settings(scene: Scene, problems: Problems) -> None:
         problems.add(problem, "divisions", breaks="divisions")
     if scene.duration is not None and not scene.duration > 0:
         problems.add(f"a duration of {scene.duration!r}; wanted seconds, above 0", "duration")
+    if not 0 < scene.closure_tolerance <= MOST_CLOSURE:
+        problem = f"a closure_tolerance of {scene.closure_tolerance!r}; wanted 0 to {MOST_CLOSURE}"
+        problems.add(f"{problem}, in lengths of the scene and rad", "closure_tolerance")
     method = scene.method
     if not 1 <= method.iterations <= MOST_ITERATIONS:
         problem = f"{_short(method.iterations)} iterations; wanted 1 to {MOST_ITERATIONS}"

@@ -99,7 +99,7 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     )
 
 
-def not_closed(solver: DynamicsSolver, work: Array, limit: float) -> str:
+def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
     """Return the joints that are open where a row was left out, and by how much.
 
     Parameters
@@ -108,12 +108,12 @@ def not_closed(solver: DynamicsSolver, work: Array, limit: float) -> str:
         A scene.
     work : array
         Where its solver evaluated the rows that were left out.
-    limit : float
-        Residuals up to it are closed, relative to a length.
+    times : float
+        So many times the closure tolerance is what they may miss.
     """
     base, size = solver.places["C_left_out"]
     sizes = np.abs(work[base : base + size])
-    rows = (*solver.left_out, *solver.reduced)
+    rows, limit = (*solver.left_out, *solver.reduced), times * solver.layout.closure_tolerance
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
         joint, unit = rows[k]

@@ -23,7 +23,7 @@ from kousoku.runtime.integrate.given import (
 )
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
-from kousoku.runtime.integrate.settings import COMES_OPEN, KINEMATICS, STAYS_OPEN, Status
+from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
 from kousoku.runtime.options import with_values
 from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
@@ -52,6 +52,8 @@ MESSAGES: dict[int, str] = {
     " others where they were looked at, do not depend on them here",
     Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
+#: What a note says where bodies have no freedom.
+STILL = "nothing can move"
 #: What a run that is not over goes on after.
 GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
 #: Instead of the first of them, where drivers determine the motion.
@@ -205,6 +207,7 @@ class Run:
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             where = "" if status == Status.NOT_CLOSED else self._where()
+            where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
 
     def _led(self, y: Array) -> tuple[Array, Array]:
@@ -223,7 +226,7 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, STAYS_OPEN)
+            joints = not_closed(self.solver, self._memory.work, 1.0)
             return (
                 f"with {given}: joints stay open, or come open where bodies move: {joints}; only"
                 " with the parameters of the scene their rows depend on those of other joints:"
@@ -349,7 +352,7 @@ class Run:
 
     def _stop(self) -> str:
         if self._status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, COMES_OPEN)
+            joints = not_closed(self.solver, self._memory.work, CLEARLY)
             time = f"before t = {self.times[self.written]:.9g} s"
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL

@@ -9,7 +9,7 @@ import numpy as np
 
 from kousoku.runtime.integrate.result import Named, key_of, listed
 from kousoku.runtime.integrate.settings import KINEMATICS
-from kousoku.runtime.integrate.trust import released, trust_of
+from kousoku.runtime.integrate.trust import MISSES, CheckedRows, missed_by, released, trust_of
 from kousoku.runtime.momenta import momenta_of
 from kousoku.runtime.run_stop import SHOWN
 
@@ -125,10 +125,12 @@ class RunLedger:
     violations : mapping of str to Violation
         What is left of the constraints by joint, of those too that depend on others and are not
         solved for; empty where rows were not checked.
+    missed : mapping of str to (float, float) [m], [rad]
+        By how much joints were open at rows that were left out, because others imply them but for
+        the scene's closure tolerance: what they missed at most; empty where it is rounding.
     released : tuple of str
-        Joints that came open by more than 1e-6 of a length of the scene, or 1e-6 rad, at a
-        constraint that was left out because it depends on others: elsewhere it does not, and the
-        motion is not that of the scene.
+        Those of them that came open by more than ten times that tolerance: elsewhere these rows
+        are not redundant, and the motion is not that of the scene.
     moved : mapping of str to Moved
         What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
         speed: bodies, the one that changed most first.
@@ -161,6 +163,7 @@ class RunLedger:
     works: Mapping[str, float]
     momenta: tuple[Momentum, ...]
     violations: Mapping[str, Violation]
+    missed: Mapping[str, tuple[float, float]]
     released: tuple[str, ...]
     moved: Mapping[str, Moved]
     seconds: Mapping[str, float]
@@ -198,6 +201,7 @@ class RunLedger:
             joint: {"metres": list(one.metres), "radians": list(one.radians)}
             for joint, one in self.violations.items()
         }
+        named["missed"] = {joint: list(one) for joint, one in self.missed.items()}
         named["works"] = dict(self.works)
         named["moved"] = {body: one._asdict() for body, one in self.moved.items()}
         named["momenta"] = [one.as_data() for one in self.momenta]
@@ -215,12 +219,18 @@ class RunLedger:
                 f"left of the constraints, {level}: {metres:.1e} m{per}, {radians:.1e} rad{per},"
                 f" most at {key_of(self.worst_joint(level))}"
             )
+        if self.missed:
+            texts = [
+                f"{key_of(joint)} by {metres:.1e} m, {radians:.1e} rad"
+                for joint, (metres, radians) in self.missed.items()
+            ]
+            yield f"redundant rows, which others imply, missed at most: {listed(texts)}"
         if self.released:
             names = listed([key_of(name) for name in self.released])
             yield (
-                f"came open: {names}; a constraint that was left out, because it"
-                " depends on others where it was looked at, does not depend on them here: this is"
-                " not the motion of the scene"
+                f"came open: {names}; a constraint that was left out, because others imply it"
+                " where it was looked at, is not implied by them here: this is not the motion of"
+                " the scene"
             )
         if self.factorisations:
             yield (
@@ -292,14 +302,14 @@ def ledger_of(
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
     counts = {name: int(single[name]) for name in COUNTS}
     layout, worst = solver.layout, state["violations"]
-    checked = [*solver.rows, *solver.left_out, *solver.reduced]
-    rows = len(solver.rows), checked
+    rows = CheckedRows(solver.rows, solver.left_out, solver.reduced)
+    missed = missed_by(worst[0], rows, layout) if options.checks else {}
     works: dict[str, float] = {}
     violations: dict[str, Violation] = {}
     if solver.is_weighed:
         works = _works(state["y"], layout.works, options)
     if options.checks:
-        violations = _violations(worst, checked, layout.checked)
+        violations = _violations(worst, [one for part in rows for one in part], layout.checked)
     changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
@@ -316,7 +326,8 @@ def ledger_of(
         works=Named(works),
         momenta=momenta_of(solver.kept, changes) if options.checks else (),
         violations=Named(violations),
-        released=released(worst[0], rows, layout.length) if options.checks else (),
+        missed=Named({x: one[:2] for x, one in missed.items() if one.part > MISSES}),
+        released=released(missed, layout),
         moved=Named(solver.moved),
         seconds=Named(seconds),
         trust=trust_of(
@@ -328,6 +339,7 @@ def ledger_of(
             step=options.step,
             checks=options.checks,
             is_weighed=solver.is_weighed,
+            is_driven=solver.is_driven,
             error=error,
         ),
         **counts,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly, notes_of_assembly
@@ -14,7 +14,9 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.emission.motion_data import is_flat
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, kept_rows
+from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
+from kousoku.codegen.dynamics.redundancy.freedom import Freedom, by_instance, freedom_of, kept_rows
+from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.simplification.merge import merged
@@ -32,7 +34,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
@@ -120,19 +121,41 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     """
     given = system_of(scene, wanted)
     require_kept(given)
-    placed = assemble(given)
+    placed = put_together(given)
     found = weighted(merged(without_held(placed), wanted).system)
-    system = found.system
-    program, freedom = independent(system, (*LEDGER, *wanted))
-    require_driven(found, freedom, wanted)
+    made = independent(found.system, (*LEDGER, *wanted))
+    require_driven(found, made.freedom, wanted)
+    freedom = made.freedom
     if "reactions" in wanted:
-        program = with_reactions(system, (*LEDGER, *wanted), program, freedom)
-    program = reduced(system, (*LEDGER, *wanted), program)
+        made = with_reactions((*LEDGER, *wanted), made)
+    program = reduced(made.system, (*LEDGER, *wanted), made.program)
     program = replace(program, is_weighed=not found.missing)
     changes = changes_of_assembly(given, placed)
-    notes = (*notes_of_assembly(changes, given.unit, scene.unit), *_of_reactions(program))
+    notes = (
+        *notes_of_assembly(changes, given.unit, scene.unit),
+        *notes_of_freedom(made.system, freedom),
+        *_of_reactions(program),
+    )
     about = replace(About.of(scene, notes), moved=tuple(one.as_data() for one in changes))
-    return Composed(program, system, freedom.degrees, about, without_held(placed))
+    return Composed(program, made.system, freedom.degrees, about, without_held(placed))
+
+
+class Independent(NamedTuple):
+    """A program without rows that depend on others.
+
+    Parameters
+    ----------
+    program : Program
+        As :func:`compose` returns it.
+    freedom : Freedom
+        Degrees of freedom, and the rows that were left out.
+    system : System
+        The scene, where all other rows hold.
+    """
+
+    program: Program
+    freedom: Freedom
+    system: System
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
@@ -148,63 +171,64 @@ def _of_reactions(program: Program) -> Iterator[str]:
 
 def independent(
     system: System, wanted: Sequence[str], *, may_be_planar: bool = True
-) -> tuple[Program, Freedom]:
-    """Return the program of an assembled system without rows that depend on others.
-
-    Returns
-    -------
-    Program
-        As :func:`compose` returns it.
-    Freedom
-        What was found: degrees of freedom, and the rows that were left out.
-    """
+) -> Independent:
+    """Return the program of an assembled system without rows that depend on others."""
     outline = compose(system, wanted, may_be_planar=may_be_planar, is_outline=True)
     fixed = fixed_system(system)
     require_unmoved_rows_hold(fixed, outline)
     freedom = freedom_of(fixed, outline)
-    rows = kept_rows(freedom, outline) if freedom.dropped else None
-    sets = [one.joints for one in freedom.dependent if one.is_everywhere and rows]
-    program = compose(system, wanted, rows=rows, dependent=sets, may_be_planar=may_be_planar)
-    return program, freedom
+    if freedom.closed:
+        system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
+    rows, sets, idle = None, None, None
+    if freedom.dropped:
+        rows, idle = kept_rows(freedom, outline), by_instance(freedom.idle)
+        sets = [one.joints for one in freedom.dependent if one.is_everywhere]
+    program = compose(
+        system, wanted, rows=rows, dependent=sets, idle=idle, may_be_planar=may_be_planar
+    )
+    return Independent(program, freedom, system)
 
 
-def with_reactions(
-    system: System, wanted: Sequence[str], program: Program, freedom: Freedom
-) -> Program:
+def with_reactions(wanted: Sequence[str], made: Independent) -> Independent:
     """Return the program that finds the forces of all joints, and knows which are not unique.
 
     Parameters
     ----------
-    system : System
-        The scene.
     wanted : sequence of str
         What is computed.
-    program, freedom : Program, Freedom
-        As :func:`independent` returned them.
+    made : Independent
+        As :func:`independent` returned it.
 
     Returns
     -------
-    Program
+    Independent
         In a plane, joints that are named because of what leads out of it only are named apart.
     """
+    program, freedom, system = made
     if not program.is_planar:
-        return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
+        return made._replace(program=_not_unique(program, freedom))
     in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
     found = None if is_flat(program, system) else _in_space(system, wanted)
     if found is None:
-        found = replace(program, not_unique=held_twice(fixed_system(system), program))
-    others = tuple(name for name in found.not_unique if name not in in_plane)
-    return replace(found, not_unique=tuple(in_plane), unique_in_plane=others)
+        twice = held_twice(fixed_system(system), program)
+        found = made._replace(program=replace(program, not_unique=twice))
+    others = tuple(name for name in found.program.not_unique if name not in in_plane)
+    named = replace(found.program, not_unique=tuple(in_plane), unique_in_plane=others)
+    return found._replace(program=named)
 
 
-def _in_space(system: System, wanted: Sequence[str]) -> Program | None:
+def _in_space(system: System, wanted: Sequence[str]) -> Independent | None:
     """Return the program in space of a scene that moves in a plane, None if that is too much."""
     try:
-        program, freedom = independent(thickened(system), wanted, may_be_planar=False)
+        made = independent(thickened(system), wanted, may_be_planar=False)
     except SceneError:  # too many rows depend on each other
         return None
-    not_unique = (*freedom.not_unique, *freedom.unknown)
-    return replace(program, not_unique=not_unique) if _is_regular(program) else None
+    program = _not_unique(made.program, made.freedom)
+    return made._replace(program=program, system=system) if _is_regular(program) else None
+
+
+def _not_unique(program: Program, freedom: Freedom) -> Program:
+    return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
 
 
 def _is_regular(program: Program) -> bool:

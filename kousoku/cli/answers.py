@@ -281,6 +281,8 @@ class Trust(TypedDict):
     energy_error: Number | None
     energy_moved: Number | None
     constraints: Number | None
+    missed: Number
+    closure_tolerance: Number
     drift: Number | None
     row_drift: Number | None
     pivot_ratio: Number | None
@@ -315,6 +317,7 @@ class RunLedger(TypedDict):
     works: dict[str, Number]
     momenta: list[Momentum]
     violations: dict[str, Violation]
+    missed: dict[str, list[Number]]
     released: list[str]
     moved: dict[str, MovedByAssembly]
     seconds: dict[str, Number]

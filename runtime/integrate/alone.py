@@ -14,7 +14,7 @@ from .result import unknown
 from .scene import state_of
 from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status
 from .state import fields
-from .trust import trust_of
+from .trust import CheckedRows, trust_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -182,16 +182,17 @@ class Run:
         """Return what was computed so far."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         data, scene = self._scene.data, self._scene.solver.scene
-        rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
+        rows = CheckedRows(*([tuple(row) for row in data[part]] for part in CheckedRows._fields))
         trust = trust_of(
             {one.name: one.view(self.state) for one in fields(scene.state_sizes)},
-            (len(data["rows"]), rows),
+            rows,
             self._layout,
             self.method,
             tolerance=self._settings.tolerance,
             step=self._settings.fixed_step or None,
             checks=bool(self._settings.checks),
             is_weighed=data["is_weighed"],
+            is_driven=data["is_driven"],
         )
         return Motion(
             self._layout,

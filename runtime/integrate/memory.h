@@ -9,11 +9,6 @@ enum {
     FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */
 };
 
-/* a row that is left out does not hold at the start, or later, when its residual is larger,
- * relative to LENGTH */
-#define STAYS_OPEN 1e-9
-#define COMES_OPEN 1e-6
-
 /* C has no empty arrays */
 #define ROOM(n) ((n) > 0 ? (n) : 1)
 

@@ -110,6 +110,8 @@ class Layout:
         Whether all lies in one plane, so that no force leads out of it.
     length : float [m]
         A length of the scene: corrections are compared with it, and torques weighed by it.
+    closure_tolerance : float
+        What rows that are left out may miss, relative to that length, or in radians.
     notes : tuple of str
         What the user of the scene may not expect, such as what assembly changed.
     duration : float [s], optional
@@ -130,6 +132,7 @@ class Layout:
     works: tuple[tuple[str, int], ...]
     is_flat: bool
     length: float
+    closure_tolerance: float
     notes: tuple[str, ...] = ()
     duration: float | None = None
     jumps: tuple[str, ...] = ()
@@ -155,6 +158,7 @@ class Layout:
             works=tuple((name, place) for name, place in data["works"]),
             is_flat=data["is_flat"],
             length=data["length"],
+            closure_tolerance=data["closure_tolerance"],
             notes=tuple(data["notes"]),
             duration=data["duration"],
             jumps=tuple(data["jumps"]),

@@ -16,10 +16,9 @@ OPTIONS = (
 MOST_STEPS = 1_000_000
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
-#: A row that is left out does not hold at the start, or later, when its residual is larger,
-#: relative to a length of the scene; memory.h has them, too.
-STAYS_OPEN = 1e-9
-COMES_OPEN = 1e-6
+#: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
+#: rows.h has it, too.
+CLEARLY = 10.0
 
 
 class Settings(NamedTuple):

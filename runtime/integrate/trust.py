@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from .result import key_of, listed, shortly
-from .settings import COMES_OPEN, KINEMATICS
+from .settings import CLEARLY, KINEMATICS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -28,8 +28,25 @@ FIXED = 1e-9
 LEAST = 1e-11
 #: What energies are known to, and constraints, relative to what they are compared with.
 ROUNDING = 1e-12
+#: What rows that are left out miss is rounding below that, in lengths of the scene or radians.
+MISSES = 1e-9
 #: An energy that is no motion: that of heat, of one freedom at room temperature [J].
 HEAT = 4e-21
+
+
+class CheckedRows(NamedTuple):
+    """Joint and unit of each row of the constraints that is checked.
+
+    Parameters
+    ----------
+    rows, left_out, reduced : sequence of (str, str)
+        Those solved for; those that others imply but for the closure tolerance; those that
+        coordinates of the solver fulfil.
+    """
+
+    rows: Sequence[tuple[str, str]]
+    left_out: Sequence[tuple[str, str]]
+    reduced: Sequence[tuple[str, str]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +61,9 @@ class Trust:
         checked, or drivers move bodies without mass.
     constraints : float or None
         Largest residual of a constraint in position, relative to a length of the scene, or in
-        radians; None where rows were not checked.
+        radians; None where rows were not checked. Rows that are left out are not among them.
+    missed, closure_tolerance : float
+        What rows that are left out miss at most, in the same units, and what they may.
     drift, row_drift : float or None
         Largest correction onto the constraints of a step, and of a row between steps, which the
         dense output tells, relative to a length of the scene; None where drivers lead.
@@ -62,6 +81,8 @@ class Trust:
     energy_error: float | None
     energy_moved: float | None
     constraints: float | None
+    missed: float
+    closure_tolerance: float
     drift: float | None
     row_drift: float | None
     pivot_ratio: float | None
@@ -90,6 +111,8 @@ class Trust:
             yield "constraints at rounding"
         else:
             yield f"constraints {shortly(self.constraints)}"
+        if self.missed > MISSES:
+            yield f"redundant rows miss {shortly(self.missed)}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         yield "error not estimated" if self.error is None else str(self.error)
@@ -106,7 +129,7 @@ class Trust:
 
 def trust_of(
     state: Mapping[str, Array],
-    rows: tuple[int, Sequence[tuple[str, str]]],
+    rows: CheckedRows,
     layout: Layout,
     method: str,
     *,
@@ -114,6 +137,7 @@ def trust_of(
     step: float | None,
     checks: bool,
     is_weighed: bool,
+    is_driven: bool,
     error: Any = None,
 ) -> Trust:
     """Return the verdict on a run.
@@ -122,22 +146,24 @@ def trust_of(
     ----------
     state : mapping of str to array
         Its state by names.
-    rows : (int, sequence of (str, str))
-        Joint and unit of each constraint, and how many of them, the first ones, are solved for.
+    rows : CheckedRows
+        What was checked.
     layout : Layout
         What stands where in a row.
     method, tolerance, step, checks
         How it was made.
-    is_weighed : bool
-        Whether energies are known.
+    is_weighed, is_driven : bool
+        Whether energies are known, and whether drivers determine the motion.
     error : kousoku.runtime.error_estimate.ErrorEstimate, optional
         Of its rows.
     """
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
-    worst = state["violations"][0]
-    sizes = np.array([layout.length if unit == "m" else 1.0 for _, unit in rows[1]])
-    constraints = float(np.max(worst / sizes, initial=0.0)) if checks else None
-    is_driven, advice = method == KINEMATICS, "a smaller tolerance or largest_step"
+    joints = missed_by(state["violations"][0], rows, layout) if checks else {}
+    missed = max((one.part for one in joints.values()), default=0.0)
+    constraints = _constraints(state["violations"][0], rows, layout) if checks else None
+    # joints hold all that could move: what energy there is is rounding
+    is_still = not is_driven and layout.sizes["v"] == len(rows.rows) + len(rows.reduced)
+    is_led, advice = method == KINEMATICS, "a smaller tolerance or largest_step"
     if step is not None:
         tolerance, advice = FIXED, "a smaller step"
     many = HEALTHY * max(1.0, single["steps"] / PER_STEPS)
@@ -145,8 +171,8 @@ def trust_of(
     knows_energy = checks and is_weighed
     lost = single["energy_error"] if knows_energy else None
     moved = single["energy_moved"] if knows_energy else None
-    drift, row_drift = (None if is_driven else single[name] for name in ("drift", "row_drift"))
-    advice = "a smaller largest_step, or more rows" if is_driven else advice
+    drift, row_drift = (None if is_led else single[name] for name in ("drift", "row_drift"))
+    advice = "a smaller largest_step, or more rows" if is_led else advice
     problems, beyond = [], []
     if single["not_finite"]:
         problems.append(
@@ -154,10 +180,12 @@ def trust_of(
             f" {single['not_finite_time']:.9g} s: a formula has no value there; ask for other"
             " times, or write it without the quotient that is 0/0"
         )
-    if opened := released(worst, rows, layout.length) if checks else ():
-        names = listed([key_of(name) for name in opened])
-        problems.append(f"{names} came open: this is not the motion of the scene")
-    if lost is not None and moved is not None:
+    if opened := released(joints, layout):
+        problems.append(
+            f"{listed([key_of(name) for name in opened])} came open by more than ten times"
+            f" closure_tolerance, {layout.closure_tolerance:g}: this is not the motion of the scene"
+        )
+    if lost is not None and moved is not None and not is_still:
         known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)
         allowed = max(limit * moved, known, HEAT)
         if not lost <= allowed:
@@ -182,6 +210,8 @@ def trust_of(
         energy_error=lost,
         energy_moved=moved,
         constraints=constraints,
+        missed=missed,
+        closure_tolerance=layout.closure_tolerance,
         drift=drift,
         row_drift=row_drift,
         pivot_ratio=single["least_pivot_ratio"] if has_pivots else None,
@@ -191,14 +221,49 @@ def trust_of(
     )
 
 
-def released(
-    worst: Array, rows: tuple[int, Sequence[tuple[str, str]]], length: float
-) -> tuple[str, ...]:
-    """Return the joints that came open at a row that was left out: those behind the first ones."""
-    left_out = slice(rows[0], len(rows[1]))
-    opened = [
-        joint
-        for (joint, unit), size in zip(rows[1][left_out], worst[left_out].tolist(), strict=True)
-        if not size <= COMES_OPEN * (length if unit == "m" else 1.0)
+class Missed(NamedTuple):
+    """What the rows of a joint that are left out missed at most.
+
+    Parameters
+    ----------
+    metres : float [m]
+        Those that are lengths.
+    radians : float [rad]
+        Those that are angles.
+    part : float
+        The larger of both, lengths relative to that of the scene.
+    """
+
+    metres: float
+    radians: float
+    part: float
+
+
+def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Missed]:
+    """Return by joint what rows that are left out missed, the worst first."""
+    first = len(rows.rows)
+    found: dict[str, list[float]] = {}
+    for (joint, unit), size in zip(rows.left_out, worst[first:].tolist(), strict=False):
+        own = found.setdefault(joint, [0.0, 0.0])
+        place = 0 if unit == "m" else 1
+        own[place] = max(own[place], size)
+    all_of = [
+        (joint, Missed(metres, radians, max(metres / layout.length, radians)))
+        for joint, (metres, radians) in found.items()
     ]
-    return tuple(dict.fromkeys(opened))
+    return dict(sorted(all_of, key=lambda one: -one[1].part))
+
+
+def released(missed: Mapping[str, Missed], layout: Layout) -> tuple[str, ...]:
+    """Return the joints that came open at rows that were left out."""
+    most = CLEARLY * layout.closure_tolerance
+    return tuple(joint for joint, one in missed.items() if not one.part <= most)
+
+
+def _constraints(worst: Array, rows: CheckedRows, layout: Layout) -> float:
+    """Return the largest residual of rows that hold, relative to a length where it is one."""
+    units = [unit for part in rows for _, unit in part]
+    parts = worst[: len(units)] / [layout.length if unit == "m" else 1.0 for unit in units]
+    first = len(rows.rows)
+    holds = np.delete(parts, range(first, first + len(rows.left_out)))
+    return float(np.max(holds, initial=0.0))

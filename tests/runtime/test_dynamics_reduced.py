@@ -83,7 +83,7 @@ def slider() -> Scene:
 def with_all_rows(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Scene], DynamicsSolver]:
     def load(scene: Scene) -> DynamicsSolver:
         system = assemble(system_of(scene, OUTPUTS))
-        program, _ = independent(system, (*LEDGER, *OUTPUTS))
+        program, *_ = independent(system, (*LEDGER, *OUTPUTS))
         folder = tmp_path_factory.mktemp("rows") / scene.name
         folder.mkdir()
         write_tree(folder, emit_dynamics(inline(program), system, OUTPUTS))

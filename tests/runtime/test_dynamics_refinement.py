@@ -76,7 +76,7 @@ def time_of_the_line() -> float:
 
 
 def in_fifty_digits(q: Any, v: Any) -> dict[str, Any]:
-    program, _ = independent(assemble(system_of(SCENE, OUTPUTS)), (*LEDGER, *OUTPUTS))
+    program, *_ = independent(assemble(system_of(SCENE, OUTPUTS)), (*LEDGER, *OUTPUTS))
     work = Workspace(program, HIGH)
     for name, values in (("q", q), ("v", v)):
         work[name] = [HIGH.number(Fraction(x)) for x in values.tolist()]

@@ -28,7 +28,7 @@ from kousoku.model.errors import AssemblyError
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Collection, Sequence
 
     from kousoku.model.mechanism import MovingBody, System
     from kousoku.model.precise import High, Quadruple, Triple
@@ -40,11 +40,19 @@ NOISE = 1e-20
 """Components below this part of the size of the system are zeros that iterations left."""
 
 
-def assemble(system: System) -> System:
+def assemble(system: System, left_out: Collection[tuple[int, int]] = ()) -> System:
     """Return a system at the nearest positions and velocities that joints and drivers allow.
 
     What fits to rounding stays as it is, and so does what is held. Angles count from the values
     that they have there, on the turn on which their drivers start.
+
+    Parameters
+    ----------
+    system : System
+        A scene.
+    left_out : collection of (int, int)
+        Rows that others imply but for the closure tolerance, by the places of constraints: they
+        need not hold.
 
     Raises
     ------
@@ -53,7 +61,7 @@ def assemble(system: System) -> System:
         stay violated, by how many metres and radians, or metres and radians per second.
     """
     fixed = fixed_system(system)
-    placed = _assembled(fixed)
+    placed = _assembled(fixed, left_out)
     return placed if fixed is system else _with_places(system, placed)
 
 
@@ -70,11 +78,11 @@ def _with_places(system: System, placed: System) -> System:
     return replace(system, bodies=bodies, coordinates=coordinates)
 
 
-def _assembled(system: System) -> System:
+def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
     """Return a system whose numbers are those of the scene, assembled."""
     system = on_turns_of_drivers(system)
-    positions = Residuals.of(system, system.constraints + system.held)
-    speeds = Residuals.of(system, system.constraints + system.held_rates)
+    positions = Residuals.of(system, system.constraints + system.held, left_out)
+    speeds = Residuals.of(system, system.constraints + system.held_rates, left_out)
     metric = Metric(system)
     fits = _fits(system, positions, metric)
     moves = _moves(system, speeds, metric)

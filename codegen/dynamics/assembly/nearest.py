@@ -158,8 +158,10 @@ def _driven(start: Place, system: System, search: _Search) -> Place | None:
     )
     if _stages(rough.missing(start), drives, size) <= 1:
         return None
-    kept = [one for one in search.rows.constraints if not one.is_driver]
-    others = RoughSearch(Residuals.of(system, kept), search.metric)
+    places = [k for k, one in enumerate(search.rows.constraints) if not one.is_driver]
+    kept = [search.rows.constraints[k] for k in places]
+    left_out = [(places.index(k), row) for k, row in search.rows.left_out if k in places]
+    others = RoughSearch(Residuals.of(system, kept, left_out), search.metric)
     place = others.restored(start, until=ON_THE_WAY)
     lengths = np.where(search.rows.in_metres, 1.0, size)
     away = np.where(drives, -rough.missing(place) / lengths, 0.0)

@@ -22,7 +22,7 @@ from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.pose import Pose
@@ -69,6 +69,9 @@ class Residuals:
         What the terms of combinations mean.
     parameters : sequence of (str, float)
         Names that formulas may use, and their values.
+    left_out : collection of (int, int)
+        Rows that are zero whatever bodies do, as others imply them: places of constraints, and
+        which of their rows.
     """
 
     def __init__(
@@ -77,6 +80,8 @@ class Residuals:
         bodies: Sequence[MovingBody],
         coordinates: Sequence[Coordinate] = (),
         parameters: Sequence[tuple[str, float]] = (),
+        *,
+        left_out: Collection[tuple[int, int]] = (),
     ) -> None:
         self.constraints = tuple(constraints)
         self.coordinates = tuple(coordinates)
@@ -86,6 +91,9 @@ class Residuals:
         #: The first row of each instance, and the count of rows at the end.
         self.first = [0, *accumulate(sizes)]
         self.rows = self.first[-1]
+        self.left_out = tuple(left_out)
+        self.is_left_out = np.zeros(self.rows, bool)
+        self.is_left_out[[self.first[place] + row for place, row in left_out]] = True
         #: Which rows are lengths; the others are angles, or sines of them.
         self.in_metres = np.repeat([unit_of(instance) == "m" for instance in constraints], sizes)
         #: Where the angles count from: values within half a turn of those at the start.
@@ -95,9 +103,15 @@ class Residuals:
         self._stacks = [self._stacked(own) for own in _by_kind(self._pieces)]
 
     @classmethod
-    def of(cls, system: System, constraints: Sequence[Instance]) -> Residuals:
-        """Return the rows of constraints between the bodies of a system."""
-        return cls(constraints, system.bodies, system.coordinates, system.parameters)
+    def of(
+        cls,
+        system: System,
+        constraints: Sequence[Instance],
+        left_out: Collection[tuple[int, int]] = (),
+    ) -> Residuals:
+        """Return the rows of constraints between the bodies of a system, some left out."""
+        given = (constraints, system.bodies, system.coordinates, system.parameters)
+        return cls(*given, left_out=left_out)
 
     def count(self, instance: Instance) -> int:
         """Return how many rows an instance has."""
@@ -124,7 +138,7 @@ class Residuals:
                 law = law_at_start(instance, parameters)
                 self._offsets[first] = precise.number(instance.offset) - law.value
                 self.sizes[first] = abs(instance.offset) + abs(float(law.value))
-                self.nu[first] = law.rate
+                self.nu[first] = zero if self.is_left_out[first] else law.rate
         for piece in self._pieces:
             if piece.coordinate >= 0:
                 self.sizes[piece.first] += abs(piece.factor * self.near[piece.coordinate])
@@ -142,8 +156,10 @@ class Residuals:
             for place, value in enumerate(result["C_q"]):
                 row, column = divmod(place, WIDTH)
                 column = self._column(piece.source, column)
-                if value and column >= 0:
+                if value and column >= 0 and not self.is_left_out[piece.first + row]:
                     elements.append((piece.first + row, column, factor * value))
+        for row in np.flatnonzero(self.is_left_out).tolist():
+            values[row] = precise.ZERO[0]
         return values, Jacobian(elements, (self.rows, self.columns))
 
     def counted(self, pose: Pose) -> Pose:
@@ -219,9 +235,11 @@ class Residuals:
                 row, k = divmod(at, WIDTH)
                 values = stack.factors * np.asarray(value)
                 there = (values != 0) & (stack.columns[k] >= 0)
+                there &= ~self.is_left_out[stack.first + row]
                 rows.append((stack.first + row)[there])
                 columns.append(stack.columns[k][there])
                 found.append(values[there])
+        c[self.is_left_out] = 0.0
         if not found:
             return c, np.zeros(0, int), np.zeros(0, int), np.zeros(0)
         return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)

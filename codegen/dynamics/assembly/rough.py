@@ -122,7 +122,13 @@ class RoughSearch:
         missing: Array = wanted - self._rows.elements(place.r, place.p, place.near)[0]
         return missing * self._lengths
 
-    def restored(self, place: Place, wanted: Array | float = 0.0, until: float = CLOSE) -> Place:
+    def restored(
+        self,
+        place: Place,
+        wanted: Array | float = 0.0,
+        until: float = CLOSE,
+        least: float = LEAST_DAMPING,
+    ) -> Place:
         """Return positions near a place at which rows are as wanted, or as near as they come.
 
         Gauss-Newton steps of least norm, damped while they overshoot (Levenberg and Marquardt),
@@ -137,10 +143,10 @@ class RoughSearch:
             moved_size = _norm(moved_missing)
             slow = slow + 1 if not moved_size <= SLOW * size else 0
             if not moved_size < size:
-                damping = max(10 * damping, LEAST_DAMPING)
+                damping = max(10 * damping, least)
                 continue
             place, missing, size = self._counted(moved), moved_missing, moved_size
-            damping = max(damping / 100, LEAST_DAMPING)
+            damping = max(damping / 100, least)
         return place
 
     def polished(self, start: Place, place: Place) -> Place | None:

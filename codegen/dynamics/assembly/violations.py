@@ -38,8 +38,9 @@ def violations(rows: Residuals, pose: Pose, at_least: float) -> dict[str, tuple[
     found: dict[str, list[float]] = {}
     values, _ = rows.at(pose)
     for instance, first in zip(rows.constraints, rows.first, strict=False):
-        if instance.kind == COMBINATION:
-            size, unit = abs(values[first]), 0 if rows.in_metres[first] else 1
+        own = slice(first, first + rows.count(instance))
+        if instance.kind == COMBINATION or rows.is_left_out[own].any():
+            size, unit = max(map(abs, values[own])), 0 if rows.in_metres[first] else 1
         else:
             size, unit = _size(instance, pose)
         worst = found.setdefault(key_of(instance), [0.0, 0.0])

@@ -32,7 +32,7 @@ from kousoku.codegen.dynamics.composition.energies import record_energies
 from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
 from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, require_few_joints
-from kousoku.codegen.dynamics.composition.least_norm import Scale, points_of
+from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared, points_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.composition.momentum import kept_of, record_momenta
 from kousoku.codegen.dynamics.composition.reactions import record_reactions, record_wrenches
@@ -72,7 +72,8 @@ def compose(
     wanted: Collection[str] = (),
     *,
     rows: Mapping[int, Sequence[int]] | None = None,
-    dependent: Sequence[Sequence[str]] = (),
+    dependent: Sequence[Sequence[str]] | None = None,
+    idle: Mapping[int, Sequence[int]] | None = None,
     may_be_planar: bool = True,
     most_free: int = -1,
     is_outline: bool = False,
@@ -92,6 +93,9 @@ def compose(
         rows that are.
     dependent : sequence of sequence of str
         The joints of each set of rows that depend on each other: what they carry is not unique.
+        All joints are one set unless given.
+    idle : mapping of int to sequence of int, optional
+        Of the rows that are not kept those that nothing changes: they carry nothing.
     may_be_planar : bool
         Whether a scene that stays in a coordinate plane gets planar coordinates.
     most_free : int
@@ -112,17 +116,22 @@ def compose(
         A body lacks a mass or a moment that its motion needs, or has too many joints.
     """
     require_few_joints(system)
-    kept = rows or {}
+    kept, still = rows or {}, idle or {}
     shift = plane_of(system) if may_be_planar else None
     if shift is None:
         require_masses(system, is_planar=False)
-        composer = _Composer(system, wanted, kept, dependent, is_planar=False, most_free=most_free)
+        shared = Shared(dependent, still)
+        composer = _Composer(system, wanted, kept, shared, is_planar=False, most_free=most_free)
         return composer.outline() if is_outline else composer.program()
     other = turned(system, shift)
     require_masses(other, is_planar=True)
     kinds = [instance.kind for instance in system.constraints]
-    kept = {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in kept.items()}
-    composer = _Composer(other, wanted, kept, dependent, is_planar=True, most_free=most_free)
+    kept, still = (
+        {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in given.items()}
+        for given in (kept, still)
+    )
+    shared = Shared(dependent, still)
+    composer = _Composer(other, wanted, kept, shared, is_planar=True, most_free=most_free)
     found = composer.outline() if is_outline else composer.program()
     return named_back(found, system, shift)
 
@@ -135,13 +144,13 @@ class _Composer:
         system: System,
         wanted: Collection[str],
         rows: Mapping[int, Sequence[int]],
-        dependent: Sequence[Sequence[str]],
+        shared: Shared,
         *,
         is_planar: bool,
         most_free: int,
     ) -> None:
         self.system = system
-        self.dependent = dependent
+        self.shared = shared
         self.wanted = wanted
         self.is_planar = is_planar
         self.recorder = Recorder()
@@ -380,7 +389,7 @@ class _Composer:
             self.body,
             rows=(self.joints, self.left_out),
             geometry=lambda joint: self.tasks.jacobian(joint, None),
-            scale=Scale(points_of(self.system), length, self.dependent),
+            scale=Scale(points_of(self.system), length, self.shared),
         )
 
     def _coordinates(self) -> None:

@@ -11,7 +11,7 @@ least where (Σ BᵀB) μ = Σ Bᵀw.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -24,7 +24,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Mapping, Sequence
+    from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
@@ -43,6 +43,22 @@ IN_PLANE = (0, 1, 5)
 
 
 @dataclass(frozen=True, slots=True)
+class Shared:
+    """Among which joints forces are shared out.
+
+    Parameters
+    ----------
+    groups : sequence of sequence of str, optional
+        The joints of each set of rows that depend on each other; unless given, all joints are one.
+    idle : mapping of int to sequence of int
+        Rows that nothing changes, by the places of their constraints: they carry nothing.
+    """
+
+    groups: Sequence[Sequence[str]] | None = None
+    idle: Mapping[int, Sequence[int]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Scale:
     """How forces and torques are weighed against each other.
 
@@ -52,14 +68,13 @@ class Scale:
         The point of each joint that has one, as :func:`points_of` returns them.
     length : float [m]
         ℓ.
-    groups : sequence of sequence of str
-        The joints of each set of rows that depend on each other; where it is empty, all joints are
-        one.
+    shared : Shared
+        Among which joints.
     """
 
     points: Mapping[str, Vector]
     length: float
-    groups: Sequence[Sequence[str]] = ()
+    shared: Shared = Shared()
 
 
 def points_of(system: System) -> dict[str, Vector]:
@@ -184,6 +199,7 @@ class LeastNorm:
             )
         ways = [self._ways(rows) for rows in left_out]
         parts = [self._of_joint(one, left_out, ways) for one in reactions]
+        parts += self._idle(left_out)
         total = self._products
         square = {
             (a, b): total([(shares[a], shares[b]) for shares, _ in parts])
@@ -203,6 +219,21 @@ class LeastNorm:
             if one.left_out:
                 place = next(k for k, rows in enumerate(left_out) if rows is one.left_out)
                 one.multipliers.append((one.left_out, least[place]))
+
+    def _idle(self, left_out: Sequence[JointBlocks]) -> Iterator[tuple[list[Block], Block]]:
+        """Yield B of the multipliers of rows that nothing changes, and w: zero is the least."""
+        for k, rows in enumerate(left_out):
+            own = [
+                (instance, row)
+                for instance, part in zip(rows.instances, rows.parts, strict=True)
+                for row in part.rows
+            ]
+            for place, (instance, row) in enumerate(own):
+                if row in self.scale.shared.idle.get(instance, ()):
+                    unit = column([int(n == place) for n in range(rows.count)]).T
+                    shares = [zeros(1, other.count) for other in left_out]
+                    shares[k] = unit
+                    yield shares, zeros(1, 1)
 
     def _products(self, pairs: Sequence[tuple[Block, Block]]) -> Block:
         """Return Σ aᵀ b."""

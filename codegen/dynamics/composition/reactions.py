@@ -136,7 +136,9 @@ def record_reactions(
             one.multipliers = [(one.kept, lam.part(one.kept.first, one.kept.count))]
     for joint in left_out:
         geometry(joint)
-    for group in merged(scale.groups or [[one.name for one in found]]):
+    for group in merged(
+        [[one.name for one in found]] if scale.shared.groups is None else scale.shared.groups
+    ):
         own = [one for one in found if one.name in group]
         if any(one.left_out for one in own):
             LeastNorm(recorder, schur, body, joints, scale).share_out(own)

@@ -18,7 +18,7 @@ from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordi
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
 from kousoku.model.about import About
-from kousoku.model.system import METRES
+from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system, is_varying
 from kousoku.runtime.integrate.state import fields_as_data
 
@@ -31,8 +31,6 @@ if TYPE_CHECKING:
 
 #: Regions that hold what is given, or what no evaluation finds.
 GIVEN = ("t", "parameters", "constants", "q", "v", *ON_DEMAND_REGIONS)
-#: Names of units by their lengths in metres.
-UNIT_NAMES = {float(precise.number(length)): name for name, length in METRES.items()}
 ZERO = Place(-1, 0.0)
 #: Where the ground is, for bodies that it carries.
 STILL = Coordinates("", (ZERO,) * 3, (Place(-1, 1.0), ZERO, ZERO, ZERO), (ZERO,) * 3, (ZERO,) * 3)
@@ -74,6 +72,7 @@ def motion_data(
         "is_driven": is_driven(program, system),
         "is_weighed": program.is_weighed,
         "length": characteristic_length(system),
+        "closure_tolerance": system.closure_tolerance,
         "rows": [row_of(row, system) for row in program.rows],
         "left_out": [row_of(row, system) for row in program.left_out],
         "reduced": [row_of(row, system) for row in program.reduced],

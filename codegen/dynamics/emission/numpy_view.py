@@ -155,6 +155,7 @@ def numpy_view(
     counted = counted_turns(program)
     numbers = {
         "length": length,
+        "closure_tolerance": system.closure_tolerance,
         "reference_energy": reference_energy(system, length),
         "work_size": program.size,
         "parts": tuple(parts),

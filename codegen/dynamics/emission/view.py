@@ -152,7 +152,9 @@ class DynamicsView:
         Initialisers, whose lines say what their rows belong to.
     length : str
         A length of the scene [m].
-    energy : str
+        A length of the scene [m].
+    closure_tolerance : str
+        What rows that are left out may miss, relative to it, or in radians.
         Of all bodies where they move by that length in a second [J].
     parts : tuple of str
         Regions that a row has beyond time, q and v.
@@ -176,6 +178,7 @@ class DynamicsView:
     absent: tuple[str, ...]
     tables: Mapping[str, str]
     length: str
+    closure_tolerance: str
     energy: str
     parts: tuple[str, ...]
     rows: int
@@ -362,6 +365,7 @@ def dynamics_view(
         tables={name: _table(table, name in PAIRS) for name, table in found.items()}
         | {"constants": _initialiser(in_lines(f"{literal(x)}," for x in program.constants))},
         length=repr(length),
+        closure_tolerance=repr(system.closure_tolerance),
         energy=repr(reference_energy(system, length)),
         parts=tuple(parts),
         rows=len(program.rows),

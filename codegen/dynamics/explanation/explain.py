@@ -9,7 +9,6 @@ from dataclasses import asdict, dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios, thickened
 from kousoku.codegen.dynamics.composition.compose import compose
@@ -19,6 +18,7 @@ from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
+from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.merge import merged
 from kousoku.codegen.dynamics.simplification.reduced_program import PRESCRIBED, reduced
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
@@ -144,13 +144,14 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         As :func:`kousoku.codegen.dynamics.generate.generate_dynamics` raises them.
     """
     names = scene.outputs if outputs is None else outputs
-    each = without_held(assemble(system_of(scene, names)))
+    each = without_held(put_together(system_of(scene, names)))
     wanted = (*LEDGER, *names)
     found = merged(each, wanted)
-    apart, system = _heavy(each), weighted(found.system).system
-    kept, freedom = independent(system, wanted)
+    apart = _heavy(each)
+    made = independent(weighted(found.system).system, wanted)
+    kept, freedom, system = made
     full = compose(system, wanted) if freedom.dropped else kept
-    whole = with_reactions(system, wanted, kept, freedom) if "reactions" in names else kept
+    whole = with_reactions(wanted, made).program if "reactions" in names else kept
     prescribed = reduced(system, wanted, whole, PRESCRIBED)
     program = reduced(system, wanted, whole)
     final = inline(program)

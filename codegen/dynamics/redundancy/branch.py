@@ -17,6 +17,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise
+from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -49,6 +50,8 @@ class Position:
         Positions, the ground last; r in lengths of the scene.
     near : (coordinates,)
         Angles that count turns.
+    c : (rows,)
+        What is left of the rows of joints, scaled.
     factors : Factors
         Of the rows of joints.
     """
@@ -56,7 +59,36 @@ class Position:
     r: Array
     p: Array
     near: Array
+    c: Array
     factors: Factors
+
+
+@dataclass(frozen=True, slots=True)
+class Scales:
+    """Factors that make rows and columns free of units.
+
+    Parameters
+    ----------
+    rows, columns : (rows,) and (columns,)
+        Of all rows and columns of the residuals.
+    """
+
+    rows: Array
+    columns: Array
+
+    @classmethod
+    def of_length(cls, residuals: Residuals, length: float) -> Scales:
+        """Return those that compare metres with radians by a length [m]."""
+        is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
+        by = np.where(residuals.in_metres, 1 / length, 1.0)
+        return cls(by, np.where(is_length, length, 1.0))
+
+
+def places_of(bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+    """Return r and p of bodies where they are, those of the ground last."""
+    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
+    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
+    return r, p
 
 
 class Branch:
@@ -70,47 +102,103 @@ class Branch:
         The rows of joints and the columns that are looked at.
     length : float [m]
         What compares metres with radians.
+    scales : Scales, optional
+        Those of the length unless given.
+    tolerance : float
+        What rows may miss that others imply, scaled, if that is to be more than rounding.
     """
 
     def __init__(
-        self, residuals: Residuals, rows: Sequence[int], columns: Sequence[int], length: float
+        self,
+        residuals: Residuals,
+        rows: Sequence[int],
+        columns: Sequence[int],
+        length: float,
+        *,
+        scales: Scales | None = None,
+        tolerance: float = 0.0,
     ) -> None:
-        self._residuals, self._length = residuals, length
+        self._residuals, self._length, self._tolerance = residuals, length, tolerance
         self._rows, self._columns = list(rows), list(columns)
-        #: Factors that make rows and columns free of units.
-        self._all_by = np.where(residuals.in_metres, 1 / length, 1.0)
+        scales = scales or Scales.of_length(residuals, length)
+        self._all_by = scales.rows
         self._rows_by = self._all_by[self._rows]
+        self._columns_by = scales.columns[self._columns]
+        #: What a scaled displacement is in lengths of the scene and radians.
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
-        self._columns_by = np.where(is_length, length, 1.0)[self._columns]
+        self._missed_by = np.where(residuals.in_metres, 1 / length, 1.0)[self._rows] / self._rows_by
+        self._steps_by = self._columns_by / np.where(is_length, length, 1.0)[self._columns]
 
     def positions(self, bodies: Sequence[MovingBody]) -> Iterator[Position]:
         """Yield the position of the bodies, and others along the branch, until nothing moves."""
-        r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)]) / self._length
-        p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
-        near = self._residuals.near
-        here = Position(r, p, near, factorise(self._at(r, p, near)[1]))
+        here = self._position(*self._start(bodies))
         yield here
         direction = _any_direction(len(self._columns))
         while here.factors.rank < len(self._columns):
-            direction = _of_size_one(here.factors.null_part(direction))
+            direction = self._of_size_one(here.factors.null_part(direction))
             there = self._next(here, direction)
             if there is None:
                 return
             yield there
             here = there
 
+    def start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array]:
+        """Return rows and C_q, scaled, where the bodies are."""
+        return self._at(*self._start(bodies))
+
+    def _start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array, Array]:
+        r, p = places_of(bodies)
+        return r / self._length, p, self._residuals.near
+
+    def clear(self, position: Position) -> int:
+        """Return how many rows are independent beyond doubt at a position."""
+        return int((position.factors.pivots > CLEARLY * self._tolerance).sum())
+
+    def is_redundant(self, positions: Sequence[Position], few: int) -> bool:
+        """Return whether rows repeat others at all positions, few being what they may determine."""
+        rank = max(position.factors.rank for position in positions)
+        return rank < len(self._rows) and (len(positions) > 1 or rank == few)
+
     def with_others(self, position: Position, rows: Sequence[int]) -> Factors:
         """Return the factors at a position of more rows than those that hold there."""
         _, matrix = self._residuals.doubles(position.r * self._length, position.p, position.near)
         chosen = list(rows)
         matrix = matrix[np.ix_(chosen, self._columns)]
-        return factorise(matrix * self._all_by[chosen][:, None] * self._columns_by)
+        scaled = matrix * self._all_by[chosen][:, None] * self._columns_by
+        return factorise(scaled, self._tolerance or None)
+
+    def left_over(self, position: Position, left: Sequence[int]) -> Array:
+        """Return what is left of some rows of joints, by their places, beyond all others."""
+        _, matrix = self._at(position.r, position.p, position.near)
+        others = factorise(np.delete(matrix, list(left), axis=0))
+        return np.array([float((others.null_part(matrix[k]) ** 2).sum()) ** 0.5 for k in left])
+
+    def is_length(self, place: int) -> bool:
+        """Return whether a row of joints is a length, or else an angle."""
+        return bool(self._residuals.in_metres[self._rows[place]])
+
+    def missed(self, position: Position) -> Array:
+        """Return what is left of the rows of joints, in lengths of the scene and radians."""
+        return self.in_units(position.c, range(len(self._rows)))
+
+    def in_units(self, scaled: Array, places: Sequence[int]) -> Array:
+        """Return values of some rows of joints, scaled, in lengths of the scene and radians."""
+        found: Array = scaled * self._missed_by[list(places)]
+        return found
+
+    def _position(self, r: Array, p: Array, near: Array) -> Position:
+        c, matrix = self._at(r, p, near)
+        return Position(r, p, near, c, factorise(matrix, self._tolerance or None))
 
     def _at(self, r: Array, p: Array, near: Array) -> tuple[Array, Array]:
         c, matrix = self._residuals.doubles(r * self._length, p, near)
         matrix = matrix[np.ix_(self._rows, self._columns)]
         scaled = matrix * self._rows_by[:, None] * self._columns_by
         return c[self._rows] * self._rows_by, scaled
+
+    def _of_size_one(self, x: Array) -> Array:
+        scaled: Array = x / np.abs(x * self._steps_by).max()
+        return scaled
 
     def _next(self, here: Position, direction: Array) -> Position | None:
         """Return a position near, in a direction or as near to it as the rows allow."""
@@ -120,7 +208,7 @@ class Branch:
                 found = settle(here, step * direction)
                 if found is not None and self._far(here, *found) > MOVED * step:
                     near = self._residuals.angles(found[0] * self._length, found[1], here.near)
-                    return Position(*found, near, factorise(self._at(*found, near)[1]))
+                    return self._position(*found, near)
         return None
 
     @staticmethod
@@ -138,11 +226,25 @@ class Branch:
             if size <= HOLDS:
                 return r, p
             kept = float(np.abs(c[list(here.factors.taken)]).max(initial=0))
-            if kept > before or kept <= HOLDS / 10:
+            if kept <= HOLDS / 10:
+                return (r, p) if self._may_miss(here, c, step) else None
+            if kept > before:
                 return None
             before = kept
             r, p = self._moved(r, p, here.factors.least_change(-c))
         return None
+
+    def _may_miss(self, here: Position, c: Array, step: Array) -> bool:
+        """Return whether rows that others imply miss no more after a step than they may.
+
+        From there to here they may miss as much more as the step is a part of the longest: where
+        rows are dependent at a position only, what they miss grows with the square of a step.
+        """
+        c = c * self._missed_by
+        more = float(np.abs(c - self.missed(here))[list(here.factors.left)].max(initial=0.0))
+        part = float(np.abs(step * self._steps_by).max()) / STEP
+        most = CLEARLY * self._tolerance
+        return bool(np.abs(c).max() <= most and more <= most * part)
 
     def _settled_damped(self, here: Position, step: Array) -> tuple[Array, Array] | None:
         """Return the position after a step, back on all rows: damped, as their rank may differ."""
@@ -162,7 +264,7 @@ class Branch:
     def _moved(self, r: Array, p: Array, step: Array) -> tuple[Array, Array]:
         """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
         full = np.zeros(self._residuals.columns)
-        full[self._columns] = step
+        full[self._columns] = step * self._steps_by
         by_body = full.reshape(-1, COLUMNS)
         r, p = r.copy(), p.copy()
         r[:-1] += by_body[:, :3]
@@ -185,8 +287,3 @@ def _any_direction(count: int) -> Array:
     k = np.arange(1.0, count + 1.0)
     numbers = k * 2**0.5 + k * k * 3**0.5
     return 2 * (numbers - np.floor(numbers)) - 1
-
-
-def _of_size_one(x: Array) -> Array:
-    scaled: Array = x / np.abs(x).max()
-    return scaled

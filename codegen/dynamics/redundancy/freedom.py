@@ -21,17 +21,20 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.codegen.dynamics.redundancy.branch import Branch
+from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
+from kousoku.codegen.dynamics.redundancy.closure import closed_rows, near_branch, require_gap
 from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Row
     from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import Part
     from kousoku.codegen.dynamics.redundancy.rank import Factors
     from kousoku.model.mechanism import System
@@ -87,6 +90,11 @@ class Freedom:
         known of them.
     drivers : int
         How many of the rows are those of drivers in loops.
+    idle : tuple of Row
+        Of the rows that are left out those that nothing changes.
+    closed : tuple of Closed
+        Of the rows that are left out those that others imply but for less than the closure
+        tolerance, and not to rounding.
     """
 
     columns: int
@@ -98,6 +106,8 @@ class Freedom:
     positions: int = 0
     unknown: tuple[str, ...] = ()
     drivers: int = 0
+    idle: tuple[Row, ...] = ()
+    closed: tuple[Closed, ...] = ()
 
     @property
     def degrees(self) -> int:
@@ -141,19 +151,28 @@ def freedom_of(system: System, program: Program) -> Freedom:
             worst=min(total.worst, found.worst),
             positions=min(total.positions or found.positions, found.positions),
             drivers=total.drivers + found.drivers,
+            idle=total.idle + found.idle,
+            closed=total.closed + found.closed,
         )
     return total
 
 
 def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]:
     """Return the rows of instances of which some are left out, as composing wants them."""
-    left = dict.fromkeys((row.instance, row.row) for row in freedom.dropped)
-    touched = dict.fromkeys(row.instance for row in freedom.dropped)
-    kept: dict[int, list[int]] = {instance: [] for instance in touched}
+    left = by_instance(freedom.dropped)
+    kept: dict[int, list[int]] = {instance: [] for instance in left}
     for row in program.rows:
-        if row.instance in kept and (row.instance, row.row) not in left:
+        if row.row not in left.get(row.instance, (row.row,)):
             kept[row.instance].append(row.row)
     return kept
+
+
+def by_instance(rows: Iterable[Row]) -> Mapping[int, Sequence[int]]:
+    """Return rows by the places of their constraints."""
+    found: dict[int, list[int]] = {}
+    for row in rows:
+        found.setdefault(row.instance, []).append(row.row)
+    return found
 
 
 def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
@@ -167,25 +186,47 @@ def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
 
 
 def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
-    residuals, first = _residuals(system, part)
+    residuals, first = part_residuals(system, part)
     joints, driven = _sorted(system, rows)
     chosen = [first[row.instance] + row.row for row in joints]
-    columns = _columns(program, part)
-    branch = Branch(residuals, chosen, columns, Metric(system).size)
     others = [(row, first[row.instance] + row.row) for row in driven]
-    drivers = Drivers(system, branch, list(zip(joints, chosen, strict=True)), others)
+    pairs = list(zip(joints, chosen, strict=True))
+    bodies = [system.bodies[k] for k in part.bodies]
+    columns, length = _columns(program, part), Metric(system).size
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
-    positions: list[Position] = []
-    for position in branch.positions([system.bodies[k] for k in part.bodies]):
-        positions.append(position)
-        are_free = drivers.look(position)
-        depends = position.factors.rank < len(joints)
-        if len(positions) == count or (are_free and not depends):
-            break
-    drivers.require_free()
     few = min(len(joints), len(columns))
-    is_stuck = len(positions) == 1 and positions[0].factors.rank < few
-    found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+
+    def looked(branch: Branch) -> tuple[list[Position], Drivers]:
+        drivers = Drivers(system, branch, pairs, others)
+        positions: list[Position] = []
+        for position in branch.positions(bodies):
+            positions.append(position)
+            are_free = drivers.look(position)
+            depends = branch.clear(position) < len(joints)
+            if len(positions) == count or (are_free and not depends):
+                break
+        return positions, drivers
+
+    found = None
+    near = near_branch(
+        residuals,
+        chosen,
+        columns,
+        length=length,
+        bodies=bodies,
+        tolerance=system.closure_tolerance,
+    )
+    if near is not None:
+        positions, drivers = looked(near)
+        require_gap(system, near, joints, positions)
+        if near.is_redundant(positions, few):
+            found = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
+            found = replace(found, closed=closed_rows(near, joints, found.dropped, positions))
+    if found is None or not found.closed:
+        positions, drivers = looked(Branch(residuals, chosen, columns, length))
+        is_stuck = len(positions) == 1 and positions[0].factors.rank < few
+        found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+    drivers.require_free()
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
@@ -194,12 +235,10 @@ def _is_independent(system: System, program: Program, part: Part, rows: Sequence
 
     Then none does along the branch, but at some of its positions.
     """
-    residuals, first = _residuals(system, part)
+    residuals, first = part_residuals(system, part)
     length = Metric(system).size
     bodies = [system.bodies[k] for k in part.bodies]
-    r = np.array([*(body.r for body in bodies), (0.0, 0.0, 0.0)])
-    p = np.array([*(body.p for body in bodies), (1.0, 0.0, 0.0, 0.0)])
-    _, at, columns, values = residuals.elements(r, p)
+    _, at, columns, values = residuals.elements(*places_of(bodies))
     is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
     is_row[[first[row.instance] + row.row for row in rows]] = True
     is_column[_columns(program, part)] = True
@@ -228,16 +267,20 @@ def _sorted(system: System, rows: Sequence[Row]) -> tuple[list[Row], list[Row]]:
     return joints, [row for row, is_driven in zip(rows, drives, strict=True) if is_driven]
 
 
-def _dependences(rows: Sequence[Row], positions: Sequence[Position]) -> Freedom:
+def _dependences(
+    rows: Sequence[Row], positions: Sequence[Position], takes_part: float = TAKES_PART
+) -> Freedom:
     """Return what is known of the rows of joints after all positions were looked at."""
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
     dependences = [position.factors.dependences() for position in regular]
     left, worst = rows_to_leave(dependences)
-    everywhere = _components([position.factors for position in regular])
+    everywhere = _components([position.factors for position in regular], takes_part)
+    alone = [places[0] for places, _ in everywhere if len(places) == 1]
+    everywhere = [(places, count) for places, count in everywhere if len(places) > 1]
     sets = [_set(rows, places, count, is_everywhere=True) for places, count in everywhere]
     if positions[0].factors.rank < rank:
-        for places, count in _components([positions[0].factors]):
+        for places, count in _components([positions[0].factors], takes_part):
             more = count - sum(n for other, n in everywhere if set(other) <= set(places))
             if more > 0:
                 sets.append(_set(rows, places, more, is_everywhere=False))
@@ -247,6 +290,7 @@ def _dependences(rows: Sequence[Row], positions: Sequence[Position]) -> Freedom:
         rank=rank,
         dependent=tuple(sets),
         dropped=tuple(rows[place] for place in left),
+        idle=tuple(rows[place] for place in alone),
         worst=worst,
         positions=len(positions),
     )
@@ -260,12 +304,12 @@ def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
     """
     sets = [
         _set(rows, places, count, is_everywhere=False)
-        for places, count in _components([position.factors])
+        for places, count in _components([position.factors], TAKES_PART)
     ]
     return Freedom(0, len(rows), rank, tuple(sets), positions=1)
 
 
-def _residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
+def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, int]]:
     """Return the rows of a part between its own bodies, and the first row of each instance."""
     place = {body: k for k, body in enumerate(part.bodies)} | {GROUND_INDEX: GROUND_INDEX}
     instances = [system.constraints[k] for k in part.instances]
@@ -297,15 +341,16 @@ def _columns(program: Program, part: Part) -> list[int]:
     ]
 
 
-def _components(factors: Sequence[Factors]) -> list[tuple[tuple[int, ...], int]]:
+def _components(factors: Sequence[Factors], takes_part: float) -> list[tuple[tuple[int, ...], int]]:
     """Return the sets of rows that depend on each other at some of the positions, and dimensions.
 
-    Rows are in one set when a row that depends on others is made of them.
+    Rows are in one set when a row that depends on others is made of them by more than
+    ``takes_part``. One that nothing changes is alone.
     """
     together = DisjointSets(range(len(factors[0].taken) + len(factors[0].left)))
     for one in factors:
-        takes_part = np.abs(one.combinations()) > TAKES_PART
-        for row, parts in zip(one.left, takes_part, strict=True):
+        is_part = np.abs(one.combinations()) > takes_part
+        for row, parts in zip(one.left, is_part, strict=True):
             for k in np.flatnonzero(parts):
                 together.join(row, one.taken[int(k)])
     left = factors[0].left

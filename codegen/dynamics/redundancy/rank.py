@@ -52,6 +52,12 @@ class Factors:
         """Count of independent rows."""
         return len(self.taken)
 
+    @property
+    def pivots(self) -> Array:
+        """What was left of each row when it was taken."""
+        found: Array = np.diagonal(self.lower)
+        return found
+
     def least_change(self, wanted: Array) -> Array:
         """Return the smallest x that changes the rows that were taken as wanted of all rows."""
         right = wanted[list(self.taken)].copy()
@@ -83,8 +89,16 @@ class Factors:
         return factorise(rows).basis.T if count else rows
 
 
-def factorise(matrix: Array) -> Factors:
-    """Take the largest row again and again and remove it from all others (Gram and Schmidt)."""
+def factorise(matrix: Array, least: float | None = None) -> Factors:
+    """Take the largest row again and again and remove it from all others (Gram and Schmidt).
+
+    Parameters
+    ----------
+    matrix : (rows, columns)
+        A.
+    least : float, optional
+        What is left of rows that count as dependent, unless that is to be relative to the largest.
+    """
     rest = np.ascontiguousarray(matrix.T)
     columns, rows = rest.shape
     parts, basis = np.zeros((rows, 0)), np.zeros((columns, 0))
@@ -97,7 +111,7 @@ def factorise(matrix: Array) -> Factors:
         best = float(squares.max(initial=0.0))
         size = best**0.5
         largest = largest or size
-        if size <= DEPENDENT * largest or len(taken) == columns:
+        if size <= (DEPENDENT * largest if least is None else least) or len(taken) == columns:
             break
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         size = float(squares[row]) ** 0.5

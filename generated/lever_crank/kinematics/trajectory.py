@@ -23,6 +23,10 @@ if TYPE_CHECKING:
     from .mechanism import Array, Mechanism
     from .rows import Rows, Run
 
+#: Of a turn that leads back, the most that nodes may be off, relative to the largest length.
+CLOSED = 1e-6
+#: Residuals that move a coordinate as often as this have lost digits worth telling.
+DIGITS_LOST = 1e3
 #: Tables of a node and of a link, the letters of their columns, and what follows the unit.
 NODE = (("positions", "", ""), ("velocities", "v", "/s"), ("accelerations", "a", "/s²"))
 LINK = (
@@ -45,6 +49,9 @@ class Iterations(NamedTuple):
         Corrections in a step, and in all.
     residual : float
         The largest residual of all rows, in the unit of lengths.
+    condition : float
+        By how much a residual may be magnified, the most of all rows: its decimal logarithm is how
+        many digits positions lose, and velocities twice as many.
     unit : str
         That unit.
     """
@@ -56,13 +63,14 @@ class Iterations(NamedTuple):
     most: int
     total: int
     residual: float
+    condition: float
     unit: str
 
     def __str__(self) -> str:
         return (
             f"{self.method} by {self.target}: {self.rows} positions, {self.least} to {self.most}"
             f" iterations a step, {self.total} in all, residual at most {self.residual:.1e}"
-            f" {self.unit}"
+            f" {self.unit}, condition at most {self.condition:.2g}"
         )
 
 
@@ -95,6 +103,8 @@ class Trajectory(Result):
         Corrections in the step that led to each row.
     residual : (rows,) array
         Largest residual at each row.
+    condition : (rows,) array
+        By how much residuals may be magnified in positions: large near a dead centre.
     links : tuple of (str, str, str, float)
         Name, nodes and design length of each link.
     target : {"c", "numpy"}
@@ -131,6 +141,7 @@ class Trajectory(Result):
     angular_accelerations: Mapping[str, Array]
     iterations: npt.NDArray[np.intc]
     residual: Array
+    condition: Array
     links: tuple[tuple[str, str, str, float], ...]
     target: str
     is_in_time: bool = False
@@ -206,9 +217,42 @@ class Trajectory(Result):
         own = self.iterations
         least = int(np.min(own[1:])) if len(own) > 1 else 0
         counts = least, int(np.max(own, initial=0)), int(np.sum(own))
-        return Iterations(
-            self.method, self.target, len(self), *counts, self.residual_max, self.unit
-        )
+        sizes = self.residual_max, float(np.max(self.condition, initial=0.0))
+        return Iterations(self.method, self.target, len(self), *counts, *sizes, self.unit)
+
+    @property
+    def turn_gaps(self) -> dict[str, float]:
+        """How far nodes are from where they were before a turn, of those that are not back."""
+        n = self.divisions
+        if self.is_in_time or len(self) <= n:
+            return {}
+        turns = [(rows[n] - rows[0]) / math.tau for rows in self.inputs.values()]
+        if not all(round(x) and abs(x - round(x)) < CLOSED for x in turns) or {
+            *self.input_units.values()
+        } != {"rad"}:
+            return {}
+        gaps = {node: math.dist(rows[n], rows[0]) for node, rows in self.positions.items()}
+        length = max(link[-1] for link in self.links)
+        return {node: gap for node, gap in gaps.items() if gap > CLOSED * length}
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader should know: turns that do not lead back, and digits that are lost."""
+        found = []
+        far = ", ".join(f"{node} {gap:.3g} {self.unit}" for node, gap in self.turn_gaps.items())
+        if far:
+            found.append(f"a turn leads to another assembly: {far} from where it began")
+        if (condition := self.ledger.condition) >= DIGITS_LOST:
+            k = int(np.argmax(self.condition))
+            where = ", ".join(
+                f"{name} = {values[k]:.9g} {self.input_units.get(name, '')}".rstrip()
+                for name, values in self.inputs.items()
+            )
+            found.append(
+                f"near a dead centre, at {where}, positions lose {math.log10(condition):.0f} of 16"
+                " digits, and velocities and accelerations up to twice as many"
+            )
+        return tuple(found)
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns of a node, of the last one that moves unless it is named."""
@@ -230,6 +274,8 @@ class Trajectory(Result):
             "rows": len(self),
             "iterations": {"min": ledger.least, "max": ledger.most, "total": ledger.total},
             "residual_max": self.residual_max,
+            "condition_max": ledger.condition,
+            "turn_gaps": dict(self.turn_gaps),
         }
 
 
@@ -266,6 +312,7 @@ def trajectory_of(
         angular_accelerations=named(links, rows.angle_ddot, "angular accelerations", "angles"),
         iterations=rows.iterations[:n],
         residual=rows.residual[:n],
+        condition=rows.condition[:n],
         links=mechanism.links,
         target=target,
     )

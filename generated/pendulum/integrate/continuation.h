@@ -88,7 +88,7 @@ static int stay_closed(State *s, Work *work)
     enum { SINGLE = offsetof(State, y) / sizeof(double) };
     double counts[SINGLE], *w = work->w, *y = work->k[0], *u = work->k[1], drift = 0.0;
     check(w);
-    if (!are_closed(w, STAYS_OPEN)) return 0;
+    if (!are_closed(w, 1.0)) return 0;
     for (size_t k = 0; k < NV; ++k) { /* no special direction */
         const double x = 0.6180339887498949 * (double)(k + 1);
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
@@ -106,7 +106,7 @@ static int stay_closed(State *s, Work *work)
         memcpy(y + NQ, s->y + NQ, NV * sizeof *y);
         if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
             check(w);
-            is_good = are_closed(w, STAYS_OPEN);
+            is_good = are_closed(w, 1.0);
             break;
         }
     }

@@ -10,7 +10,6 @@ from .pivot_monitor import WEAK, pivot_ratio
 from .projection import project, project_onto_tangent
 from .rows import are_closed
 from .scene import smaller
-from .settings import STAYS_OPEN
 from .state import SINGLE
 
 if TYPE_CHECKING:
@@ -95,7 +94,7 @@ def stay_closed(state: State, work: Work) -> bool:
     """
     w, y, scene = work.w, work.k[0], work.scene
     w.run("check")
-    if not are_closed(work, STAYS_OPEN):
+    if not are_closed(work, 1.0):
         return False
     x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
     u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
@@ -112,7 +111,7 @@ def stay_closed(state: State, work: Work) -> bool:
         y[scene.nq :] = state.y[scene.nq :]
         if 0.0 <= project(state.time, 0.0, y, None, None, work, state) <= CLOSE:
             w.run("check")
-            is_good = are_closed(work, STAYS_OPEN)
+            is_good = are_closed(work, 1.0)
             break
         way *= 0.5
     state.numbers[:SINGLE] = counts

@@ -110,6 +110,8 @@ class Layout:
         Whether all lies in one plane, so that no force leads out of it.
     length : float [m]
         A length of the scene: corrections are compared with it, and torques weighed by it.
+    closure_tolerance : float
+        What rows that are left out may miss, relative to that length, or in radians.
     notes : tuple of str
         What the user of the scene may not expect, such as what assembly changed.
     duration : float [s], optional
@@ -130,6 +132,7 @@ class Layout:
     works: tuple[tuple[str, int], ...]
     is_flat: bool
     length: float
+    closure_tolerance: float
     notes: tuple[str, ...] = ()
     duration: float | None = None
     jumps: tuple[str, ...] = ()
@@ -155,6 +158,7 @@ class Layout:
             works=tuple((name, place) for name, place in data["works"]),
             is_flat=data["is_flat"],
             length=data["length"],
+            closure_tolerance=data["closure_tolerance"],
             notes=tuple(data["notes"]),
             duration=data["duration"],
             jumps=tuple(data["jumps"]),
@@ -188,20 +192,23 @@ class Layout:
         body, sign = self.bodies[joint.body], -1.0 if joint.j < 0 else 1.0
         own = [reactions[:, k] if k >= 0 else np.zeros(len(reactions)) for k in joint.columns]
         force, torque = sign * np.stack(own[:3]), sign * np.stack(own[3:])
-        center = _columns(body.r, q)
-        point = np.broadcast_to(np.array([joint.point_b]).T, center.shape)
-        if joint.j >= 0:
-            other = self.bodies[joint.j]
-            arm = rotated(_columns(other.p, q), point) if other.p else 0.0
-            point = _columns(other.r, q) + arm
         if body.p:
             torque = rotated(_columns(body.p, q), torque)
-        torque = torque + crossed(center - point, force)
+        torque = torque + crossed(_columns(body.r, q) - self.point_of(joint, q), force)
         if not self.is_flat:  # of a planar body, what leads out of the plane is not computed
             force[[k < 0 for k in joint.columns[:3]]] = np.nan
             if body.p:
                 torque[[k < 0 for k in joint.columns[3:]]] = np.nan
         return force.T, torque.T
+
+    def point_of(self, joint: ReactionPlaces, q: Array) -> Array:
+        """Return where force and torque of a joint are taken, in frame O [m], (3, n)."""
+        point = np.broadcast_to(np.array([joint.point_b]).T, (3, len(q)))
+        if joint.j < 0:
+            return point
+        body = self.bodies[joint.j]
+        arm = rotated(_columns(body.p, q), point) if body.p else 0.0
+        return _columns(body.r, q) + arm
 
 
 def _columns(places: Sequence[int | float], q: Array) -> Array:

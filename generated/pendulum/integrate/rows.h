@@ -9,11 +9,15 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* whether the rows that are left out, which stand behind C, hold where they were evaluated last */
-static int are_closed(const double *w, double limit)
+/* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
+#define CLEARLY 10.0
+
+/* whether the rows that are left out, which stand behind C, miss so many times CLOSURE_TOLERANCE at
+ * most where they were evaluated last, relative to LENGTH */
+static int are_closed(const double *w, double times)
 {
     for (size_t k = NC; k != NCHECK; ++k) {
-        const double most = left_is_length[k - NC] ? limit * LENGTH : limit;
+        const double most = times * CLOSURE_TOLERANCE * (left_is_length[k - NC] ? LENGTH : 1.0);
         if (!(fabs(w[W_C + k]) <= most)) return 0;
     }
     return 1;
@@ -122,7 +126,7 @@ static int write_row(
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
     if (settings->checks) note_checks(w, s);
-    if (settings->checks && !is_passed && !are_closed(w, COMES_OPEN)) return NOT_CLOSED;
+    if (settings->checks && !is_passed && !are_closed(w, CLEARLY)) return NOT_CLOSED;
     find_reactions(work, is_passed);
     coordinate(w);
     double *next = row;

@@ -13,7 +13,7 @@ from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
 from .scene import larger
-from .settings import COMES_OPEN, Status
+from .settings import CLEARLY, Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -37,9 +37,12 @@ def energy_balance(work: Work, state: State) -> float:
     return float(balance)
 
 
-def are_closed(work: Work, limit: float) -> bool:
-    """Return whether the rows that are left out hold where they were evaluated last."""
-    limits = limit * work.scene.left_lengths
+def are_closed(work: Work, times: float) -> bool:
+    """Return whether rows that are left out miss so many times the closure tolerance at most.
+
+    That is where they were evaluated last.
+    """
+    limits = times * work.scene.closure_tolerance * work.scene.left_lengths
     return bool((np.abs(work.w.C_left_out) <= limits).all())
 
 
@@ -146,7 +149,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         w.run("energy")
     if s.checks:
         note_checks(work, state)
-    if s.checks and not is_passed and not are_closed(work, COMES_OPEN):
+    if s.checks and not is_passed and not are_closed(work, CLEARLY):
         return Status.NOT_CLOSED
     find_reactions(work, is_passed=is_passed)
     w.run("coordinate")

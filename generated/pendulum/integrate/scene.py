@@ -38,6 +38,8 @@ class Scene:
         What a state of this solver begins with.
     length : float [m]
         A length of the scene: corrections are compared with it.
+    closure_tolerance : float
+        What rows that are left out may miss, relative to that length, or in radians.
     reference_energy : float [J]
         The error of work is compared with it where less has moved.
     regions : mapping of str to (int, int)
@@ -97,6 +99,7 @@ class Scene:
     digest: str
     key: float
     length: float
+    closure_tolerance: float
     reference_energy: float
     regions: Mapping[str, tuple[int, int]]
     work_size: int

@@ -8,8 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from kousoku.runtime.integrate.settings import COMES_OPEN, STAYS_OPEN
-
 FOLDER = Path(__file__).parents[3] / "runtime" / "integrate"
 BOTH = sorted(path.stem for path in FOLDER.glob("*.h") if path.with_suffix(".py").exists())
 #: What NumPy has, or what Python says in the line where it is wanted.
@@ -49,9 +47,3 @@ def test_both_have_the_same_thresholds(name: str) -> None:
     assert {key: float(x) for key, x in in_c.items()} == {
         key: float(x) for key, x in in_python.items()
     }
-
-
-def test_limits_of_rows_that_are_left_out_are_the_same_in_both() -> None:
-    text = (FOLDER / "memory.h").read_text(encoding="utf-8")
-    for name, value in (("STAYS_OPEN", STAYS_OPEN), ("COMES_OPEN", COMES_OPEN)):
-        assert f"#define {name} {value:.0e}".replace("e-0", "e-") in text

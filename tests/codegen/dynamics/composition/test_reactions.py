@@ -271,14 +271,14 @@ def test_scene_in_a_plane_keeps_to_it_where_too_many_rows_hold_it_there(
     mechanisms: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system = replace(mechanisms.four_bars(1), gravity=(0.0, -9.0, 3.0))
-    program, freedom = independent(system, OUTPUTS)
+    made = independent(system, OUTPUTS)
     joints = tuple(dict.fromkeys(one.joint for one in system.constraints))
 
-    in_space = with_reactions(system, OUTPUTS, program, freedom)
+    in_space = with_reactions(OUTPUTS, made).program
     assert not in_space.is_planar
     assert (in_space.not_unique, in_space.unique_in_plane) == ((), joints)
     monkeypatch.setattr(least_norm, "MOST_ROWS", 2)
-    in_plane = with_reactions(system, OUTPUTS, program, freedom)
+    in_plane = with_reactions(OUTPUTS, made).program
     assert in_plane.is_planar
     assert (in_plane.not_unique, in_plane.unique_in_plane) == ((), joints)
 

@@ -71,6 +71,6 @@ def test_fewer_outputs_cost_less_and_change_nothing(
 @given(lengths=st.lists(st.tuples(NUMBERS, NUMBERS), min_size=2, max_size=4))
 def test_a_plane_costs_less_and_moves_as_in_space(lengths: list[tuple[float, float]]) -> None:
     system = linkage(lengths, ["revolute"] * len(lengths), in_plane=True)
-    flat, (spatial, _) = compose(system), independent(system, (), may_be_planar=False)
+    flat, (spatial, *_) = compose(system), independent(system, (), may_be_planar=False)
     assert 2 * operations(flat) < operations(spatial)
     assert accelerations(flat) == pytest.approx(accelerations(spatial), rel=1e-9, abs=1e-9)

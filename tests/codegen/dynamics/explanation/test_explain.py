@@ -73,7 +73,7 @@ def test_a_planar_scene_costs_less_than_half_and_moves_as_in_space(
 ) -> None:
     system = replace(mechanisms.four_bars(count), gravity=(5.0, -9.81, 0.0))
     flat = compose(system)
-    spatial, freedom = independent(system, (), may_be_planar=False)
+    spatial, freedom, _ = independent(system, (), may_be_planar=False)
 
     assert len(freedom.dropped) == 3 * count
     assert 2 * operations(flat) < operations(spatial)

@@ -124,7 +124,7 @@ def test_a_loop_of_revolutes_without_the_geometry_of_bricard_does_not_move(
 
 
 def test_a_program_keeps_as_many_rows_as_the_rank(made: SimpleNamespace) -> None:
-    program, freedom = independent(turned_bar(made), ())
+    program, freedom, _ = independent(turned_bar(made), ())
 
     assert len(program.rows) == freedom.rank == 17
     kept = {(row.instance, row.row) for row in program.rows}

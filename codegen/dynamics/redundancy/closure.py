@@ -1,0 +1,258 @@
+"""Rows that others imply but for less than the closure tolerance: which, and what they miss.
+
+People type 0.7071 for an axis. The rows of such a loop are independent by a hair, and what they
+hold beyond each other is no motion that anyone means: they count as redundant, as the exact ones
+do. Rows are told apart by their pivots in C_q where the loop is assembled, all lengths compared
+with those of the part and turns with the arms of their body, without masses. A pivot is what a row
+misses per unit of a motion that all others allow. Pivots below the closure tolerance are redundant,
+above ten times that independent, and a scene with one in between is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.pose import normalised
+from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.redundancy.branch import (
+    HOLDS,
+    Branch,
+    Scales,
+    places_of,
+)
+from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
+from kousoku.model import precise
+from kousoku.model.errors import SceneError
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.system import UNIT_NAMES
+from kousoku.runtime.integrate.settings import CLEARLY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from kousoku.codegen.dynamics.assembly.residuals import Residuals
+    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.redundancy.branch import Position
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.redundancy.rank import Array, Factors
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
+
+#: Pivots below it are rounding.
+ROUNDING = 1e-12
+#: Axes that lean more against each other are not meant to be parallel [rad].
+NEARLY_PARALLEL = 0.1
+#: Joints that a message names.
+SHOWN = 6
+
+
+@dataclass(frozen=True, slots=True)
+class Closed:
+    """A row that others imply but for less than the closure tolerance.
+
+    Parameters
+    ----------
+    row : Row
+        Which; it is left out.
+    is_length : bool
+        Whether what it misses is a length, or else an angle.
+    pivot : float
+        What it misses per unit of a motion that the other rows allow, in lengths and radians.
+    missed : float [lengths of the scene, or rad]
+        The most that it misses at the positions that were looked at.
+    """
+
+    row: Row
+    is_length: bool
+    pivot: float
+    missed: float
+
+
+def near_branch(
+    residuals: Residuals,
+    rows: Sequence[int],
+    columns: Sequence[int],
+    *,
+    length: float,
+    bodies: Sequence[MovingBody],
+    tolerance: float,
+) -> Branch | None:
+    """Return the branch of a part whose rows nearly depend on each other, None of all others.
+
+    Parameters
+    ----------
+    residuals : Residuals
+        The constraints of the part between its bodies.
+    rows, columns : sequence of int
+        The rows of joints and the columns that are looked at.
+    length : float [m]
+        Of the scene.
+    bodies : sequence of MovingBody
+        Those of the part, where they are.
+    tolerance : float
+        The closure tolerance.
+    """
+    branch = Branch(
+        residuals,
+        rows,
+        columns,
+        length,
+        scales=_scales(residuals, bodies),
+        tolerance=tolerance,
+    )
+    c, matrix = branch.start(bodies)
+    pivots = factorise(matrix, ROUNDING).pivots
+    is_near = len(pivots) > 0 and pivots.min() <= CLEARLY * tolerance
+    return branch if is_near or np.abs(c).max(initial=0.0) > HOLDS else None
+
+
+def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
+    """Return scales that compare lengths with that of the part, turns with the arms of a body."""
+    arms = [0.0] * (len(bodies) + 1)  # the ground last
+    sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
+    for one in sources:
+        for name, values in one.constants:
+            if name in {"s_i_b", "s_j_b"}:
+                body = one.i if name == "s_i_b" else one.j
+                arms[body] = max(arms[body], *map(abs, values))
+    arms[GROUND_INDEX] = 0.0  # where its points are tells nothing of sizes
+    largest = max(arms) or 1.0
+    turns = np.array([largest / arm if arm else 1.0 for arm in arms])
+    columns = np.repeat([largest, 1.0], COLUMNS // 2)[None, :] * np.ones((len(bodies), 1))
+    columns[:, COLUMNS // 2 :] = turns[:-1, None]
+    rows = np.where(residuals.in_metres, 1 / largest, 1.0)
+    _, matrix = residuals.doubles(*places_of(bodies))
+    for one, first in zip(residuals.constraints, residuals.first, strict=False):
+        if one.kind == COMBINATION:  # ratios may be of any size
+            size = float(((matrix[first] * columns.ravel()) ** 2).sum()) ** 0.5
+            rows[first] = 1 / size if size else 1.0
+        elif not residuals.in_metres[first]:
+            own = slice(first, first + residuals.count(one))
+            rows[own] = 1 / max(float(turns[body]) for body in one.bodies)
+    return Scales(rows, columns.ravel())
+
+
+def require_gap(
+    system: System, branch: Branch, rows: Sequence[Row], positions: Sequence[Position]
+) -> None:
+    """Refuse rows that are neither redundant nor independent.
+
+    Raises
+    ------
+    SceneError
+        The message names the joint, what it holds beyond which others, and the limits.
+    """
+    rank = max(position.factors.rank for position in positions)
+    clearest = max(positions, key=branch.clear)
+    if rank <= branch.clear(clearest):
+        return
+    at = max(positions, key=lambda position: position.factors.rank)
+    factors = at.factors
+    pivot, row = float(factors.pivots[-1]), rows[factors.taken[-1]]
+    others = [name for name in _beside(factors, rows) if name != row.joint]
+    tolerance = system.closure_tolerance
+    leaning = _leaning(system, (row.joint, *others))
+    raise SceneError(
+        f"holds beyond {_listed(others)} no more than {pivot:.3g} rad, or lengths per length:"
+        f" closure_tolerance is {tolerance:.3g}, above which it is not redundant, and it is"
+        f" independent above {CLEARLY * tolerance:.3g} only; {leaning}"
+        "give points and axes with more digits, or set closure_tolerance",
+        key=key_of(system.constraints[row.instance]),
+    )
+
+
+def _beside(factors: Factors, rows: Sequence[Row]) -> list[str]:
+    """Return the joints of the rows that the last row that was taken nearly depends on."""
+    last = factors.rank - 1
+    part = factors.lower[last].copy()
+    for k in reversed(range(last)):
+        part[k] /= factors.lower[k, k]
+        part[:k] -= part[k] * factors.lower[k, :k]
+    taking = [factors.taken[k] for k in range(last) if abs(part[k]) > TAKES_PART]
+    return list(dict.fromkeys(rows[k].joint for k in sorted(taking)))
+
+
+def _leaning(system: System, joints: Sequence[str]) -> str:
+    """Return which of some axes that are nearly parallel leans, and by how much; empty of others.
+
+    That is the one that is furthest from the others.
+    """
+    axes: dict[str, Array] = {}
+    for one in system.constraints:
+        if one.joint in joints and one.kind.startswith("p1"):
+            axis = np.array(dict(one.constants)["a_i_b"])
+            p = (1.0, 0.0, 0.0, 0.0) if one.i < 0 else system.bodies[one.i].p
+            seen = precise.rotate(normalised(p), precise.triple(axis.tolist()))
+            axes.setdefault(one.joint, np.array([float(x) for x in seen]))
+    if len(axes) < 2:
+        return ""
+    angles = {
+        name: [_between(axis, other) for key, other in axes.items() if key != name]
+        for name, axis in axes.items()
+    }
+    if max(map(max, angles.values())) > NEARLY_PARALLEL:
+        return ""
+    if len(axes) == 2:
+        both = " and ".join(f"joints.{name}" for name in axes)
+        return f"the axes of {both} are {max(map(max, angles.values())):.3g} rad apart; "
+    name = max(angles, key=lambda joint: sum(angles[joint]))
+    return f"the axis of joints.{name} leans by {max(angles[name]):.3g} rad; "
+
+
+def _between(a: Array, b: Array) -> float:
+    """Return the angle between two lines."""
+    return float(np.arctan2(np.linalg.norm(np.cross(a, b)), abs(a @ b)))
+
+
+def closed_rows(
+    branch: Branch, rows: Sequence[Row], left: Sequence[Row], positions: Sequence[Position]
+) -> tuple[Closed, ...]:
+    """Return those of the rows that are left out that others do not imply to rounding.
+
+    With yᵀ C_q = 0 what all rows miss at a position comes to the rows that are left out where the
+    others hold: yᵀ C stays.
+    """
+    places = [rows.index(row) for row in left]
+    rank = max(position.factors.rank for position in positions)
+    regular = [position for position in positions if position.factors.rank == rank]
+    pivots = branch.left_over(regular[0], places).tolist()
+    missed = np.zeros(len(left))
+    for position in regular:
+        y = position.factors.dependences()
+        alone = factorise(y[:, places]).least_change((y * position.c).sum(axis=1))
+        missed = np.maximum(missed, np.abs(branch.in_units(alone, places)))
+    is_length = [branch.is_length(place) for place in places]
+    found = zip(left, is_length, pivots, missed.tolist(), strict=True)
+    return tuple(Closed(*one) for one in found if one[2] > ROUNDING or one[3] > HOLDS)
+
+
+def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
+    """Yield notes on rows that were taken as redundant, and on scenes in which nothing moves."""
+    worst: dict[tuple[str, bool], float] = {}
+    for one in freedom.closed:
+        key = (key_of(system.constraints[one.row.instance]), one.is_length)
+        worst[key] = max(worst.get(key, 0.0), one.missed)
+    if max(worst.values(), default=0.0) > HOLDS:
+        size, unit = Metric(system).size / system.unit, UNIT_NAMES[system.unit]
+        texts = [
+            f"{key} but for {x * size:.3g} {unit}" if is_length else f"{key} but for {x:.3g} rad"
+            for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])
+        ]
+        more = f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else ""
+        yield (
+            f"redundant within closure_tolerance, {system.closure_tolerance:g}: other joints imply"
+            f" rows of {', '.join(texts[:SHOWN])}{more}; they are left out, and miss so much along"
+            " the motion"
+        )
+    if not freedom.degrees and not any(one.is_driver for one in system.constraints):
+        yield "nothing can move: joints hold all bodies where they are"
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(f"joints.{name}" for name in names[:SHOWN])
+    more = len(names) - SHOWN
+    return f"{shown} and {more} more" if more > 0 else shown

@@ -1,0 +1,126 @@
+"""Rows that others imply but for the closure tolerance, before a scene is assembled.
+
+Where joints nearly repeat each other, all rows hold only where the scene is stiff by a hair, if
+anywhere. So positions are sought at which the rows do that are independent beyond that tolerance.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.assemble import MOST_ROWS, assemble
+from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.pose import Pose
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.assembly.rough import Place, RoughSearch
+from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.redundancy.closure import near_branch
+from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PART
+from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.model.errors import AssemblyError
+from kousoku.model.held import without_held
+from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.settings import CLEARLY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.model.mechanism import System
+
+
+def put_together(given: System) -> System:
+    """Return a scene at positions and velocities that its joints and drivers allow.
+
+    Rows that others imply but for the closure tolerance need not hold there, if they are redundant
+    along the motion, too.
+
+    Parameters
+    ----------
+    given : System
+        As it is written.
+
+    Raises
+    ------
+    AssemblyError, SceneError
+        There are none near; rows are neither redundant nor independent.
+    """
+    left_out = nearly_implied(given)
+    if left_out:
+        with suppress(AssemblyError):
+            placed = assemble(given, left_out)
+            fixed = without_held(fixed_system(placed))
+            if freedom_of(fixed, compose(fixed)).closed:
+                return placed
+    return assemble(given)
+
+
+def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
+    """Return rows that others imply but for the closure tolerance, and not to rounding.
+
+    Parameters
+    ----------
+    system : System
+        A scene as it is written.
+
+    Returns
+    -------
+    tuple of (int, int)
+        Places of constraints, and which of their rows; with them others of the same loops that are
+        redundant to rounding.
+    """
+    system = on_turns_of_drivers(fixed_system(system))
+    parts = loops_of(system)
+    rows = Residuals.of(system, system.constraints + system.held)
+    if not parts or rows.rows > MOST_ROWS:
+        return ()
+    damping = system.closure_tolerance**2  # what is stiff by less stays where it is
+    start = Place.of(Pose.of(system.bodies, system.coordinates))
+    place = RoughSearch(rows, Metric(system)).restored(start, least=damping)
+    bodies = [
+        replace(body, r=tuple(r), p=tuple(p))
+        for body, r, p in zip(system.bodies, place.r.tolist(), place.p.tolist(), strict=False)
+    ]
+    near = [replace(one, near=x) for one, x in zip(system.coordinates, place.near, strict=True)]
+    system = replace(system, bodies=tuple(bodies), coordinates=tuple(near))
+    return tuple(found for part in parts for found in _of_part(system, part))
+
+
+def _of_part(system: System, part: Part) -> Iterator[tuple[int, int]]:
+    """Yield the rows of a part."""
+    residuals, first = part_residuals(system, part)
+    if residuals.rows > MOST_OF_PART:
+        return
+    rows = [
+        (place, row)
+        for place in part.instances
+        if not system.constraints[place].is_driver
+        for row in range(residuals.count(system.constraints[place]))
+    ]
+    bodies = [system.bodies[k] for k in part.bodies]
+    columns = [
+        COLUMNS * k + c
+        for k, body in enumerate(bodies)
+        if k or part.is_grounded
+        for c in range(COLUMNS // 2 if body.is_point else COLUMNS)
+    ]
+    branch = near_branch(
+        residuals,
+        [first[place] + row for place, row in rows],
+        columns,
+        length=Metric(system).size,
+        bodies=bodies,
+        tolerance=system.closure_tolerance,
+    )
+    if branch is None:
+        return
+    position = next(branch.positions(bodies))
+    if float(np.abs(branch.missed(position)).max()) <= CLEARLY * system.closure_tolerance:
+        yield from (rows[k] for k in position.factors.left)

@@ -1,0 +1,130 @@
+"""Linkages whose joints nearly hold more than once move as those do that hold exactly so."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.errors import SolveError
+from kousoku.model.read import scene_from_dict
+from kousoku.runtime.integrate.result import shortly
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from kousoku.model.scene import Scene
+
+TURN = np.linalg.qr(np.array([[1.0, 0.4, 0.2], [0.3, -1.0, 0.7], [0.1, 0.5, 1.0]]))[0]
+#: Corners and axes of the linkage of Bricard, along edges of a cube.
+CORNERS = ((1, 0, 0), (1, 1, 0), (1, 1, 1), (0, 1, 1), (0, 0, 1), (0, 0, 0))
+AXES = ((0, 0, 1), (1, 0, 0), (0, 1, 0)) * 2
+Y = (0.0, -9.81, 0.0)
+
+
+def bricard(digits: int) -> Scene:
+    """Return the linkage of Bricard, turned, as one types it with so many digits."""
+
+    def typed(x: Any) -> list[float]:
+        return [round(float(component), digits) for component in TURN @ np.array(x)]
+
+    names = ["ground", *(f"rod_{k}" for k in range(5)), "ground"]
+    tree: dict[str, Any] = {"name": "bricard", "unit": "m", "gravity": typed(Y)}
+    tree["bodies"] = {
+        name: {
+            "position": typed(a),
+            "cylinders": [
+                {"mass": 1, "radius": 0.05, "ends": [[0, 0, 0], typed(np.subtract(b, a))]}
+            ],
+        }
+        for name, (a, b) in zip(names[1:], pairwise(CORNERS), strict=False)
+    }
+    tree["joints"] = {
+        name: {"type": "revolute", "bodies": [*bodies], "at": typed(at), "axis": typed(axis)}
+        for name, bodies, at, axis in zip("abcdef", pairwise(names), CORNERS, AXES, strict=True)
+    }
+    return scene_from_dict(tree)
+
+
+def door(by: float, **more: Any) -> Scene:
+    """Return a door on two hinges, the upper one aside and leaning by so much."""
+    tree: dict[str, Any] = {"name": "door", "unit": "m", "gravity": [*Y], **more}
+    tree["bodies"] = {
+        "d": {
+            "position": [0, 0, 0],
+            "boxes": [{"mass": 5, "size": [1, 0.1, 2], "at": [0.5, 0, 0.5]}],
+        }
+    }
+    tree["joints"] = {
+        name: {"type": "revolute", "bodies": ["ground", "d"], "at": at, "axis": axis}
+        for name, at, axis in (("h", [0, 0, 0], [0, 0, 1]), ("g", [by, 0, 1], [0, by, 1]))
+    }
+    return scene_from_dict(tree)
+
+
+@pytest.mark.parametrize(("digits", "near"), [(4, 2e-2), (6, 2e-4)])
+def test_linkage_of_bricard_turns_as_it_is_typed(
+    mover: Callable[..., Any], digits: int, near: float
+) -> None:
+    exact = mover(bricard(16)).simulate(10.0, samples=11)
+    typed = mover(bricard(digits)).simulate(10.0, samples=11)
+
+    a, b = exact.columns(), typed.columns()
+    assert max(np.abs(a[f"rod_{k}.y"] - b[f"rod_{k}.y"]).max() for k in range(5)) < near
+    assert np.ptp(b["rod_4.y"]) > 0.3
+    ledger = typed.ledger
+    assert ledger.trust.is_trusted
+    assert ledger.released == ()
+    ((_, (metres, radians)),) = ledger.missed.items()
+    assert 10.0**-digits / 100 < max(metres, radians) < 10.0 ** (1 - digits)
+    assert f"redundant rows miss {shortly(ledger.trust.missed)}" in str(ledger.trust)
+    assert any("redundant within closure_tolerance" in note for note in typed.notes)
+    # of rows that are solved for nothing is left
+    assert ledger.trust.constraints < 1e-12
+
+
+@pytest.mark.parametrize("by", [1e-8, 1e-7, 1e-5])
+def test_door_turns_on_hinges_that_are_nearly_in_line(mover: Callable[..., Any], by: float) -> None:
+    outputs = ("accelerations", "reactions")
+    exact, found = (mover(door(x), outputs).simulate(3.0, samples=4) for x in (0.0, by))
+
+    a, b = exact.columns(), found.columns()
+    assert a["d.alpha_z"][0] == pytest.approx(-14.678, abs=1e-3)
+    for name in ("d.e0", "d.e3", "d.omega_z", "d.alpha_z"):
+        assert b[name] == pytest.approx(a[name], abs=20 * by)
+    for joint in "hg":
+        assert found.force[joint] == pytest.approx(exact.force[joint], abs=1e3 * by)
+    assert found.ledger.trust.is_trusted
+    assert by < found.ledger.trust.missed < 5 * by
+
+
+@pytest.mark.parametrize("by", [1e-3, 1e-2])
+def test_door_that_is_shut_stays_and_says_so(mover: Callable[..., Any], by: float) -> None:
+    shut = mover(door(by), ("accelerations", "reactions")).simulate(1.0, samples=2)
+
+    assert "nothing can move: joints hold all bodies where they are" in shut.notes
+    assert shut.ledger.trust.is_trusted
+    columns = shut.columns()
+    for name in columns:
+        if name.startswith(("d.v", "d.omega", "d.alpha")):
+            assert np.abs(columns[name]).max() < 1e-6
+    # by 1e-3 it has not moved in its plane, and what leads out of that is not known
+    assert np.isfinite([shut.force[joint][:, :2] for joint in "hg"]).all()
+
+
+def test_bars_in_line_are_refused_and_cannot_move(mover: Callable[..., Any]) -> None:
+    tree: dict[str, Any] = {"name": "bars", "unit": "m", "gravity": [*Y]}
+    rod = {"mass": 1, "radius": 0.05, "ends": [[0, 0, 0], [1, 0, 0]]}
+    tree["bodies"] = {
+        name: {"position": [x, 0, 0], "cylinders": [rod]} for name, x in (("a", 0), ("b", 1))
+    }
+    tree["joints"] = {
+        name: {"type": "hinge", "bodies": [*bodies], "at": [x, 0, 0], "axis": [0, 0, 1]}
+        for x, (name, *bodies) in enumerate(
+            [("A", "ground", "a"), ("B", "a", "b"), ("C", "b", "ground")]
+        )
+    }
+    with pytest.raises(SolveError, match="nothing can move"):
+        mover(scene_from_dict(tree)).simulate(1.0)
