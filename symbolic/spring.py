@@ -99,11 +99,12 @@ def length_rate() -> tuple[Matrix, Matrix]:
     bodies move together, and none holds what a point far from its own origin adds to d·ḋ and takes
     from it.
     """
-    of_turning = mul(A["j"], skew(turning_seen_from("j").omega), SYMBOLS["s_j_b"])
+    # Named, so that it does not wait for the angular velocity.
+    seen = Named("s_seen", mul(transpose(A["j"]), OF_BODY["i"]["s"]))
+    by_turning = mul(transpose(seen), skew(turning_seen_from("j").omega), SYMBOLS["s_j_b"])
     by_origins = mul(transpose(D), RELATIVE["v"])
     by_points = mul(transpose(RELATIVE["r"]), RELATIVE["w"])
-    across = mul(transpose(OF_BODY["i"]["s"]), of_turning)
-    half_square_rate = Named("h", add(by_origins, by_points, across))
+    half_square_rate = Named("h", add(by_origins, by_points, by_turning))
     return mul(L / Divisor(Dot(D, D)), half_square_rate), mul(1 / L, half_square_rate)
 
 
