@@ -119,6 +119,11 @@ def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
             f"{folder.name} has no reference values: its {data['operations']} operations are more"
             f" than {data['most_operations']}, or nothing is finite at the states that were tried"
         )
+    elif not data["independent"]:
+        yield (
+            f"{folder.name} is not compared with each body's own equations: no state near its start"
+            " is away from places where rows become dependent"
+        )
 
 
 def _solvers(
