@@ -131,7 +131,7 @@ class DroppedRow(TypedDict):
 
 
 class ClosedRow(TypedDict):
-    """A row that others imply but for less than the closure tolerance; lengths of the scene, rad."""
+    """A row that others imply but for the closure tolerance, in lengths of the scene or rad."""
 
     row: DroppedRow
     is_length: bool
