@@ -130,6 +130,15 @@ class DroppedRow(TypedDict):
     row: int
 
 
+class ClosedRow(TypedDict):
+    """A row that others imply but for the closure tolerance, in lengths of the scene or rad."""
+
+    row: DroppedRow
+    is_length: bool
+    pivot: Number
+    missed: Number
+
+
 class Freedom(TypedDict):
     """Degrees of freedom, and the rows of constraints that depend on others."""
 
@@ -142,6 +151,8 @@ class Freedom(TypedDict):
     positions: int
     unknown: list[str]
     drivers: int
+    idle: list[DroppedRow]
+    closed: list[ClosedRow]
     degrees: int
     not_unique: list[str]
 

@@ -171,6 +171,17 @@ def test_linkage_of_bricard_with_three_digits_is_refused() -> None:
         made(bricard(3))
 
 
+@pytest.mark.parametrize("by", [1e-8, 1e-5])
+def test_door_on_hinges_that_are_nearly_in_line_keeps_its_speed(by: float) -> None:
+    """All rows together hold it: where they did, assembly would stop it or refuse it."""
+    text = door(by).replace(
+        "mass = 1", "mass = 1, velocity = [0, 1, 0], angular_velocity = [0, 0, 2]"
+    )
+    placed = put_together(system_of(scene_from_toml(text), ()))
+
+    assert placed.bodies[0].omega_b == pytest.approx((0, 0, 2), abs=10 * by)
+
+
 def test_bodies_stay_where_they_are_typed() -> None:
     """Where all rows hold the linkage is stiff: assembly must not look for that place."""
     given = system_of(scene_from_toml(bricard(4)), ())
