@@ -99,11 +99,12 @@ static double work_error(const Settings *settings, double h, const State *s, Wor
 {
     const double *rate = s->f, *half = middle_of(work).f;
     const double *y = end_of(work).y, *f = end_of(work).f;
+    const double usual = usual_energy(usual_rate(2.0 * h, end_of(work).y, s));
     double error = 0.0;
     if (WORKS > 0) energy(work->w);
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
-        const double kinetic = work->w[W_ENERGIES];
-        const double size = REFERENCE_ENERGY + kinetic + larger(fabs(s->y[k]), fabs(y[k]));
+        const double least = usual + work->w[W_ENERGIES];
+        const double size = least + larger(fabs(s->y[k]), fabs(y[k]));
         const double way = fabs(rate[k]) + 2.0 * fabs(half[k]) + fabs(f[k]);
         const double left = (2.0 * half[k] - rate[k] - f[k]) / 6.0;
         if (way > 0.0) error = larger(error, h * left * (left / way) / size);
@@ -120,6 +121,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     s->time_before = end > asked ? s->time : end;
     s->time = end;
     s->steps += 1;
+    s->fastest = fastest(s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(f_before, s->f, NY * sizeof *s->y);
     memcpy(s->y, last.y, NY * sizeof *s->y);

@@ -13,7 +13,7 @@ from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import SMALLEST
+from .stepper import SMALLEST, fastest, usual_energy, usual_rate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -89,7 +89,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     rates = start.f[:nq] + 4.0 * half.f[:nq] + last.f[:nq]
     left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
-    miss = float(np.max(np.abs(left) / scene.floors[:nq]))
+    miss = float(np.max(np.abs(left) / scene.floors))
     return miss <= larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest)
 
 
@@ -146,8 +146,8 @@ def work_error(s: Settings, h: float, state: State, work: Work) -> float:
     done = slice(scene.nq - scene.works, scene.nq)
     before, rate, half = state.y[done], state.f[done], middle_of(work).f[done]
     y, f = (part[done] for part in end_of(work))
-    kinetic = work.w.energies[0]
-    size = scene.reference_energy + kinetic + np.maximum(np.abs(before), np.abs(y))
+    usual = usual_energy(usual_rate(2.0 * h, end_of(work).y, state, work), scene)
+    size = usual + work.w.energies[0] + np.maximum(np.abs(before), np.abs(y))
     way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
     left = (2.0 * half - rate - f) / 6.0
     relative = np.divide(left, way, out=np.zeros(scene.works), where=way > 0.0)
@@ -160,6 +160,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
+    state.fastest = fastest(state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
     state.f[:] = last.f

@@ -135,6 +135,7 @@ class State:
     derivatives = Number("-", "evaluations of the accelerations")
     factorisations = Number("-", "of C_q M^-1 C_q^T")
     drift = Number("-", "largest correction of a whole step, lengths relative to LENGTH")
+    fastest = Number("1/s", "largest speed of the steps so far, lengths relative to LENGTH")
     method = Number("-", "1 + the method; 0 before the first step")
     avoided = Number("-", "lengths of steps given up, since a stage was where rows are dependent")
     least_pivot_ratio = Number("-", "smallest pivot ratio of all steps")

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.emission.view import (
     contents_of,
     has_continuation,
     in_lines,
-    reference_energy,
+    mass_of,
 )
 from kousoku.codegen.dynamics.emission.view_numbers import (
     Table,
@@ -155,7 +155,7 @@ def numpy_view(
     counted = counted_turns(program)
     numbers = {
         "length": length,
-        "reference_energy": reference_energy(system, length),
+        "mass": mass_of(system),
         "work_size": program.size,
         "parts": tuple(parts),
         "added": added(program),

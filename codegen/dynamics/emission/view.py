@@ -152,8 +152,8 @@ class DynamicsView:
         Initialisers, whose lines say what their rows belong to.
     length : str
         A length of the scene [m].
-    energy : str
-        Of all bodies where they move by that length in a second [J].
+    mass : str
+        Of all bodies [kg].
     parts : tuple of str
         Regions that a row has beyond time, q and v.
     rows : int
@@ -176,7 +176,7 @@ class DynamicsView:
     absent: tuple[str, ...]
     tables: Mapping[str, str]
     length: str
-    energy: str
+    mass: str
     parts: tuple[str, ...]
     rows: int
     parameter_names: tuple[str, ...]
@@ -362,7 +362,7 @@ def dynamics_view(
         tables={name: _table(table, name in PAIRS) for name, table in found.items()}
         | {"constants": _initialiser(in_lines(f"{literal(x)}," for x in program.constants))},
         length=repr(length),
-        energy=repr(reference_energy(system, length)),
+        mass=repr(mass_of(system)),
         parts=tuple(parts),
         rows=len(program.rows),
         parameter_names=tuple(name for name, _ in system.parameters),
@@ -371,9 +371,9 @@ def dynamics_view(
     )
 
 
-def reference_energy(system: System, length: float) -> float:
-    """Return the energy of all bodies where they move by a length in a second [J]."""
-    return sum(float(body.mass) for body in system.bodies) * length**2 / 2 or 1.0
+def mass_of(system: System) -> float:
+    """Return the mass of all bodies, 1 where the scene gives none [kg]."""
+    return sum(float(body.mass) for body in system.bodies) or 1.0
 
 
 def _switches(program: Program, system: System, found: Mapping[str, Table]) -> dict[str, int]:
