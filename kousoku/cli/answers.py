@@ -280,6 +280,7 @@ class Trust(TypedDict):
     is_trusted: bool
     energy_error: Number | None
     energy_moved: Number | None
+    work_error: Number | None
     constraints: Number | None
     drift: Number | None
     row_drift: Number | None

@@ -88,9 +88,7 @@ def tables(
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
-        "floors": list(
-            zip((owner[slot] for slot in q), floors(program, length), strict=True)
-        ),
+        "floors": list(zip((owner[slot] for slot in q), floors(program, length), strict=True)),
         "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
         "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
         "inverse_masses": [
