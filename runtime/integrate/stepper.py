@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Work
+    from .scene import Scene, Work
     from .settings import Settings
     from .state import State
 

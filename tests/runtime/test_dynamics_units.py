@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
@@ -91,7 +91,7 @@ def oscillator(t: float, s: float, m: float) -> dict[str, Any]:
 
 def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
     """Return the motion of a scene to an end."""
-    return kousoku.load(scene, target="numpy").simulate(end, samples=11, **options)
+    return cast("Motion", kousoku.load(scene, target="numpy").simulate(end, samples=11, **options))
 
 
 @pytest.mark.parametrize("units", UNITS, ids=lambda units: "-".join(f"{x:g}" for x in units))

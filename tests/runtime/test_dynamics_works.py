@@ -93,7 +93,8 @@ def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:
 def test_what_the_rule_of_steps_cannot_see_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     mechanism = pulsing(monkeypatch)
     run = mechanism.begin(np.linspace(0.0, 4.0, 41))
-    mechanism.solver.state["steps"].view(run.state)[...] = 1.0  # its first steps are not tried
+    solver: Any = mechanism.solver
+    solver.state["steps"].view(run.state)[...] = 1.0  # its first steps are not tried
     trust = run.finish().ledger.trust
     assert trust.energy_error < 1e-12  # load and motor miss the same
     assert trust.work_error > 0.1 * trust.energy_moved
