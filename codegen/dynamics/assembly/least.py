@@ -163,8 +163,8 @@ class Solver:
             )
         if self._parts is None:
             rows = self._factors[:, None] * self._jacobian.dense()
-            lengths = np.tile([1.0] * 3 + [1.0 / self._metric.size] * 3, len(self._roots) // COLUMNS)
-            vectors, sizes, _ = np.linalg.svd(rows * lengths, full_matrices=False)
+            lengths = np.tile([1.0] * 3 + [self._metric.size] * 3, len(self._roots) // COLUMNS)
+            vectors, sizes, _ = np.linalg.svd(rows / lengths, full_matrices=False)
             own = vectors[:, sizes**2 > DEPENDENT * sizes.max(initial=0.0) ** 2]
             turned, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
             self._parts = sizes**2, own @ turned
