@@ -146,7 +146,7 @@ class Solver:
             solution = self._blocks.solve(right)
         else:
             values, vectors = self._eigen()
-            solution = vectors @ (vectors.T @ right / (values + damping * values[0]))
+            solution = vectors @ (vectors.T @ right / (values + damping * values.max(initial=0.0)))
         return [precise.number(x) for x in (self._factors * solution).tolist()]
 
     def _eigen(self) -> tuple[Array, Array]:
