@@ -118,7 +118,7 @@ static int project(
     const double first = project_position(enough, work, low, s);
     if (!(first >= 0.0)) return 0;
     if (drift) *drift = first;
-    for (int n = NC > 0 || FITS ? s->is_refined != 0.0 ? 2 : 1 : 0; n > 0; --n) {
+    if (NC > 0 || FITS) {
         correct_velocity(work);
         for (size_t k = 0; k < NV; ++k) {
             const double v = w[W_V + k], dv = w[W_DV + k];

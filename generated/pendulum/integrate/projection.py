@@ -179,12 +179,11 @@ def project(
     if not first >= 0.0:
         return -1.0
     if work.scene.nc > 0 or work.scene.fits:
-        for _ in range(1 if state.is_refined == 0.0 else 2):
-            correct_velocity(work)
-            v = w.v.copy()
-            w.v[:] = v + w.dv
-            if low is not None:
-                low[nq:] += rounding_of_sum(v, w.dv, w.v)
+        correct_velocity(work)
+        v = w.v.copy()
+        w.v[:] = v + w.dv
+        if low is not None:
+            low[nq:] += rounding_of_sum(v, w.dv, w.v)
     y[:nq] = w.q
     y[nq:] = w.v
     if f is not None:

@@ -14,8 +14,8 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves */
 #define PART 0.02
 #define NOTHING_MOVES 1e-4
-/* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in the
- * whole time */
+/* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
+ * the whole time */
 #define FIRST 0.01
 #define SHORTEST 1e-6
 
@@ -33,8 +33,8 @@ static void add_to_start(const double *start, double *y, double *low)
 /* the largest speed so far, in lengths of the scene and radians [1/s] */
 static double fastest(const State *s) { return larger(s->fastest, size_of(s->y + NQ)); }
 
-/* what the rates of a step are compared with, in lengths of the scene and radians [1/s]: told by the
- * motion, in other units of time it is the same */
+/* what the rates of a step are compared with, in lengths of the scene and radians [1/s]: told by
+ * the motion, in other units of time it is the same */
 static double usual_rate(double h, const double *end, const State *s)
 {
     const double known = larger(fastest(s), size_of(end + NQ));
