@@ -12,7 +12,7 @@
 /* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
  * many steps it is tried even so */
 #define SURE 1e-3
-#define TRIALS 32.0
+#define TRIALS 64.0
 /* what it left counts from step to step by this part: at a turning point of the rate it is small */
 #define FADING 0.5
 /* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */

@@ -36,7 +36,7 @@ COUNTABLE = 1.0
 #: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
 #: many steps it is tried even so.
 SURE = 1e-3
-TRIALS = 32.0
+TRIALS = 64.0
 #: What it left counts from step to step by this part: at a turning point of the rate it is small.
 FADING = 0.5
 #: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.

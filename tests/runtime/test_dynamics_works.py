@@ -92,7 +92,7 @@ def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:
 
 def test_what_the_rule_of_steps_cannot_see_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     mechanism = pulsing(monkeypatch)
-    run = mechanism.begin(np.linspace(0.0, 4.0, 41))
+    run = mechanism.begin(np.linspace(0.0, 8.0, 81))
     solver: Any = mechanism.solver
     solver.state["steps"].view(run.state)[...] = 1.0  # its first steps are not tried
     trust = run.finish().ledger.trust
