@@ -141,7 +141,7 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
     return larger(first, second)
 
 
-def power_at(x: float, end: float, state: State, work: Work) -> Array | None:
+def derivative_at(x: float, end: float, state: State, work: Work) -> Array | None:
     """Return the powers at a part x of the way of a step; None where they cannot be had."""
     h, start, to = end - state.time, Position(state.y, state.f), Position(work.k[4], work.k[5])
     before, gone = (start, 0.0) if x < 0.5 else (middle_of(work), 0.5)
@@ -154,19 +154,11 @@ def power_at(x: float, end: float, state: State, work: Work) -> Array | None:
     return to.f[work.scene.nq - work.scene.works : work.scene.nq].copy()
 
 
-def sizes_of_works(h: float, state: State, work: Work) -> Array:
-    """Return what errors of works are compared with in a step of length h [J]."""
-    scene, last = work.scene, end_of(work)
-    done = slice(scene.nq - scene.works, scene.nq)
+def least_size_of_works(h: float, state: State, work: Work) -> float:
+    """Return what errors of works are compared with in a step of length h, beside the works [J]."""
     work.w.run("energy")
-    least = usual_energy(usual_rate(h, last.y, state, work), scene) + work.w.energies[0]
-    sizes: Array = least + np.maximum(np.abs(state.y[done]), np.abs(last.y[done]))
-    return sizes
-
-
-def quotients(a: Array, b: Array) -> Array:
-    """Return a / b, or 0 where that is 0 / 0."""
-    return np.divide(a, b, out=np.zeros(len(b)), where=b > 0.0)
+    rate = usual_rate(h, end_of(work).y, state, work)
+    return usual_energy(rate, work.scene) + float(work.w.energies[0])
 
 
 def sum_works(s: Settings, end: float, state: State, work: Work) -> tuple[float, bool]:
@@ -190,14 +182,16 @@ def sum_works(s: Settings, end: float, state: State, work: Work) -> tuple[float,
         return 0.0, True
     done = slice(scene.nq - scene.works, scene.nq)
     rate, half, f = state.f[done], middle_of(work).f[done], end_of(work).f[done]
-    sizes = sizes_of_works(h, state, work)
+    before, after = np.abs(state.y[done]), np.abs(end_of(work).y[done])
+    sizes = least_size_of_works(h, state, work) + np.maximum(before, after)
     left = (2.0 * half - rate - f) / 6.0
-    relative = quotients(left, np.abs(rate) + 2.0 * np.abs(half) + np.abs(f))
+    way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
+    relative = left / np.where(way > 0.0, way, 1.0)
     most = larger(float(np.max(0.5 * h * left * relative / sizes)), 0.0)
     error = state.simpson = larger(most / s.tolerance, FADING * state.simpson)
     if error < SURE and math.fmod(state.steps, TRIALS) != 0.0:
         return error, False
-    one, other = (power_at(x, end, state, work) for x in (LOBATTO, 1.0 - LOBATTO))
+    one, other = (derivative_at(x, end, state, work) for x in (LOBATTO, 1.0 - LOBATTO))
     work.w.place(end, end_of(work).y)  # its geometry again
     ratio_at(end_of(work).y[: scene.nq], work, state)
     if one is None or other is None:
@@ -208,7 +202,8 @@ def sum_works(s: Settings, end: float, state: State, work: Work) -> tuple[float,
         state.work_error += float(np.max(np.abs(more))) / h * state.untold
         state.untold = 0.0
     coarse = h * (ends - half) / 3.0
-    error_of = quotients(more * more, np.sqrt(more * more + coarse * coarse))
+    root = np.sqrt(more * more + coarse * coarse)
+    error_of = more * more / np.where(root > 0.0, root, 1.0)
     end_of(work).y[done] += more
     return float(np.max(error_of / sizes)) / s.tolerance, True
 

@@ -9,7 +9,8 @@
 /* so are they all along where the first of them are wrong by more than this part */
 #define LOST 1e-11
 /* corrections in Newton's method, and steps of refinement */
-enum { MOST_CORRECTIONS = 20, MOST_REFINEMENTS = 4 };
+enum { MOST_CORRECTIONS = 20 };
+enum { MOST_REFINEMENTS = 4 };
 
 static void correct_position(Work *work)
 {

@@ -17,7 +17,7 @@
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
-#define SHORTEST 1e-6
+#define FIRST_OF_SPAN 1e-6
 
 /* adds y to what it starts from: a small sum, so that y is rounded once; what that leaves over goes
  * to low if it is not NULL */
@@ -224,7 +224,7 @@ static int first_step(const Method *m, const Settings *settings, double end, Sta
     forget_trials(work);
     const double span = end - s->time;
     double rate = larger(size_of(s->y + NQ), sqrt(size_of(s->f + NQ)));
-    const double h = smaller(rate > 0.0 ? FIRST / rate : SHORTEST * span, span);
+    const double h = smaller(rate > 0.0 ? FIRST / rate : FIRST_OF_SPAN * span, span);
     for (size_t i = 0; i < NY; ++i) y[i] = s->y[i] + h * s->f[i];
     if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;
     for (size_t i = NQ; i < NY; ++i) f[i] = f[i] - s->f[i];

@@ -43,7 +43,7 @@ NOTHING_MOVES = 1e-4
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
-SHORTEST = 1e-6
+FIRST_OF_SPAN = 1e-6
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -275,7 +275,7 @@ def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> 
     forget_trials(work)
     span = end - state.time
     rate = larger(size_of(state.y[nq:]), math.sqrt(size_of(state.f[nq:])))
-    h = smaller(FIRST / rate if rate > 0.0 else SHORTEST * span, span)
+    h = smaller(FIRST / rate if rate > 0.0 else FIRST_OF_SPAN * span, span)
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
         return Status.STEP_TOO_SMALL
