@@ -302,7 +302,7 @@ class Run:
         require_callable(self.solver.name, progress)
         try:
             while self._advance(min(self._pace, self._steps_left()), BUFFER) in GOES_ON:
-                if self._steps_left() <= 0:
+                if self._status == Status.PAUSED and self._steps_left() <= 0:
                     raise MotionError(self._too_many(), self.motion())
                 pulse = self.seconds["run"] / max(self.steps, 1)
                 self._pace = max(1, int(PULSE / pulse)) if pulse else STEPS

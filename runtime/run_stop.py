@@ -51,7 +51,7 @@ def joints_at_stop(rows: Sequence[tuple[str, str]], residuals: Array, pivots: Ar
     most = pivots.max(where=np.isfinite(pivots), initial=0.0)
     ratio = known.min() / most if most > 0.0 else 0.0
     order = np.argsort(known).tolist()
-    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= NEAR * known.min())
+    weak = dict.fromkeys(rows[k][0] for k in order if known[k] <= max(NEAR * known.min(), 0.0))
     names = ", ".join(map(key_of, list(weak)[:SHOWN]))
     dependent = "rows are nearly dependent" if ratio < DEPENDENT else "the smallest pivots are"
     return f"; {'; '.join([*parts, f'{dependent} at {names} (pivot ratio {ratio:.1e})'])}"

@@ -291,6 +291,7 @@ class Trust(TypedDict):
     is_trusted: bool
     energy_error: Number | None
     energy_moved: Number | None
+    work_error: Number | None
     constraints: Number | None
     missed: Number
     closure_tolerance: Number

@@ -9,6 +9,14 @@
 #define FURTHEST 8.0
 /* the largest turn of a step: angles count their turns [rad] */
 #define COUNTABLE 1.0
+/* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
+ * many steps it is tried even so */
+#define SURE 1e-3
+#define TRIALS 64.0
+/* what it left counts from step to step by this part: at a turning point of the rate it is small */
+#define FADING 0.5
+/* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */
+#define LOBATTO 0.17267316464601143
 
 /* a position and velocity, and their derivative */
 typedef struct {
@@ -93,22 +101,69 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     return 1;
 }
 
-/* what Simpson's rule leaves of the work in two halves of length h, about the square of what
- * trapezoids leave, each compared with what they sum; in units of the tolerance */
-static double work_error(const Settings *settings, double h, const State *s, Work *work)
+/* the derivative at a part x of the way of a step, in work->k[at + 1]; 0 where it cannot be had */
+static int derivative_at(double x, size_t at, double end, State *s, Work *work)
 {
-    const double *rate = s->f, *half = middle_of(work).f;
-    const double *y = end_of(work).y, *f = end_of(work).f;
-    double error = 0.0;
-    if (WORKS > 0) energy(work->w);
+    const double h = end - s->time, gone = x < 0.5 ? 0.0 : 0.5, way = (x - gone) * h;
+    const Position from = x < 0.5 ? (Position){ s->y, s->f } : middle_of(work);
+    const Position to = { work->k[at], work->k[at + 1] };
+    double drift = 0.0;
+    if (!predict_and_correct(s->time + x * h, way, from, to, work, s, &drift)) return 0;
+    if (!is_smooth(way, drift, from, to, work->scratch)) return 0;
+    return !(pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio);
+}
+
+/* what errors of works are compared with in a step of length h, beside the works [J] */
+static double least_size_of_works(double h, const State *s, Work *work)
+{
+    energy(work->w);
+    return usual_energy(usual_rate(h, end_of(work).y, s)) + work->w[W_ENERGIES];
+}
+
+/* sums the works of a step by a better rule than Simpson's, unless that is good enough, and returns
+ * the error in units of the tolerance. What Simpson's rule leaves is about the square of what
+ * trapezoids leave, each compared with what they sum. Where this is not far below the tolerance two
+ * more positions tell it, and works are summed by Lobatto's rule. So it is tried in every so many
+ * steps anyway: where periodic powers are the same at both ends and in the middle, they are not at
+ * its nodes. What Simpson's rule has left since the last trial goes to the ledger. */
+static double sum_works(const Settings *settings, double end, State *s, Work *work, int *is_told)
+{
+    const double h = end - s->time, *rate = s->f, *half = middle_of(work).f;
+    const double *f = end_of(work).f, *one = work->k[5], *other = work->k[7];
+    double *y = end_of(work).y, error = 0.0, most = 0.0, told = 0.0;
+    *is_told = 1;
+    if (WORKS == 0) return 0.0;
+    *is_told = 0;
+    const double least = least_size_of_works(h, s, work);
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
-        const double kinetic = work->w[W_ENERGIES];
-        const double size = REFERENCE_ENERGY + kinetic + larger(fabs(s->y[k]), fabs(y[k]));
+        const double size = least + larger(fabs(s->y[k]), fabs(y[k]));
         const double way = fabs(rate[k]) + 2.0 * fabs(half[k]) + fabs(f[k]);
         const double left = (2.0 * half[k] - rate[k] - f[k]) / 6.0;
-        if (way > 0.0) error = larger(error, h * left * (left / way) / size);
+        if (way > 0.0) error = larger(0.5 * h * left * (left / way) / size, error);
     }
-    return error / settings->tolerance;
+    error = s->simpson = larger(error / settings->tolerance, FADING * s->simpson);
+    if (error < SURE && fmod(s->steps, TRIALS) != 0.0) return error;
+    const int has_one = derivative_at(LOBATTO, 4, end, s, work);
+    const int has_other = derivative_at(1.0 - LOBATTO, 6, end, s, work);
+    place(end, y, work->w); /* its geometry again */
+    ratio_at(y, work, s);
+    if (!has_one || !has_other) return error;
+    *is_told = 1;
+    for (size_t k = NQ - WORKS; k != NQ; ++k) {
+        const double size = least + larger(fabs(s->y[k]), fabs(y[k]));
+        const double ends = 0.5 * (rate[k] + f[k]), inner = 0.5 * (one[k] + other[k]);
+        const double more = 49.0 / 90.0 * h * (inner - half[k] - 3.0 / 7.0 * (ends - half[k]));
+        const double coarse = h * (ends - half[k]) / 3.0;
+        const double root = sqrt(more * more + coarse * coarse);
+        if (root > 0.0) told = larger(more * more / root / size, told);
+        most = larger(fabs(more), most);
+        y[k] += more;
+    }
+    if (error < SURE) {
+        s->work_error += most / h * s->untold;
+        s->untold = 0.0;
+    }
+    return told / settings->tolerance;
 }
 
 /* keeps a position, at or behind the time that is asked for */
@@ -120,6 +175,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     s->time_before = end > asked ? s->time : end;
     s->time = end;
     s->steps += 1;
+    s->fastest = fastest(s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(f_before, s->f, NY * sizeof *s->y);
     memcpy(s->y, last.y, NY * sizeof *s->y);
@@ -145,13 +201,15 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         const double end = is_last && part == 1.0 ? asked : s->time + part * whole;
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
         const int good = reach(end, part <= 1.0, s, work, &drift);
+        const double ratio = pivot_ratio(work, s);
         double error = 0.0, factor = 2.0;
+        int is_told = 0;
         /* rows or the ledger tell the work */
         if (good && part <= 1.0 && (HAS_ENERGIES || settings->checks)) {
-            error = work_error(settings, 0.5 * (end - s->time), s, work);
+            error = sum_works(settings, end, s, work, &is_told);
         }
-        if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -0.2)));
-        const double ratio = pivot_ratio(work, s);
+        const double order = is_told ? 7.0 : 5.0;
+        if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -1.0 / order)));
         if (ratio < WEAK * s->largest_pivot_ratio && part < FURTHEST) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
@@ -169,6 +227,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
                                      : larger(s->largest_pivot_ratio, ratio);
         note_largest_pivot(work, s);
         s->drift = larger(s->drift, drift);
+        s->untold += is_told ? 0.0 : end - s->time;
         s->step_size = is_last ? larger(s->step_size, factor * longest) : factor * longest;
         accept_position(end, asked, work, s);
         return GOOD;

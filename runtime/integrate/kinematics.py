@@ -9,11 +9,11 @@ import numpy as np
 
 from .dense_output import hermite_cubic
 from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
-from .projection import project
+from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import SMALLEST
+from .stepper import SMALLEST, fastest, usual_energy, usual_rate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -33,6 +33,14 @@ UNEXPLAINED = 1e-3
 FURTHEST = 8.0
 #: The largest turn of a step: angles count their turns [rad].
 COUNTABLE = 1.0
+#: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
+#: many steps it is tried even so.
+SURE = 1e-3
+TRIALS = 64.0
+#: What it left counts from step to step by this part: at a turning point of the rate it is small.
+FADING = 0.5
+#: A node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2.
+LOBATTO = 0.17267316464601143
 
 
 class Position(NamedTuple):
@@ -89,7 +97,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     rates = start.f[:nq] + 4.0 * half.f[:nq] + last.f[:nq]
     left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
-    miss = float(np.max(np.abs(left) / scene.floors[:nq]))
+    miss = float(np.max(np.abs(left) / scene.floors))
     return miss <= larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest)
 
 
@@ -133,25 +141,71 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
     return larger(first, second)
 
 
-def work_error(s: Settings, h: float, state: State, work: Work) -> float:
-    """Return what Simpson's rule leaves of the work in two halves of length h.
+def derivative_at(x: float, end: float, state: State, work: Work) -> Array | None:
+    """Return the powers at a part x of the way of a step; None where they cannot be had."""
+    h, start, to = end - state.time, Position(state.y, state.f), Position(work.k[4], work.k[5])
+    before, gone = (start, 0.0) if x < 0.5 else (middle_of(work), 0.5)
+    way = (x - gone) * h
+    drift = predict_and_correct(state.time + x * h, way, before, to, work, state)
+    if not is_smooth(way, drift, before, to, work):
+        return None
+    if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
+        return None
+    return to.f[work.scene.nq - work.scene.works : work.scene.nq].copy()
 
-    About the square of what trapezoids leave, each compared with what they sum; in units of the
-    tolerance.
-    """
-    scene = work.scene
-    if scene.works == 0:
-        return 0.0
+
+def least_size_of_works(h: float, state: State, work: Work) -> float:
+    """Return what errors of works are compared with in a step of length h, beside the works [J]."""
     work.w.run("energy")
+    rate = usual_rate(h, end_of(work).y, state, work)
+    return usual_energy(rate, work.scene) + float(work.w.energies[0])
+
+
+def sum_works(s: Settings, end: float, state: State, work: Work) -> tuple[float, bool]:
+    """Sum the works of a step by a better rule than Simpson's, unless that is good enough.
+
+    What Simpson's rule leaves is about the square of what trapezoids leave, each compared with what
+    they sum. Where this is not far below the tolerance two more positions tell it, and works are
+    summed by Lobatto's rule. So it is tried in every so many steps anyway: where periodic powers
+    are the same at both ends and in the middle, they are not at its nodes. What Simpson's rule has
+    left since the last trial goes to the ledger.
+
+    Returns
+    -------
+    error : float
+        In units of the tolerance.
+    is_told : bool
+        Whether two more positions told it.
+    """
+    scene, h = work.scene, end - state.time
+    if scene.works == 0:
+        return 0.0, True
     done = slice(scene.nq - scene.works, scene.nq)
-    before, rate, half = state.y[done], state.f[done], middle_of(work).f[done]
-    y, f = (part[done] for part in end_of(work))
-    kinetic = work.w.energies[0]
-    size = scene.reference_energy + kinetic + np.maximum(np.abs(before), np.abs(y))
-    way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
+    rate, half, f = state.f[done], middle_of(work).f[done], end_of(work).f[done]
+    before, after = np.abs(state.y[done]), np.abs(end_of(work).y[done])
+    sizes = least_size_of_works(h, state, work) + np.maximum(before, after)
     left = (2.0 * half - rate - f) / 6.0
-    relative = np.divide(left, way, out=np.zeros(scene.works), where=way > 0.0)
-    return float(np.max(h * left * relative / size)) / s.tolerance
+    way = np.abs(rate) + 2.0 * np.abs(half) + np.abs(f)
+    relative = left / np.where(way > 0.0, way, 1.0)
+    most = larger(float(np.max(0.5 * h * left * relative / sizes)), 0.0)
+    error = state.simpson = larger(most / s.tolerance, FADING * state.simpson)
+    if error < SURE and math.fmod(state.steps, TRIALS) != 0.0:
+        return error, False
+    one, other = (derivative_at(x, end, state, work) for x in (LOBATTO, 1.0 - LOBATTO))
+    work.w.place(end, end_of(work).y)  # its geometry again
+    ratio_at(end_of(work).y[: scene.nq], work, state)
+    if one is None or other is None:
+        return error, False
+    ends = 0.5 * (rate + f)
+    more = 49.0 / 90.0 * h * (0.5 * (one + other) - half - 3.0 / 7.0 * (ends - half))
+    if error < SURE:
+        state.work_error += float(np.max(np.abs(more))) / h * state.untold
+        state.untold = 0.0
+    coarse = h * (ends - half) / 3.0
+    root = np.sqrt(more * more + coarse * coarse)
+    error_of = more * more / np.where(root > 0.0, root, 1.0)
+    end_of(work).y[done] += more
+    return float(np.max(error_of / sizes)) / s.tolerance, True
 
 
 def accept_position(end: float, asked: float, state: State, work: Work) -> None:
@@ -160,6 +214,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
+    state.fastest = fastest(state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
     state.f[:] = last.f
@@ -186,11 +241,12 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
         drift = reach(end, state, work, in_halves=part <= 1.0)
-        is_good, error = drift >= 0.0, 0.0
-        if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
-            error = work_error(s, 0.5 * (end - state.time), state, work)
-        factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error**-0.2))
+        is_good, error, is_told = drift >= 0.0, 0.0, False
         ratio = pivot_ratio(work, state)
+        if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
+            error, is_told = sum_works(s, end, state, work)
+        order = 7.0 if is_told else 5.0
+        factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error ** (-1.0 / order)))
         is_weak = ratio < WEAK * state.largest_pivot_ratio
         if is_weak and part < FURTHEST:
             state.avoided += 1
@@ -206,6 +262,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     )
     note_largest_pivot(work, state)
     state.drift = larger(state.drift, drift)
+    state.untold += 0.0 if is_told else end - state.time
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
     accept_position(end, asked, state, work)
     return Status.GOOD

@@ -40,8 +40,8 @@ class Scene:
         A length of the scene: corrections are compared with it.
     closure_tolerance : float
         What rows that are left out may miss, relative to that length, or in radians.
-    reference_energy : float [J]
-        The error of work is compared with it where less has moved.
+    mass : float [kg]
+        Of all bodies: the error of work is compared with the energy that they have in motion.
     regions : mapping of str to (int, int)
         First slot and size of each named part of the workspace.
     work_size : int
@@ -60,8 +60,8 @@ class Scene:
         Values of the parameters, unless a run is given others.
     lengths : (nv,) array
         What corrections are compared with: the length [m] where a velocity moves, 1 where it turns.
-    floors : (nq + nv,) array
-        What the error of a component of y is compared with when it is zero.
+    floors : (nq,) array
+        What errors of coordinates are compared with.
     shifts : (n, 2) array
         Of each length that changes: its place in q and in v; first those that corrections are
         added to.
@@ -100,7 +100,7 @@ class Scene:
     key: float
     length: float
     closure_tolerance: float
-    reference_energy: float
+    mass: float
     regions: Mapping[str, tuple[int, int]]
     work_size: int
     parts: Sequence[str]

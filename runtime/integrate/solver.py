@@ -12,7 +12,7 @@ from .dense_output import prepare_dense
 from .kinematics import driven_step
 from .methods import METHODS
 from .pivot_monitor import note_largest_pivot, pivot_ratio
-from .projection import project
+from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, larger, smaller, state_of
@@ -101,6 +101,7 @@ class Solver:
             return Status.NOT_ASSEMBLED
         if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:
             return Status.NOT_ASSEMBLED
+        note_lost_digits(work, s)
         note_largest_pivot(work, s)
         s.least_pivot_ratio = pivot_ratio(work, s)
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)

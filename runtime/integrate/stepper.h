@@ -10,6 +10,14 @@
 #define SHORTER 0.9
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
+/* what velocities are compared with, beside themselves: the largest so far, but no more than moves
+ * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves */
+#define PART 0.02
+#define NOTHING_MOVES 1e-4
+/* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
+ * the whole time */
+#define FIRST 0.01
+#define FIRST_OF_SPAN 1e-6
 
 /* adds y to what it starts from: a small sum, so that y is rounded once; what that leaves over goes
  * to low if it is not NULL */
@@ -22,13 +30,19 @@ static void add_to_start(const double *start, double *y, double *low)
     }
 }
 
-/* the root mean square of y / scale, of a whole state */
-static double norm(const double *y, const double *scale)
+/* the largest speed so far, in lengths of the scene and radians [1/s] */
+static double fastest(const State *s) { return larger(s->fastest, size_of(s->y + NQ)); }
+
+/* what the rates of a step are compared with, in lengths of the scene and radians [1/s]: told by
+ * the motion, in other units of time it is the same */
+static double usual_rate(double h, const double *end, const State *s)
 {
-    double sum = 0.0;
-    for (size_t i = 0; i < NY; ++i) sum += (y[i] / scale[i]) * (y[i] / scale[i]);
-    return sqrt(sum / (double)NY);
+    const double known = larger(fastest(s), size_of(end + NQ));
+    return smaller(PART / h, larger(NOTHING_MOVES / h, known));
 }
+
+/* the energy of all bodies where they move at such a rate */
+static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
 /* the root mean square of one estimate of the error, in units of the tolerance */
 static double estimate(
@@ -36,6 +50,7 @@ static double estimate(
 {
     const double *now = s->y, *end = work->y;
     double *error = work->scratch, *u = work->u, sum = 0.0;
+    const double rate = usual_rate(h, end, s);
     combine(m->stages + 1, row, NULL, h, work->k, error);
     for (int part = 0; part < 2; ++part) {
         if (part == 0) displacement_of(end, error, u);
@@ -43,13 +58,13 @@ static double estimate(
         project_onto_tangent(end + NQ, work, u);
         for (size_t i = 0; i < NV; ++i) {
             double size = is_length[i] ? LENGTH : 1.0;
-            if (part) size += larger(fabs(now[NQ + i]), fabs(end[NQ + i]));
+            if (part) size = rate * size + larger(fabs(now[NQ + i]), fabs(end[NQ + i]));
             sum += (u[i] / size) * (u[i] / size);
         }
     }
     for (size_t i = NQ - WORKS; i != NQ; ++i) { /* compared with the energy that moves */
-        const double kinetic = work->w[W_ENERGIES];
-        const double size = REFERENCE_ENERGY + kinetic + larger(fabs(now[i]), fabs(end[i]));
+        const double least = usual_energy(rate) + work->w[W_ENERGIES];
+        const double size = least + larger(fabs(now[i]), fabs(end[i]));
         sum += (error[i] / size) * (error[i] / size);
     }
     return sqrt(sum / (double)(2 * NV)) / tolerance;
@@ -125,6 +140,7 @@ static void accept(
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
+    s->fastest = fastest(s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
@@ -204,18 +220,17 @@ static int step(
 /* a first step for which an Euler step changes the derivative little */
 static int first_step(const Method *m, const Settings *settings, double end, State *s, Work *work)
 {
-    double *f = work->k[0], *y = work->k[1], *scale = work->k[2];
+    double *f = work->k[0], *y = work->k[1];
     forget_trials(work);
-    for (size_t i = 0; i < NY; ++i) scale[i] = floor_of[i] + fabs(s->y[i]);
     const double span = end - s->time;
-    const double d0 = norm(s->y, scale), d1 = norm(s->f, scale);
-    double h = smaller(d0 < 1e-5 || d1 < 1e-5 ? 1e-6 : 0.01 * d0 / d1, span);
+    double rate = larger(size_of(s->y + NQ), sqrt(size_of(s->f + NQ)));
+    const double h = smaller(rate > 0.0 ? FIRST / rate : FIRST_OF_SPAN * span, span);
     for (size_t i = 0; i < NY; ++i) y[i] = s->y[i] + h * s->f[i];
     if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;
-    for (size_t i = 0; i < NY; ++i) f[i] = (f[i] - s->f[i]) / h;
-    const double d2 = larger(d1, norm(f, scale));
-    const double by_order = pow(
-        0.01 * settings->tolerance / larger(d2, 1e-15), 1.0 / (double)m->order);
+    for (size_t i = NQ; i < NY; ++i) f[i] = f[i] - s->f[i];
+    rate = larger(rate, pow(size_of(f + NQ) / h, 1.0 / 3.0));
+    double by_order = span;
+    if (rate > 0.0) by_order = pow(FIRST * settings->tolerance, 1.0 / (double)m->order) / rate;
     s->step_size = smaller(smaller(100.0 * h, by_order), span);
     return GOOD;
 }

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Work
+    from .scene import Scene, Work
     from .settings import Settings
     from .state import State
 
@@ -36,6 +36,14 @@ PATIENCE = 8
 SHORTER = 0.9
 #: The largest correction of a step where drivers lead.
 NEAR = 1e-3
+#: What velocities are compared with, beside themselves: the largest so far, but no more than moves
+#: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves.
+PART = 0.02
+NOTHING_MOVES = 1e-4
+#: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
+#: moves yet, in the whole time.
+FIRST = 0.01
+FIRST_OF_SPAN = 1e-6
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -49,9 +57,23 @@ def add_to_start(start: Array, y: Array, low: Array | None) -> None:
     y[:] = total
 
 
-def norm(y: Array, scale: Array) -> float:
-    """Return the root mean square of y / scale, of a whole state."""
-    return math.sqrt(mean_square(y / scale, len(y)))
+def fastest(state: State, work: Work) -> float:
+    """Return the largest speed so far, in lengths of the scene and radians [1/s]."""
+    return larger(state.fastest, work.w.size_of(state.y[work.scene.nq :]))
+
+
+def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
+    """Return what the rates of a step are compared with, in lengths of the scene and radians [1/s].
+
+    It is told by the motion: in other units of time it is the same.
+    """
+    known = larger(fastest(state, work), work.w.size_of(end[work.scene.nq :]))
+    return smaller(PART / h, larger(NOTHING_MOVES / h, known))
+
+
+def usual_energy(rate: float, scene: Scene) -> float:
+    """Return the energy of all bodies where they move at such a rate."""
+    return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
 def estimate(
@@ -60,6 +82,7 @@ def estimate(
     """Return the root mean square of one estimate of the error, in units of the tolerance."""
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
+    rate = usual_rate(h, end, state, work)
     combine(m.stages + 1, row, None, h, work.k, error)
     errors = np.empty((2, nv))
     displacement_of(scene, end, error, errors[0])
@@ -67,10 +90,10 @@ def estimate(
     project_onto_tangent(end[nq:], work, errors[0])
     project_onto_tangent(end[nq:], work, errors[1])
     errors[0] /= scene.lengths
-    errors[1] /= scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
+    errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
-    kinetic = work.w.energies[0]
-    size = scene.reference_energy + kinetic + np.maximum(np.abs(now[done]), np.abs(end[done]))
+    least = usual_energy(rate, scene) + work.w.energies[0]
+    size = least + np.maximum(np.abs(now[done]), np.abs(end[done]))
     every = np.concatenate((errors.ravel(), error[done] / size))
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
 
@@ -171,6 +194,7 @@ def accept(
     state.time_before = state.time
     state.time = end if trial.is_last else state.time + h
     state.steps += 1
+    state.fastest = fastest(state, work)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
@@ -247,16 +271,15 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
 
 def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
     """Choose a first step for which an Euler step changes the derivative little."""
-    f, y = work.k[0], work.k[1]
+    f, y, nq, size_of = work.k[0], work.k[1], work.scene.nq, work.w.size_of
     forget_trials(work)
-    scale = work.scene.floors + np.abs(state.y)
     span = end - state.time
-    d0, d1 = norm(state.y, scale), norm(state.f, scale)
-    h = smaller(1e-6 if d0 < 1e-5 or d1 < 1e-5 else 0.01 * d0 / d1, span)
+    rate = larger(size_of(state.y[nq:]), math.sqrt(size_of(state.f[nq:])))
+    h = smaller(FIRST / rate if rate > 0.0 else FIRST_OF_SPAN * span, span)
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
         return Status.STEP_TOO_SMALL
-    d2 = larger(d1, norm((f - state.f) / h, scale))
-    by_order = (0.01 * s.tolerance / larger(d2, 1e-15)) ** (1.0 / m.order)
+    rate = larger(rate, (size_of((f - state.f)[nq:]) / h) ** (1.0 / 3.0))
+    by_order = (FIRST * s.tolerance) ** (1.0 / m.order) / rate if rate > 0.0 else span
     state.step_size = smaller(smaller(100.0 * h, by_order), span)
     return Status.GOOD

@@ -98,7 +98,7 @@ def test_a_pickled_copy_goes_on_where_the_run_was(load: Load) -> None:
     solver = load(chain(2))
     wanted, end = whole(solver)
     run = solver.begin(TIMES)
-    run.advance(2, 5)
+    run.advance(3, 5)
     saved = pickle.dumps(run.save())
     run.finish()
     for _ in range(2):
@@ -162,7 +162,7 @@ def test_saved_run_that_does_not_fit_itself_is_refused(
 ) -> None:
     solver = load(chain(2))
     run = solver.begin(TIMES)
-    run.advance(2, 5)
+    run.advance(3, 5)
     with pytest.raises(SolveError, match=words) as raised:
         solver.resume(damage(run.save()))
     assert "\n" not in str(raised.value)
@@ -189,7 +189,7 @@ def test_saved_state_that_was_forged_is_refused(
 ) -> None:
     solver = load(chain(2))
     run = solver.begin(TIMES)
-    run.advance(2, 5)
+    run.advance(3, 5)
     with pytest.raises(SolveError, match=words):
         solver.resume(changed(solver, run.save(), name, value))
 

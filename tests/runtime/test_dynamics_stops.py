@@ -152,3 +152,16 @@ def test_stop_names_open_joints_the_worst_first_and_joints_whose_rows_depend() -
     quiet = joints_at_stop(rows, np.zeros(5), np.array([1.0, 0.1, 0.01, 0.5, 0.6]))
     assert quiet.startswith("; the smallest pivots are at joints.b, joints.a")
     assert joints_at_stop([], np.zeros(0), np.zeros(0)) == ""
+
+
+def test_stop_names_joints_whose_pivots_rounding_made_negative() -> None:
+    rows = [("a", "m"), ("b", "m"), ("c", "m")]
+    text = joints_at_stop(rows, np.zeros(3), np.array([1.0, -1e-14, 2.0]))
+    assert "rows are nearly dependent at joints.b (" in text
+
+
+def test_rows_in_the_last_step_that_is_allowed_are_written(load: Load) -> None:
+    """More of them than are asked for in one call."""
+    solver, times = load(chain(1)), np.linspace(0.0, 0.01, 5000)
+    steps = solver.simulate(times=times).ledger.steps
+    assert len(solver.simulate(times=times, most_steps=steps)) == len(times)

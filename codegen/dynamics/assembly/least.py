@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from kousoku.model.precise import High
 
 DEPENDENT = 1e-11
-"""Eigenvalues of S below this part of the largest belong to rows that depend on others."""
+"""Squares of singular values of C_q, in lengths, that belong to rows that depend on others."""
 
 MOST_DENSE = 2000
 """Rows that may depend on each other: S is dense then."""
@@ -145,13 +146,15 @@ class Solver:
             solution = self._blocks.solve(right)
         else:
             values, vectors = self._eigen()
-            largest = values[-1]
-            is_kept = values > DEPENDENT * largest
-            divisors = np.where(is_kept, values + damping * largest, np.inf)
-            solution = vectors @ (vectors.T @ right / divisors)
+            solution = vectors @ (vectors.T @ right / (values + damping * values.max(initial=0.0)))
         return [precise.number(x) for x in (self._factors * solution).tolist()]
 
     def _eigen(self) -> tuple[Array, Array]:
+        """Return eigenvalues of S, the largest first, and vectors: those of independent rows.
+
+        Which rows depend on others is no matter of masses: lengths alone tell it. Singular values
+        of C_q W^{-1/2} have the digits that S, in which they are squared, has lost.
+        """
         if len(self._factors) > MOST_DENSE:
             raise AssemblyError(
                 f"{len(self._factors)} rows are put together, and some depend on others; at most"
@@ -159,9 +162,12 @@ class Solver:
                 " that repeat others"
             )
         if self._parts is None:
-            scaled = self._factors[:, None] * self._jacobian.dense() * self._roots
-            values, vectors = np.linalg.eigh(scaled @ scaled.T)
-            self._parts = np.maximum(values, 0.0), vectors
+            rows = self._factors[:, None] * self._jacobian.dense()
+            lengths = np.tile([1.0] * 3 + [self._metric.size] * 3, len(self._roots) // COLUMNS)
+            vectors, sizes, _ = np.linalg.svd(rows / lengths, full_matrices=False)
+            own = vectors[:, sizes**2 > DEPENDENT * sizes.max(initial=0.0) ** 2]
+            turned, sizes, _ = np.linalg.svd(own.T @ (rows * self._roots), full_matrices=False)
+            self._parts = sizes**2, own @ turned
         return self._parts
 
     def _displacement(self, lam: Sequence[High]) -> list[High]:

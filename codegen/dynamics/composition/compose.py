@@ -40,6 +40,7 @@ from kousoku.codegen.dynamics.composition.reduced import Reduced
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.composition.switching import record_switching
+from kousoku.codegen.dynamics.composition.unevenness import is_uneven
 from kousoku.codegen.dynamics.operations.formulas import Names
 from kousoku.codegen.dynamics.operations.mechanics import (
     FreeAcceleration,
@@ -415,8 +416,8 @@ class _Composer:
             self._rates(output, by_body, rest, [*self.left_out, *self.held])
 
     def _where_rank_drops(self) -> None:
-        """Record what runs need where rows become dependent; without a loop they do not."""
-        if self.left_out or loops_of(self.system):
+        """Record what runs need where digits are lost: where rows become dependent, as in loops."""
+        if self.left_out or loops_of(self.system) or is_uneven(self.system):
             self._refinement()
         if "reactions" in self.wanted and take_over(self.rows, len(rows_of(self.left_out))):
             self._reaction(record_wrenches)

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.emission.view import (
     contents_of,
     has_continuation,
     in_lines,
-    reference_energy,
+    mass_of,
 )
 from kousoku.codegen.dynamics.emission.view_numbers import (
     Table,
@@ -156,7 +156,7 @@ def numpy_view(
     numbers = {
         "length": length,
         "closure_tolerance": system.closure_tolerance,
-        "reference_energy": reference_energy(system, length),
+        "mass": mass_of(system),
         "work_size": program.size,
         "parts": tuple(parts),
         "added": added(program),

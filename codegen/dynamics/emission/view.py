@@ -152,10 +152,10 @@ class DynamicsView:
         Initialisers, whose lines say what their rows belong to.
     length : str
         A length of the scene [m].
-        A length of the scene [m].
     closure_tolerance : str
         What rows that are left out may miss, relative to it, or in radians.
-        Of all bodies where they move by that length in a second [J].
+    mass : str
+        Of all bodies [kg].
     parts : tuple of str
         Regions that a row has beyond time, q and v.
     rows : int
@@ -179,7 +179,7 @@ class DynamicsView:
     tables: Mapping[str, str]
     length: str
     closure_tolerance: str
-    energy: str
+    mass: str
     parts: tuple[str, ...]
     rows: int
     parameter_names: tuple[str, ...]
@@ -366,7 +366,7 @@ def dynamics_view(
         | {"constants": _initialiser(in_lines(f"{literal(x)}," for x in program.constants))},
         length=repr(length),
         closure_tolerance=repr(system.closure_tolerance),
-        energy=repr(reference_energy(system, length)),
+        mass=repr(mass_of(system)),
         parts=tuple(parts),
         rows=len(program.rows),
         parameter_names=tuple(name for name, _ in system.parameters),
@@ -375,9 +375,9 @@ def dynamics_view(
     )
 
 
-def reference_energy(system: System, length: float) -> float:
-    """Return the energy of all bodies where they move by a length in a second [J]."""
-    return sum(float(body.mass) for body in system.bodies) * length**2 / 2 or 1.0
+def mass_of(system: System) -> float:
+    """Return the mass of all bodies, 1 where the scene gives none [kg]."""
+    return sum(float(body.mass) for body in system.bodies) or 1.0
 
 
 def _switches(program: Program, system: System, found: Mapping[str, Table]) -> dict[str, int]:

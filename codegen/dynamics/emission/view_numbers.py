@@ -88,9 +88,7 @@ def tables(
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
-        "floors": list(
-            zip((owner[slot] for slot in (*q, *v)), floors(program, length), strict=True)
-        ),
+        "floors": list(zip((owner[slot] for slot in q), floors(program, length), strict=True)),
         "shifts": [(owner[a], (a - q.start, b - v.start)) for a, b in shifts],
         "turns": [(owner[a], (a - q.start, b - v.start, n)) for a, b, n in turn_slots(program)],
         "inverse_masses": [
@@ -206,10 +204,10 @@ def slots(program: Program, name: str) -> range:
 
 
 def floors(program: Program, length: float) -> list[float]:
-    """Return for each component of the state what its error is compared with when it is zero."""
-    lengths = {slot for pair in shift_slots(program) for slot in pair}
-    own = (*slots(program, "q"), *slots(program, "v"))
+    """Return for each coordinate what its error is compared with."""
+    lengths = {slot for slot, _ in shift_slots(program)}
     ignored = {one.place.slot for one in program.auxiliary}
+    own = slots(program, "q")
     return [IGNORED if k in ignored else length if k in lengths else 1.0 for k in own]
 
 

@@ -6,8 +6,11 @@
 #define SETTLED 1e-9
 /* at a pivot ratio this much smaller than the largest so far accelerations are refined */
 #define REFINE 1e-4
-/* corrections in Newton's method */
+/* so are they all along where the first of them are wrong by more than this part */
+#define LOST 1e-11
+/* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
+enum { MOST_REFINEMENTS = 4 };
 
 static void correct_position(Work *work)
 {
@@ -27,13 +30,20 @@ static void correct_velocity(Work *work)
     }
 }
 
-/* one step of iterative refinement with the factors in the workspace */
+/* refines accelerations with the factors in the workspace until what is left is rounding */
 static void refine(double *w)
 {
-    refinement(w);
-    for (size_t k = 0; k < NV; ++k) w[W_V_DOT + k] += w[W_DV + k];
-    for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] += w[W_MORE_LAM + k];
-    for (size_t k = 0; k != N_POWER; ++k) w[W_Q_DOT + NQ - N_POWER + k] += w[W_MORE_POWER + k];
+    double before = HUGE_VAL;
+    for (int n = 0; n < MOST_REFINEMENTS; ++n) {
+        refinement(w);
+        const double size = size_of(w + W_DV);
+        if (!(size < 0.5 * before)) return;
+        for (size_t k = 0; k < NV; ++k) w[W_V_DOT + k] += w[W_DV + k];
+        for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] += w[W_MORE_LAM + k];
+        for (size_t k = 0; k != N_POWER; ++k) w[W_Q_DOT + NQ - N_POWER + k] += w[W_MORE_POWER + k];
+        if (size <= ROUNDING * size_of(w + W_V_DOT)) return;
+        before = size;
+    }
 }
 
 /* q_dot, v_dot and the multipliers. Where much of them was lost, they are brought nearer by
@@ -46,12 +56,26 @@ static void accelerate(Work *work, State *s)
     else acceleration(work->w);
     if (!HAS_REFINEMENT) return;
     s->pivot_ratio = pivot_ratio(work, s);
-    if (s->pivot_ratio < REFINE * s->largest_pivot_ratio) {
+    if (s->is_refined != 0.0 || s->pivot_ratio < REFINE * s->largest_pivot_ratio) {
         s->refinements += 1;
         if (has_all) refine_all_rows(work);
         else refine(work->w);
     }
     if (HAS_DRIVERS && has_all) drive(work);
+}
+
+/* notes whether accelerations lose digits where a run begins, as between very unequal masses: then
+ * they are refined all along. Pivots tell of digits that are lost in addition. */
+static void note_lost_digits(Work *work, State *s)
+{
+    double *w = work->w;
+    if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->all.is_on != 0.0)) return;
+    refinement(w);
+    s->is_refined = size_of(w + W_DV) > LOST * size_of(w + W_V_DOT);
+    if (s->is_refined == 0.0) return;
+    accelerate(work, s);
+    memcpy(s->f, w + W_Q_DOT, NQ * sizeof *w);
+    memcpy(s->f + NQ, w + W_V_DOT, NV * sizeof *w);
 }
 
 /* the pivot ratio where accelerations were found last */

@@ -25,8 +25,11 @@ ROUNDING = 4e-16
 SETTLED = 1e-9
 #: At a pivot ratio this much smaller than the largest so far accelerations are refined.
 REFINE = 1e-4
-#: Corrections in Newton's method.
+#: So are they all along where the first of them are wrong by more than this part.
+LOST = 1e-11
+#: Corrections in Newton's method, and steps of refinement.
 MOST_CORRECTIONS = 20
+MOST_REFINEMENTS = 4
 
 
 def correct_position(work: Work) -> None:
@@ -47,12 +50,35 @@ def correct_velocity(work: Work) -> None:
 
 
 def refine(work: Work) -> None:
-    """Make one step of iterative refinement with the factors in the workspace."""
-    w = work.w
+    """Refine accelerations with the factors in the workspace until what is left is rounding."""
+    w, before = work.w, math.inf
+    for _ in range(MOST_REFINEMENTS):
+        w.run("refinement")
+        size = w.size_of(w.dv)
+        if not size < 0.5 * before:
+            return
+        w.v_dot += w.dv
+        w.lam += w.more_lam
+        w.q_dot[work.scene.nq - len(w.more_power) :] += w.more_power
+        if size <= ROUNDING * w.size_of(w.v_dot):
+            return
+        before = size
+
+
+def note_lost_digits(work: Work, state: State) -> None:
+    """Note whether accelerations lose digits where a run begins, as between very unequal masses.
+
+    Then they are refined all along. Pivots tell of digits that are lost in addition.
+    """
+    if not work.scene.has_refinement or (work.all is not None and work.all.is_on):
+        return
+    w, nq = work.w, work.scene.nq
     w.run("refinement")
-    w.v_dot += w.dv
-    w.lam += w.more_lam
-    w.q_dot[work.scene.nq - len(w.more_power) :] += w.more_power
+    state.is_refined = float(w.size_of(w.dv) > LOST * w.size_of(w.v_dot))
+    if state.is_refined != 0.0:
+        accelerate(work, state)
+        state.f[:nq] = w.q_dot
+        state.f[nq:] = w.v_dot
 
 
 def accelerate(work: Work, state: State) -> None:
@@ -69,7 +95,7 @@ def accelerate(work: Work, state: State) -> None:
     if not work.scene.has_refinement:
         return
     state.pivot_ratio = pivot_ratio(work, state)
-    if state.pivot_ratio < REFINE * state.largest_pivot_ratio:
+    if state.is_refined != 0.0 or state.pivot_ratio < REFINE * state.largest_pivot_ratio:
         state.refinements += 1
         if all_rows is None:
             refine(work)

@@ -1,0 +1,40 @@
+"""Where a light body hangs between heavy ones, so that C_q M⁻¹ C_qᵀ cancels."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from kousoku.model.mechanism import GROUND_INDEX
+
+if TYPE_CHECKING:
+    from kousoku.model.mechanism import System
+
+LIGHT = 1e-4
+"""A body of less than this part of the masses of two neighbours, or moments, costs four digits."""
+
+
+def is_uneven(system: System) -> bool:
+    """Return whether a body is much lighter than two bodies, or a body and the ground, it joins.
+
+    The inverse of its mass then outweighs theirs in the rows of both joints, and what is left where
+    one row is eliminated from the other is the small difference of large numbers.
+    """
+    pairs = {tuple(sorted(set(one.bodies))) for one in system.constraints}
+    neighbours: dict[int, list[int]] = {}
+    for a, b in (pair for pair in pairs if len(pair) == 2):
+        neighbours.setdefault(a, []).append(b)
+        neighbours.setdefault(b, []).append(a)
+    sizes = [(float(body.mass), float(max(body.inertia))) for body in system.bodies]
+    for body, others in neighbours.items():
+        if body == GROUND_INDEX or len(others) < 2:
+            continue
+        for own, *given in zip(*(_sizes(sizes, k) for k in (body, *others)), strict=True):
+            if 0.0 < own < LIGHT * sorted(given)[-2]:
+                return True
+    return False
+
+
+def _sizes(sizes: list[tuple[float, float]], body: int) -> tuple[float, float]:
+    """Return mass and largest moment of a body; of the ground they are infinite."""
+    return (math.inf, math.inf) if body == GROUND_INDEX else sizes[body]

@@ -1,0 +1,140 @@
+"""One motion in other units of time, length and mass: the same steps, and the same digits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import pytest
+
+import kousoku
+
+if TYPE_CHECKING:
+    from kousoku.runtime.motion import Motion
+
+#: Times, lengths and masses are multiplied by these.
+UNITS = [(3600.0, 1.0, 1.0), (1e-3, 1.0, 1e-6), (1.0, 1e-3, 1.0), (1000.0, 60.0, 1e3)]
+COUNTS = ("steps", "rejected", "derivatives")
+
+pytestmark = pytest.mark.usefixtures("numpy_solver")
+
+
+def bar(mass: float, length: float, x: float) -> dict[str, Any]:
+    return {
+        "position": [x, 0, 0],
+        "mass": mass,
+        "center": [length / 2, 0, 0],
+        "inertia": dict.fromkeys(("xx", "yy", "zz"), mass * length**2 / 12),
+    }
+
+
+def hinge(*bodies: str, x: float = 0.0) -> dict[str, Any]:
+    return {"type": "revolute", "bodies": list(bodies), "at": [x, 0, 0], "axis": [0, 0, 1]}
+
+
+def double_pendulum(t: float, s: float, m: float) -> dict[str, Any]:
+    """Return one that falls from rest, with a damper at its second hinge."""
+    return {
+        "name": "double_pendulum",
+        "unit": "m",
+        "gravity": [0, -9.81 * s / t**2, 0],
+        "outputs": ["energies"],
+        "bodies": {"one": bar(m, s, 0), "two": bar(0.5 * m, s, s)},
+        "joints": {"a": hinge("ground", "one"), "b": hinge("one", "two", x=s)},
+        "forces": {
+            "damper": {
+                "type": "rotational_spring_damper",
+                "joint": "b",
+                "damping": 0.01 * m * s**2 / t,
+            }
+        },
+    }
+
+
+def led(t: float, s: float, m: float) -> dict[str, Any]:
+    """Return a crank led by a driver against a load, and a bar that hangs from it."""
+    scene = double_pendulum(t, s, m)
+    turn = f"0.5*sin(3*t/{t!r})"
+    return {
+        **scene,
+        "name": "led",
+        "coordinates": {"turn": {"joint": "a"}},
+        "drivers": {"motor": {"coordinate": "turn", "value": turn}},
+    }
+
+
+def oscillator(t: float, s: float, m: float) -> dict[str, Any]:
+    """Return a body on a spring that a force shakes from rest, weakly."""
+    return {
+        "name": "oscillator",
+        "unit": "m",
+        "outputs": ["energies"],
+        "bodies": {"cart": bar(m, s, 0)},
+        "joints": {
+            "rail": {
+                "type": "prismatic",
+                "bodies": ["ground", "cart"],
+                "at": [0, 0, 0],
+                "axis": [1, 0, 0],
+            }
+        },
+        "coordinates": {"x": {"joint": "rail"}},
+        "forces": {
+            "spring": {
+                "type": "along",
+                "coordinate": "x",
+                "force": f"{-4 * m / t**2!r}*x + {0.01 * m * s / t**2!r}*sin(3*t/{t!r})",
+            }
+        },
+    }
+
+
+def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
+    """Return the motion of a scene to an end."""
+    return cast("Motion", kousoku.load(scene, target="numpy").simulate(end, samples=11, **options))
+
+
+@pytest.mark.parametrize("units", UNITS, ids=lambda units: "-".join(f"{x:g}" for x in units))
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("scene", [double_pendulum, oscillator, led])
+def test_steps_are_those_of_the_same_motion_in_other_units(
+    scene: Any, method: str, units: tuple[float, float, float]
+) -> None:
+    t, s, m = units
+    options = {"method": method, "tolerance": 1e-6}
+    usual, other = moved(scene(1, 1, 1), 2.0, **options), moved(scene(*units), 2.0 * t, **options)
+    for name in COUNTS:
+        assert getattr(other.ledger, name) == getattr(usual.ledger, name)
+    for body, position in usual.position.items():
+        np.testing.assert_allclose(other.position[body], s * position, rtol=0, atol=1e-8 * s)
+        velocity, wanted = other.velocity[body] * t / s, usual.velocity[body]
+        np.testing.assert_allclose(velocity, wanted, rtol=0, atol=1e-7)
+    energy = m * (s / t) ** 2
+    for name, work in usual.ledger.works.items():
+        assert other.ledger.works[name] / energy == pytest.approx(work, rel=1e-6)
+
+
+@pytest.mark.parametrize("units", UNITS, ids=lambda units: "-".join(f"{x:g}" for x in units))
+def test_works_under_kinematics_are_summed_in_the_same_steps(
+    units: tuple[float, float, float],
+) -> None:
+    t, s, m = units
+
+    def crank(t: float, s: float, m: float) -> dict[str, Any]:
+        scene = led(t, s, m)
+        del scene["bodies"]["two"], scene["joints"]["b"], scene["forces"]
+        return scene
+
+    usual, other = moved(crank(1, 1, 1), 2.0), moved(crank(*units), 2.0 * t)
+    for name in COUNTS:
+        assert getattr(other.ledger, name) == getattr(usual.ledger, name)
+    energy = m * (s / t) ** 2
+    assert other.ledger.works["motor"] / energy == pytest.approx(usual.ledger.works["motor"])
+
+
+def test_a_body_that_nothing_moves_needs_few_steps() -> None:
+    scene = double_pendulum(1, 1, 1)
+    scene["gravity"] = [9.81, 0, 0]  # it hangs
+    ledger = moved(scene, 1000.0).ledger
+    assert ledger.steps < 200
+    assert ledger.trust.is_trusted

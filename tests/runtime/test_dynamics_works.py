@@ -1,0 +1,118 @@
+"""Works under kinematics: right for every number of rows, and checked by a rule of their own."""
+
+from __future__ import annotations
+
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+import kousoku
+
+if TYPE_CHECKING:
+    from kousoku.mechanism import Mechanism
+
+SCENES = Path(__file__).parents[2] / "scenes"
+OMEGA, DAMPING, PULL = 40 * math.pi, 0.01, 100.0
+
+pytestmark = pytest.mark.usefixtures("numpy_solver")
+
+
+def shaker(value: str, force: str) -> Mechanism:
+    """Return a shaft that a driver leads against a load."""
+    scene = {
+        "name": "shaker",
+        "unit": "m",
+        "outputs": ["energies"],
+        "bodies": {
+            "shaft": {
+                "position": [0, 0, 0],
+                "mass": 1,
+                "inertia": {"xx": 0.1, "yy": 0.1, "zz": 0.1},
+            }
+        },
+        "joints": {
+            "axle": {
+                "type": "revolute",
+                "bodies": ["ground", "shaft"],
+                "at": [0, 0, 0],
+                "axis": [0, 0, 1],
+            }
+        },
+        "coordinates": {"turn": {"joint": "axle"}},
+        "drivers": {"motor": {"coordinate": "turn", "value": value}},
+        "forces": {"load": {"type": "along", "coordinate": "turn", "force": force}},
+    }
+    return kousoku.load(scene, target="numpy")
+
+
+@pytest.mark.parametrize("samples", [2, 3, 8, 41])
+def test_works_are_right_for_every_number_of_rows(samples: int) -> None:
+    run = shaker("sin(40*pi*t)", f"-{DAMPING}*turn_dot").simulate(1, samples=samples)
+    lost = DAMPING * OMEGA**2 / 2
+    assert run.ledger.works["load"] == pytest.approx(-lost, rel=1e-8)
+    assert run.ledger.works["motor"] == pytest.approx(lost, rel=1e-8)
+    assert run.ledger.trust.is_trusted
+    assert run.ledger.trust.work_error < 1e-6 * lost
+
+
+@pytest.mark.parametrize("samples", [2, 11, 101])
+def test_small_changes_of_a_large_power_count(samples: int) -> None:
+    """The shaft turns on as it swings: what swings is a hundredth of the power."""
+    run = shaker("5*t + sin(3*t)", f"-{PULL} - {DAMPING}*turn_dot").simulate(2, samples=samples)
+    turned = 10 + math.sin(6)
+    squares = 2 * 25 + 10 * math.sin(6) + 9 * (1 + math.sin(12) / 12)
+    wanted = -PULL * turned - DAMPING * squares
+    assert run.ledger.works["load"] == pytest.approx(wanted, rel=1e-9)
+
+
+@pytest.mark.compiles
+@pytest.mark.parametrize("samples", [21, 1001])
+def test_work_of_a_motor_is_the_energy_that_moves(samples: int) -> None:
+    run = kousoku.load(SCENES / "engine.toml", outputs=["energies"]).simulate(1, samples=samples)
+    trust = run.ledger.trust
+    assert trust.is_trusted
+    assert trust.energy_error < 1e-8 * trust.energy_moved
+
+
+def pulsing(monkeypatch: pytest.MonkeyPatch) -> Mechanism:
+    """Return a shaft that turns evenly, whose load is 2 at rows and between, and 1 on average.
+
+    Nothing bounds the formula: steps know of it what they sample.
+    """
+    mechanism = shaker("t", "2*cos(40*pi*t)^2")
+    target: Any = mechanism.solver.target
+    integrator = sys.modules[type(target.solver).__module__]
+    monkeypatch.setattr(integrator, "resolved_step", lambda _h, _part, end, *_: end)
+    return mechanism
+
+
+def test_what_the_rule_of_steps_cannot_see_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    mechanism = pulsing(monkeypatch)
+    run = mechanism.begin(np.linspace(0.0, 8.0, 81))
+    solver: Any = mechanism.solver
+    solver.state["steps"].view(run.state)[...] = 1.0  # its first steps are not tried
+    trust = run.finish().ledger.trust
+    assert trust.energy_error < 1e-12  # load and motor miss the same
+    assert trust.work_error > 0.1 * trust.energy_moved
+    assert "works are off by" in trust.why
+    assert not trust.is_trusted
+
+
+def test_steps_that_are_tried_do_not_depend_on_bounds_of_formulas(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    run = pulsing(monkeypatch).simulate(4, samples=2)
+    assert run.ledger.works["load"] == pytest.approx(4, rel=1e-8)
+    assert run.ledger.trust.is_trusted
+
+
+def test_other_methods_have_no_second_rule() -> None:
+    mechanism = shaker("sin(3*t)", f"-{DAMPING}*turn_dot")
+    options: Any = {"samples": 3}
+    assert mechanism.simulate(1, method="dop853", **options).ledger.trust.work_error is None
+    assert mechanism.simulate(1, checks=False, **options).ledger.trust.work_error is None
+    assert mechanism.simulate(1, **options).ledger.trust.work_error is not None
