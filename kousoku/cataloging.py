@@ -148,6 +148,7 @@ def _catalog() -> Catalog:
             validate_coordinates.TITLES,
             also=("near", "hold"),
         ),
+        "events": [_record("event", records["Event"])],
         "bodies": [_record(name, records[record]) for name, record in BODIES.items()],
     }
     found = {name: _section(name, entries) for name, entries in sections.items()}

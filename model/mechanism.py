@@ -258,6 +258,28 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True)
+class Event:
+    """A formula that passes zero, and what a run does then.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    when : str
+        The formula: of time, parameters, coordinates and their rates, in the unit of the scene.
+    direction : int
+        1 where it must rise, -1 where it must fall, 0 where either counts.
+    action : str
+        ``record``, ``count`` or ``stop``.
+    """
+
+    name: str
+    when: str
+    direction: int
+    action: str
+
+
+@dataclass(frozen=True, slots=True)
 class System:
     """A spatial scene, ready to be specialised.
 
@@ -297,6 +319,8 @@ class System:
         How many coordinates, the last, nothing needs but what is held.
     positive : tuple of (str, float)
         Keys of the scene whose numbers depend on parameters and must be positive, and the numbers.
+    events : tuple of Event
+        In the order of the scene.
     """
 
     name: str
@@ -315,6 +339,7 @@ class System:
     resting: float = 0.0
     only_held: int = 0
     positive: tuple[tuple[str, float], ...] = ()
+    events: tuple[Event, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""
