@@ -2,12 +2,12 @@
 
 /* what may be left of the constraints at a stage inside of a step, in units of the tolerance */
 #define INNER 1e-3
-/* the smallest step, relative to the time */
-#define SMALLEST 1e-15
 /* how often a step is made shorter that has a stage where rows are nearly dependent, and how
  * much */
 #define PATIENCE 8
 #define SHORTER 0.9
+/* how often a step is made shorter for what varies with the state */
+#define MOST_SHORTER 8
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
 
@@ -141,6 +141,8 @@ static int step(
     const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
+    Look look = { .cut = s->time };
+    int shorter = 0;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
         Trial trial = { 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0 };
@@ -168,7 +170,8 @@ static int step(
         if (!is_fixed && good) trial.error = local_error(m, h, s, work, settings->tolerance);
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
-        if (good && trial.error <= 1.0 && asked < (trial.is_last ? end : s->time + h)) {
+        const double last = trial.is_last ? end : s->time + h;
+        if (good && trial.error <= 1.0 && (N_CROSSINGS > 0 || asked < last)) {
             is_whole = make_dense_stages(m, &trial, work, s);
         }
         if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
@@ -189,8 +192,29 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (!is_whole) trial.error = 1e3;
+        if (N_SEEN > 0 && trial.error <= 1.0) {
+            const double *f = work->k[m->stages];
+            look_into(settings, m, N_CROSSINGS > 0, h, work->y, s->f, f, &look, s, work);
+            if (N_NARROW > 0 && !is_fixed && shorter++ < MOST_SHORTER) {
+                const double told = told_end(last, &look, s, work);
+                if (told < last) {
+                    s->step_size = told - s->time;
+                    s->rejected += 1;
+                    continue;
+                }
+            }
+            /* one that leads beyond its end stays as it is */
+            const double seen = is_beyond ? last : seen_end(last, &look, s, work);
+            if (seen < last) {
+                end = cut_at(seen, &look);
+                continue;
+            }
+        }
         if (trial.error <= 1.0) {
+            const double before = s->step_size;
             accept(m, &trial, end, rejected, work, s);
+            if (N_SEEN > 0) note_crossings(last, &look, s, work);
+            if (s->time == look.cut) s->step_size = larger(s->step_size, before);
             return GOOD;
         }
         rejected = 1;

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .crossing import SMALLEST, Look, note_crossings, seen_end, told_end
 from .dense_output import combine
 from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
 from .projection import displacement_of, last_ratio, project, project_onto_tangent, ratio_at
@@ -29,11 +30,11 @@ if TYPE_CHECKING:
 
 #: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
 INNER = 1e-3
-#: The smallest step, relative to the time.
-SMALLEST = 1e-15
 #: How often a step is made shorter that has a stage where rows are nearly dependent, how much.
 PATIENCE = 8
 SHORTER = 0.9
+#: How often a step is made shorter for what varies with the state.
+MOST_SHORTER = 8
 #: The largest correction of a step where drivers lead.
 NEAR = 1e-3
 
@@ -188,6 +189,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
+    look, shorter = Look(state, work, state.time), 0
     work.k[0] = state.f
     while True:
         h = smaller(state.step_size, s.largest_step)
@@ -218,7 +220,9 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if is_good and trial.error <= 1.0:
             note_largest_pivot(work, state)
         is_whole = is_good
-        if is_good and trial.error <= 1.0 and asked < (end if is_last else state.time + trial.h):
+        last = end if is_last else state.time + trial.h
+        has_crossings = len(state.sides) > 0
+        if is_good and trial.error <= 1.0 and (has_crossings or asked < last):
             is_whole = make_dense_stages(m, trial, work, state)
         if (is_good or is_fixed) and trial.least_ratio < weak * state.largest_pivot_ratio:
             if trial.least_ratio > 0.0 and trial.most_ratio < weak * state.largest_pivot_ratio:
@@ -236,8 +240,27 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return Status.NOT_PROJECTED
         if not is_whole:
             trial.error = 1e3
+        if work.scene.sees and trial.error <= 1.0:
+            look.into(s, m, trial.h, work.y, work.k[m.stages], has_stages=has_crossings)
+            shorter += 1
+            if work.scene.has_narrow and not is_fixed and shorter <= MOST_SHORTER:
+                told = told_end(last, look)
+                if told < last:
+                    state.step_size = told - state.time
+                    state.rejected += 1
+                    continue
+            # one that leads beyond its end stays as it is
+            seen = last if is_beyond else seen_end(last, look)
+            if seen < last:
+                end = look.cut_at(seen)
+                continue
         if trial.error <= 1.0:
+            before = state.step_size
             accept(m, trial, end, work, state, was_rejected=was_rejected)
+            if work.scene.sees:
+                note_crossings(last, look)
+            if state.time == look.cut:
+                state.step_size = larger(state.step_size, before)
             return Status.GOOD
         was_rejected = True
         state.rejected += 1

@@ -198,7 +198,7 @@ class _Composer:
         if "checks" in self.wanted:
             self._check()
             self._where_rank_drops()
-        record_switching(self.recorder, self.system, self.parameters)
+        record_switching(self.recorder, self.system, self.parameters, self.forces)
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
         design = record_setup(self.recorder, self.system, self.parameters, places)
