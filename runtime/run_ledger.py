@@ -133,6 +133,8 @@ class RunLedger:
     moved : mapping of str to Moved
         What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
         speed: bodies, the one that changed most first.
+    events : mapping of str to int
+        How often each event was.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
     trust : Trust
@@ -164,6 +166,7 @@ class RunLedger:
     violations: Mapping[str, Violation]
     released: tuple[str, ...]
     moved: Mapping[str, Moved]
+    events: Mapping[str, int]
     seconds: Mapping[str, float]
     trust: Trust
 
@@ -200,6 +203,7 @@ class RunLedger:
             for joint, one in self.violations.items()
         }
         named["works"] = dict(self.works)
+        named["events"] = dict(self.events)
         named["moved"] = {body: one._asdict() for body, one in self.moved.items()}
         named["momenta"] = [one.as_data() for one in self.momenta]
         named["parameters"] = dict(self.parameters)
@@ -252,6 +256,8 @@ class RunLedger:
             more = ", …" * (len(most) > MOST_WORKS)
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
         lines += [str(one) for one in self.momenta[:SHOWN]]
+        if self.events:
+            lines.append(f"events: {', '.join(f'{one} {n}' for one, n in self.events.items())}")
         lines += self._of_constraints()
         if self.fallbacks:
             lines.append(
@@ -324,6 +330,7 @@ def ledger_of(
         violations=Named(violations),
         released=released,
         moved=Named(solver.moved),
+        events=Named(_events(layout.events, state["counts"])),
         seconds=Named(seconds),
         trust=trust_of(
             single,
@@ -335,6 +342,10 @@ def ledger_of(
         ),
         **counts,
     )
+
+
+def _events(events: Sequence[tuple[str, str]], counts: Array) -> dict[str, int]:
+    return {name: int(count) for (name, _), count in zip(events, counts.tolist(), strict=True)}
 
 
 def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:

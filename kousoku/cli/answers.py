@@ -317,7 +317,16 @@ class RunLedger(TypedDict):
     violations: dict[str, Violation]
     released: list[str]
     moved: dict[str, MovedByAssembly]
+    events: dict[str, int]
     seconds: dict[str, Number]
+
+
+class Event(TypedDict):
+    """What a run does at an event, how often it was, and when, unless it is only counted."""
+
+    action: Literal["record", "count", "stop"]
+    count: int
+    times: list[Number]
 
 
 class MovedBodies(TypedDict):
@@ -329,6 +338,8 @@ class MovedBodies(TypedDict):
     rows: int
     bodies: list[str]
     is_complete: bool
+    stopped_by: str
+    events: dict[str, Event]
     not_unique: list[str]
     reaction_length: Number
     notes: list[str]
