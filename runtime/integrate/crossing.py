@@ -43,6 +43,8 @@ EXPLAINED = 2.0
 NOTHING = 1e-12
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
 FINEST = 1e-9
+#: The part of the way of a step by which its polynomial may leave the cubic one.
+FAR = 0.5
 #: What rates are known to of a length in a step, in units of the tolerance.
 SLOW = 1e-4
 
@@ -111,6 +113,16 @@ class Look:
         Of the run.
     cut : float [s]
         Where it was cut.
+    m, start, h : Method, float [s], float [s]
+        How it was made.
+    is_distorted : bool
+        Whether stages that only the polynomial wants were elsewhere, so that it is cubic.
+    slack : float [s]
+        What crosses within it crosses together.
+    noise : (n, 2) array
+        What values are known to.
+    crosses, was_crossing : array of bool
+        Which functions cross, and crossed where it was cut.
     """
 
     state: State
@@ -119,8 +131,9 @@ class Look:
     m: Method = field(init=False)
     start: float = 0.0
     h: float = 0.0
+    is_distorted: bool = False
     slack: float = 0.0
-    noise: Array = field(init=False)  # what values are known to
+    noise: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
 
@@ -133,13 +146,21 @@ class Look:
         state.y_before[:] = state.y
         state.dense[:] = 0.0
         hermite_cubic(h, y, state.f, f, state)
-        if has_stages:
-            add_dense_rows(m, h, state, self.work)
-        first, last = (np.abs(self._read_at(time)) for time in (state.time, state.time + h))
-        most, sizes = largest(first, last), scene.measure_sizes
+        middle = state.time + 0.5 * h
+        first, cubic, last = map(self._read_at, (state.time, middle, state.time + h))
+        most, sizes = largest(np.abs(first), np.abs(last)), scene.measure_sizes
         self.noise = np.empty_like(most)
         self.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
         self.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+        self.is_distorted = False
+        if not has_stages:
+            return
+        add_dense_rows(m, h, state, self.work)
+        way = np.abs(cubic - first) + np.abs(last - cubic)
+        is_near = np.abs(self._read_at(middle) - cubic) <= FAR * way + self.noise
+        self.is_distorted = not bool(is_near.all())
+        if self.is_distorted:
+            state.dense[3:] = 0.0
 
     def _read_at(self, time: float) -> Array:
         work = self.work

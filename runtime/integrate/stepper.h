@@ -142,7 +142,7 @@ static int step(
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
     Look look = { .cut = s->time };
-    int shorter = 0;
+    int shorter = 0, is_guessed = 0;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
         Trial trial = { 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0 };
@@ -192,21 +192,26 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (!is_whole) trial.error = 1e3;
-        if (N_SEEN > 0 && trial.error <= 1.0) {
+        const double by_error = isfinite(trial.error)
+                                    ? larger(0.2, 0.9 * pow(trial.error, -1.0 / (double)m->order))
+                                    : 0.2;
+        if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
+            const int is_kept = trial.error <= 1.0;
             const double *f = work->k[m->stages];
-            look_into(settings, m, N_CROSSINGS > 0, h, work->y, s->f, f, &look, s, work);
-            if (N_NARROW > 0 && !is_fixed && shorter++ < MOST_SHORTER) {
-                const double told = told_end(last, &look, s, work);
-                if (told < last) {
-                    s->step_size = told - s->time;
-                    s->rejected += 1;
-                    continue;
-                }
+            look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
+            double to = last;
+            if (N_NARROW > 0 && is_kept && !is_fixed && shorter++ < MOST_SHORTER) {
+                to = told_end(last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
             const double seen = is_beyond ? last : seen_end(last, &look, s, work);
-            if (seen < last) {
-                end = cut_at(seen, &look);
+            if (seen <= to && seen < last) to = end = cut_at(seen, &look);
+            else if (is_kept && look.is_distorted && !is_fixed) to = smaller(to, s->time + 0.5 * h);
+            if (to < last && (is_kept || to == look.cut)) {
+                is_guessed = 1;
+                s->rejected += 1;
+                const double shorter_h = is_kept ? h : by_error * h;
+                s->step_size = to == look.cut ? larger(shorter_h, to - s->time) : to - s->time;
                 continue;
             }
         }
@@ -219,9 +224,7 @@ static int step(
         }
         rejected = 1;
         s->rejected += 1;
-        const double exponent = 1.0 / (double)m->order;
-        s->step_size = h * (isfinite(trial.error) ? larger(0.2, 0.9 * pow(trial.error, -exponent))
-                                                  : 0.2);
+        s->step_size = h * by_error;
     }
 }
 

@@ -189,7 +189,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
-    look, shorter = Look(state, work, state.time), 0
+    look, shorter, is_guessed = Look(state, work, state.time), 0, False
     work.k[0] = state.f
     while True:
         h = smaller(state.step_size, s.largest_step)
@@ -240,19 +240,28 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return Status.NOT_PROJECTED
         if not is_whole:
             trial.error = 1e3
-        if work.scene.sees and trial.error <= 1.0:
-            look.into(s, m, trial.h, work.y, work.k[m.stages], has_stages=has_crossings)
-            shorter += 1
-            if work.scene.has_narrow and not is_fixed and shorter <= MOST_SHORTER:
-                told = told_end(last, look)
-                if told < last:
-                    state.step_size = told - state.time
-                    state.rejected += 1
-                    continue
+        by_error = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order)) if trial.error else 1.0
+        if not math.isfinite(trial.error):
+            by_error = 0.2
+        is_kept = trial.error <= 1.0
+        if work.scene.sees and is_whole and (is_kept or not is_guessed):
+            has_stages = has_crossings and is_kept
+            look.into(s, m, trial.h, work.y, work.k[m.stages], has_stages=has_stages)
+            to = last
+            if work.scene.has_narrow and is_kept and not is_fixed and shorter < MOST_SHORTER:
+                to, shorter = told_end(last, look), shorter + 1
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
-            if seen < last:
-                end = look.cut_at(seen)
+            if seen <= to and seen < last:
+                to = end = look.cut_at(seen)
+            elif is_kept and look.is_distorted and not is_fixed:
+                to = smaller(to, state.time + 0.5 * trial.h)
+            if to < last and (is_kept or to == look.cut):
+                is_guessed = True
+                state.rejected += 1
+                shorter_h = trial.h if is_kept else by_error * trial.h
+                to_there = to - state.time
+                state.step_size = larger(shorter_h, to_there) if to == look.cut else to_there
                 continue
         if trial.error <= 1.0:
             before = state.step_size
@@ -264,8 +273,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return Status.GOOD
         was_rejected = True
         state.rejected += 1
-        factor = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order))
-        state.step_size = trial.h * (factor if math.isfinite(trial.error) else 0.2)
+        state.step_size = trial.h * by_error
 
 
 def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
