@@ -23,6 +23,8 @@
 #define FINEST 1e-9
 /* the part of the way of a step by which its polynomial may leave the cubic one */
 #define FAR 0.5
+/* the part of a step by which an event may be off where the step was cut, to be found again */
+#define SMALL 1e-3
 /* what rates are known to of a length in a step, in units of the tolerance */
 #define SLOW 1e-4
 
@@ -38,11 +40,11 @@ typedef struct {
 } Node;
 
 /* a step that is looked at, whose polynomial is in the state: what its values are known to, which
- * functions cross, where it was cut, and whether stages that only the polynomial wants were
+ * functions cross, where it was cut, at which part of it at least, and whether stages that only the polynomial wants were
  * elsewhere, so that it is cubic */
 typedef struct {
     const Method *m;
-    double start, h, slack, cut, noise[ROOM(N_READ)];
+    double start, h, least_part, slack, cut, noise[ROOM(N_READ)];
     int is_distorted, crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)];
 } Look;
 
@@ -224,7 +226,8 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
     const double tiny = SMALLEST * larger(fabs(look->start), fabs(end));
-    const double nearest = look->start + 8.0 * tiny, widest = look->h / CELLS;
+    const double nearest = look->start + larger(8.0 * tiny, look->least_part * look->h);
+    const double widest = look->h / CELLS;
     double width = widest;
     Node a, b;
     look_at(look->start, look, s, work, &a);
@@ -256,6 +259,30 @@ static double cut_at(double end, Look *look)
     memcpy(look->was_crossing, look->crosses, sizeof look->crosses);
     look->cut = end;
     return end;
+}
+
+/* where an event is that a step was cut for, by the polynomial of the step that ends near it */
+static double polished_cut(const Look *look, const State *s, Work *work)
+{
+    const double most = SMALL * look->h;
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (!look->was_crossing[k]) continue;
+        double before = look->cut - most, there = look->cut;
+        Node a, b;
+        look_at(before, look, s, work, &a);
+        look_at(there, look, s, work, &b);
+        for (int n = 0; n != 4 && middle(&a, k) != middle(&b, k); ++n) {
+            const double slope = (middle(&b, k) - middle(&a, k)) / (there - before);
+            const double time = there - middle(&b, k) / slope;
+            if (!(fabs(time - look->cut) <= most) || time == there) break;
+            a = b;
+            before = there;
+            there = time;
+            look_at(there, look, s, work, &b);
+        }
+        return there;
+    }
+    return look->cut;
 }
 
 /* notes what a step that is kept has crossed: one that was cut, also what is at zero there */

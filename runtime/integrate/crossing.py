@@ -45,6 +45,8 @@ NOTHING = 1e-12
 FINEST = 1e-9
 #: The part of the way of a step by which its polynomial may leave the cubic one.
 FAR = 0.5
+#: The part of a step by which an event may be off where the step was cut, to be found again.
+SMALL = 1e-3
 #: What rates are known to of a length in a step, in units of the tolerance.
 SLOW = 1e-4
 
@@ -115,6 +117,8 @@ class Look:
         Where it was cut.
     m, start, h : Method, float [s], float [s]
         How it was made.
+    least_part : float
+        At which part of it at least it may be cut.
     is_distorted : bool
         Whether stages that only the polynomial wants were elsewhere, so that it is cubic.
     slack : float [s]
@@ -131,6 +135,7 @@ class Look:
     m: Method = field(init=False)
     start: float = 0.0
     h: float = 0.0
+    least_part: float = 0.0
     is_distorted: bool = False
     slack: float = 0.0
     noise: Array = field(init=False)
@@ -261,7 +266,8 @@ def seen_end(end: float, look: Look) -> float:
     sides = look.state.sides
     n, start = len(sides), look.start
     tiny = SMALLEST * larger(abs(start), abs(end))
-    nearest, widest = start + 8.0 * tiny, look.h / CELLS
+    nearest = start + larger(8.0 * tiny, look.least_part * look.h)
+    widest = look.h / CELLS
     width, a = widest, look.at(start)
     for _ in range(MOST_LOOKS):
         if not a.time < end:
@@ -278,6 +284,29 @@ def seen_end(end: float, look: Look) -> float:
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
     return a.time if nearest < a.time < end else end
+
+
+def polished_cut(look: Look) -> float:
+    """Return where an event is that a step was cut for, by the step that ends near it."""
+    most, cut = SMALL * look.h, look.cut
+    found = np.flatnonzero(look.was_crossing[: len(look.work.scene.events)]).tolist()
+    if not found:
+        return cut
+
+    def value(time: float) -> float:
+        return float(look.at(time).middle[found[0]])
+
+    before, there = cut - most, cut
+    a, b = value(before), value(there)
+    for _ in range(4):
+        if a == b:
+            break
+        time = there - b / ((b - a) / (there - before))
+        if not abs(time - cut) <= most or time == there:
+            break
+        a, before, there = b, there, time
+        b = value(there)
+    return there
 
 
 def note_crossings(end: float, look: Look) -> None:

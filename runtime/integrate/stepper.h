@@ -8,6 +8,10 @@
 #define SHORTER 0.9
 /* how often a step is made shorter for what varies with the state */
 #define MOST_SHORTER 8
+/* of a step whose error is larger, or than this relative to the state where steps are fixed, only a
+ * part that is longer is believed to lead to a crossing; how often an event is found again */
+#define LEAST_PART 0.1
+#define MOST_POLISHED 3
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
 
@@ -142,7 +146,8 @@ static int step(
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
     Look look = { .cut = s->time };
-    int shorter = 0, is_guessed = 0;
+    int shorter = 0, is_guessed = 0, polished = 0;
+    const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
         Trial trial = { 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0 };
@@ -168,6 +173,8 @@ static int step(
             continue;
         }
         if (!is_fixed && good) trial.error = local_error(m, h, s, work, settings->tolerance);
+        const int is_vague = N_SEEN > 0 && is_fixed && good &&
+                             !(local_error(m, h, s, work, LEAST_PART) <= 1.0);
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
         const double last = trial.is_last ? end : s->time + h;
@@ -199,6 +206,7 @@ static int step(
             const int is_kept = trial.error <= 1.0;
             const double *f = work->k[m->stages];
             look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
+            look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
             double to = last;
             if (N_NARROW > 0 && is_kept && !is_fixed && shorter++ < MOST_SHORTER) {
                 to = told_end(last, &look, s, work);
@@ -206,7 +214,15 @@ static int step(
             /* one that leads beyond its end stays as it is */
             const double seen = is_beyond ? last : seen_end(last, &look, s, work);
             if (seen <= to && seen < last) to = end = cut_at(seen, &look);
-            else if (is_kept && look.is_distorted && !is_fixed) to = smaller(to, s->time + 0.5 * h);
+            else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {
+                const double there = smaller(polished_cut(&look, s, work), limit);
+                if (fabs(there - last) > 4.0 * SMALLEST * fabs(last)) {
+                    end = look.cut = there;
+                    s->step_size = larger(s->step_size, there - s->time);
+                    continue;
+                }
+            } else if (is_kept && look.is_distorted && !is_fixed)
+                to = smaller(to, s->time + 0.5 * h);
             if (to < last && (is_kept || to == look.cut)) {
                 is_guessed = 1;
                 s->rejected += 1;
