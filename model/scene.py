@@ -119,8 +119,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
             msgspec.structs.force_setattr(self, field, frozen)
 
     def __repr__(self) -> str:
-        tables = ("bodies", "joints", "drivers", "forces", "events")
-        tables = (*tables, "nodes", "links", "sliders", "inputs")
+        own = ("nodes", "links", "sliders", "inputs")
+        tables = ("bodies", "joints", "drivers", "forces", "events", *own)
         counts = {table: len(getattr(self, table)) for table in tables}
         one = {"bodies": "body"}
         parts = [counted(n, one.get(x, x[:-1]), x) for x, n in counts.items() if n]

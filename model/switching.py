@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model.expression import parse_expression
-from kousoku.model.formulas import RATE, TIME, WORD
+from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.terms import Apply, Function, Number, add, names_of, neg, ordered
 
@@ -117,8 +118,10 @@ def _texts(system: System) -> Iterator[str]:
     """Yield all formulas; those of springs name their own length."""
     for place, force in enumerate(system.forces):
         yield from (text for _, text in force.formulas)
-        own = {name: f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2]}
-        yield WORD.sub(lambda word, own=own: own.get(word.group(), word.group()), force.law)
+        text = force.law
+        for name in LAW_NAMES[:2]:
+            text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
+        yield text
     yield from system.gravity_law
     yield from (one.law for one in system.constraints)
 
@@ -192,4 +195,3 @@ def _is_transparent(part: Apply, varying: Collection[str]) -> bool:
     if part.function is Function.DIV:
         return not any(name in varying for name in names_of(part.args[1]))
     return part.function in TRANSPARENT
-

@@ -122,9 +122,10 @@ def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
             f" {target.row_size} numbers in each"
         )
         return
-    if saved.events.shape[1:] != (1 + target.row_size,) or not np.isin(
-        saved.events[:, 0], range(len(solver.layout.events))
-    ).all():
+    if (
+        saved.events.shape[1:] != (1 + target.row_size,)
+        or not np.isin(saved.events[:, 0], range(len(solver.layout.events))).all()
+    ):
         yield f"its events belong to another solver: their shape is {saved.events.shape}"
         return
     number = {name: float(fields[name].view(saved.state)) for name in (*COUNTS, "method")}

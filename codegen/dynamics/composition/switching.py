@@ -15,7 +15,7 @@ from kousoku.model.switching import seen_of
 from kousoku.model.terms import Name, add, mul
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
@@ -94,7 +94,7 @@ def record_switching(
     seen, names = seen_of(system), tuple(name for name, _ in system.parameters)
 
     def record(
-        segment: str, ranges: Block, parts: dict[str, Sequence[Expression]], *measures: Measure
+        segment: str, ranges: Block, parts: Mapping[str, Sequence[Expression]], *measures: Measure
     ) -> None:
         recorder.begin(segment)
         for name, found in parts.items():

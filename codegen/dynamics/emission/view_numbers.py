@@ -116,9 +116,7 @@ def tables(
         "measure_sizes": [
             (one.name, float(measure_size(one, system, length))) for one in seen_of(system).measures
         ],
-        "events": [
-            (one.name, (one.direction, ACTIONS.index(one.action))) for one in system.events
-        ],
+        "events": [(one.name, (one.direction, ACTIONS.index(one.action))) for one in system.events],
         "left_is_length": [
             (name, int(unit == "m"))
             for name, unit in (row_of(row, system) for row in (*program.left_out, *program.reduced))

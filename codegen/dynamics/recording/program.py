@@ -300,7 +300,7 @@ REGIONS = {
     "switches": "of each switching function of time least and most between these times, then those"
     " of its rate",
     "features": "of each part of a formula that varies with time, likewise",
-    "measures": "value and rate of what formulas that are looked at read of a state, in their units",
+    "measures": "value and rate of what formulas read of a state, in their units",
     "ranges": "two times, s; least and most of each measure between them, of its rate, of the next",
     "crossings": "of each event, then each switching function of the state, as of switches",
     "narrow": "of each part of a formula that varies with the state, likewise",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .events import Told
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import unknown
@@ -121,6 +122,7 @@ class Run:
         self.state, self._work = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
         self._rows, self._layout = np.empty((len(times), solver.scene.row_size)), scene.layout
         self._parameters = values
+        self._told = Told((), np.empty((0, 1 + solver.scene.row_size)))
         start = np.array([*scene.data["q"], *scene.data["v"]], float)
         nq, given = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
@@ -170,9 +172,17 @@ class Run:
 
     def advance(self, max_steps: int = 16) -> int:
         """Go on for some steps; return 0 at the end, else why it returned, as in ``settings``."""
-        written = int(state_of(self._scene.solver.scene, self.state).next_row)
-        given = (self._settings, self.times, max_steps, self.state, self._work)
-        return self._scene.solver.run(*given, self._rows[written:])[0]
+        solver, state = self._scene.solver, state_of(self._scene.solver.scene, self.state)
+        last = state.steps + max_steps
+        while True:
+            rows, left = self._rows[int(state.next_row) :], int(last - state.steps)
+            status, written = solver.run(
+                self._settings, self.times, left, self.state, self._work, rows
+            )
+            if status in {Status.EVENT, Status.STOPPED}:
+                self._told = self._told.with_row(int(state.event) - 1, rows[written])
+            if status != Status.EVENT:
+                return status
 
     def finish(self) -> Motion:
         """Go on to the last time.
@@ -183,13 +193,18 @@ class Run:
             The motion cannot go on.
         """
         done = int(state_of(self._scene.solver.scene, self.state).steps)
-        self._require(self.advance(max(0, self.most_steps - done)))
+        status = self.advance(max(0, self.most_steps - done))
+        self._require(Status.GOOD if status == Status.STOPPED else status)
         return self.motion()
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         rows, is_complete = self._rows[:written], written == len(self.times)
+        counts = state_of(self._scene.solver.scene, self.state).counts.tolist()
+        told, events = self._told._replace(counts=tuple(map(int, counts))), self._layout.events
+        if len(told.rows) and events[int(told.rows[-1, 0])][1] == "stop":
+            rows = np.vstack((rows, told.rows[-1:, 1:]))
         return Motion(
             self._layout,
             rows,
@@ -197,6 +212,7 @@ class Run:
             method=self.method,
             parameters=self._parameters,
             is_complete=is_complete,
+            told=told,
         )
 
     def _require(self, status: int) -> None:

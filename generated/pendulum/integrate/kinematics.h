@@ -126,7 +126,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     memcpy(s->f, last.f, NY * sizeof *s->y);
     if (end > asked) {
         memset(s->dense, 0, sizeof s->dense);
-        hermite_cubic(h, f_before, s->f, s);
+        hermite_cubic(h, s->y, f_before, s->f, s);
     }
 }
 
@@ -138,6 +138,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
 {
     double drift = 0.0, part = 1.0;
     double longest = settings->largest_step;
+    Look look = { .cut = s->time };
     if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
     for (;;) {
         const int is_last = s->time + 1.0000001 * longest >= asked;
@@ -162,6 +163,19 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             longest = (good && isfinite(error) ? factor : 0.5) * whole;
             part = 1.0;
             continue;
+        }
+        if (N_SEEN > 0) {
+            const Position to = end_of(work);
+            look_into(settings, methods, 0, end - s->time, to.y, s->f, to.f, &look, s, work);
+            const double told = N_NARROW > 0 ? told_end(end, &look, s, work) : end;
+            const double seen = part > 1.0 ? end : seen_end(end, &look, s, work);
+            if (part <= 1.0 && smaller(told, seen) < end) {
+                if (seen <= told) asked = cut_at(seen, &look);
+                longest = larger(smaller(told, seen), s->time + FINEST * whole) - s->time;
+                part = 1.0;
+                continue;
+            }
+            note_crossings(end, &look, s, work);
         }
         note_pivot_ratio(ratio, end, s);
         s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio

@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .crossing import FINEST, SMALLEST, Look, note_crossings, seen_end, told_end
 from .dense_output import hermite_cubic
+from .methods import METHODS
 from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import SMALLEST
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -165,7 +166,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.f[:] = last.f
     if end > asked:
         state.dense[:] = 0.0
-        hermite_cubic(h, f_before, state.f, state)
+        hermite_cubic(h, state.y, f_before, state.f, state)
 
 
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
@@ -177,6 +178,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """
     part, longest = 1.0, s.largest_step
     has_energies = "energies" in work.scene.parts
+    look = Look(state, work, state.time)
     if state.step_size > 0.0:
         longest = smaller(state.step_size, longest)
     while True:
@@ -199,7 +201,16 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             state.rejected += 1
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
-            break
+            seen = _seen_end(s, end, look) if work.scene.sees and part <= 1.0 else end
+            if not seen < end:
+                break
+            if seen == look.cut:
+                asked = seen
+            longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
+    if work.scene.sees:
+        if part > 1.0:
+            _look_into(s, end, look)
+        note_crossings(end, look)
     note_pivot_ratio(ratio, end, state)
     state.largest_pivot_ratio = (
         ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)
@@ -209,3 +220,18 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
     accept_position(end, asked, state, work)
     return Status.GOOD
+
+
+def _look_into(s: Settings, end: float, look: Look) -> None:
+    last = end_of(look.work)
+    look.into(s, METHODS[0], end - look.state.time, last.y, last.f, has_stages=False)
+
+
+def _seen_end(s: Settings, end: float, look: Look) -> float:
+    """Return where a position to an end must be, so that forces between are told, and events."""
+    _look_into(s, end, look)
+    told = told_end(end, look) if look.work.scene.has_narrow else end
+    seen = seen_end(end, look)
+    if seen <= told and seen < end:
+        return look.cut_at(seen)
+    return smaller(told, seen)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
+from .events import Event, Told
 from .result import SHOWN, Column, Coordinates, Named, NotInResultError, Result, not_generated
 
 if TYPE_CHECKING:
@@ -114,6 +115,8 @@ class Layout:
         How long the scene moves unless a run says so.
     jumps : tuple of str
         Keys of forces that jump where a ``sign`` in their formula changes.
+    events : tuple of (str, str)
+        Name and action of each event.
     """
 
     name: str
@@ -131,6 +134,7 @@ class Layout:
     notes: tuple[str, ...] = ()
     duration: float | None = None
     jumps: tuple[str, ...] = ()
+    events: tuple[tuple[str, str], ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -156,6 +160,7 @@ class Layout:
             notes=tuple(data["notes"]),
             duration=data["duration"],
             jumps=tuple(data["jumps"]),
+            events=tuple((name, action) for name, action in data["events"]),
         )
 
     def at(self, design: Array) -> Layout:
@@ -225,6 +230,8 @@ class Motion(Result):
         All parameters of the scene, with their values in this run.
     is_complete : bool
         Whether all times are there.
+    told : Told, optional
+        What is told of events.
 
     Attributes
     ----------
@@ -272,10 +279,12 @@ class Motion(Result):
         ledger: Any = None,
         parameters: Mapping[str, float] | None = None,
         is_complete: bool = True,
+        told: Told | None = None,
     ) -> None:
         self.layout, self.rows, self._ledger = layout, rows, ledger
         self._parameters = dict(parameters or {})
         self._tables: dict[str, Any] = {}
+        self.told = told or Told((), np.empty((0, 1 + rows.shape[1])))
         self.name, self.unit = layout.name, layout.unit_name
         self.target, self.method, self.is_complete = target, method, is_complete
 
@@ -308,9 +317,39 @@ class Motion(Result):
         return Named(self._parameters, f"{self.name}: no parameter")
 
     @property
+    def events(self) -> Mapping[str, Event]:
+        """The events of the scene: how often each was, when, and the states there."""
+        found = {}
+        for k, (name, action) in enumerate(self.layout.events):
+            rows = self.told.rows[self.told.rows[:, 0] == k, 1:]
+            states = Motion(
+                self.layout,
+                rows,
+                target=self.target,
+                method=self.method,
+                parameters=self._parameters,
+            )
+            count = self.told.counts[k] if self.told.counts else 0
+            found[name] = Event(name, action, count, states)
+        return Named(found, f"{self.name}: no event", f"{self.name}: it has no events")
+
+    @property
+    def stopped_by(self) -> str:
+        """The event that ended the run; empty where none did."""
+        if not len(self.told.rows):
+            return ""
+        name, action = self.layout.events[int(self.told.rows[-1, 0])]
+        return name if action == "stop" else ""
+
+    def _end(self) -> str:
+        """Return the line on the event that ended the run, empty where none did."""
+        by = self.stopped_by
+        return f"ended at t = {self.time[-1]:.9g} s by events.{by}" if by else ""
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know before he trusts the numbers, a line each."""
-        return tuple(filter(None, [*self.layout.notes, self.note()]))
+        return tuple(filter(None, [*self.layout.notes, self.note(), self._end()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns that are shown where none are named.
@@ -483,6 +522,11 @@ class Motion(Result):
             "rows": len(self),
             "bodies": self._names("body"),
             "is_complete": self.is_complete,
+            "stopped_by": self.stopped_by,
+            "events": {
+                name: {"action": one.action, "count": one.count, "times": one.time.tolist()}
+                for name, one in self.events.items()
+            },
             "not_unique": list(self.not_unique),
             "reaction_length": self.reaction_length,
             "notes": list(self.notes),
@@ -515,6 +559,7 @@ class Motion(Result):
         if not len(self):
             return "no rows"
         stopped = "" if self.is_complete else ", stopped before its end"
+        stopped = f", {self._end()}" if self.stopped_by else stopped
         return (
             f"{len(self)} rows from {self.time[0]:g} to {self.time[-1]:g} s{stopped};"
             f" {self.unit}, kg, s, rad; {self.method} in {self.target}"
