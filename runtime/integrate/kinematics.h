@@ -130,6 +130,19 @@ static void accept_position(double end, double asked, Work *work, State *s)
     }
 }
 
+/* where a position to an end must be, so that forces between are told, and events; one that leaps
+ * over a place stays where it is */
+static double watched_end(
+    const Settings *settings, double end, double part, Look *look, State *s, Work *work)
+{
+    const Position last = end_of(work);
+    look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
+    const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
+    const double seen = seen_end(end, look, s, work);
+    if (part > 1.0) return end;
+    return seen <= told && seen < end ? cut_at(seen, look) : smaller(told, seen);
+}
+
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
  * Steps are halved until they are smooth. Where rows are nearly dependent at the end, it is
  * put elsewhere: before that position as long as possible, then behind it, also behind the
@@ -165,13 +178,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             continue;
         }
         if (N_SEEN > 0) {
-            const Position to = end_of(work);
-            look_into(settings, methods, 0, end - s->time, to.y, s->f, to.f, &look, s, work);
-            const double told = N_NARROW > 0 ? told_end(end, &look, s, work) : end;
-            const double seen = part > 1.0 ? end : seen_end(end, &look, s, work);
-            if (part <= 1.0 && smaller(told, seen) < end) {
-                if (seen <= told) asked = cut_at(seen, &look);
-                longest = larger(smaller(told, seen), s->time + FINEST * whole) - s->time;
+            const double seen = watched_end(settings, end, part, &look, s, work);
+            if (seen < end) {
+                if (seen == look.cut) asked = seen;
+                longest = larger(seen, s->time + FINEST * whole) - s->time;
                 part = 1.0;
                 continue;
             }

@@ -46,4 +46,4 @@ def test_a_compiled_solver_loads_no_integrator_in_python() -> None:
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     loaded = {name.rpartition(".")[2] for name in run.stdout.split()}
-    assert loaded == {"body_tables", "motion", "result", "settings", "state"}
+    assert loaded == {"body_tables", "events", "motion", "result", "settings", "state"}

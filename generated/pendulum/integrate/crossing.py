@@ -63,7 +63,7 @@ def smallest(a: Array, b: Array) -> Array:
     return np.where(a < b, a, b)
 
 
-def stay_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
+def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
     """Return whether what is a at the start of h and b at its end is positive between.
 
     It is no less than lines from both ends as steep as it falls and rises at most.
@@ -90,24 +90,6 @@ class Node:
     read: Array
     least: Array
     most: Array
-
-    @property
-    def side(self) -> Array:
-        """1 or -1, the side of zero of each function; 0 where that is not known."""
-        found: Array = (self.least > 0.0) * 1.0 - (self.most < 0.0)
-        return found
-
-    @property
-    def middle(self) -> Array:
-        """The middle of each function's bounds."""
-        found: Array = 0.5 * (self.least + self.most)
-        return found
-
-    @property
-    def half_width(self) -> Array:
-        """Half of their distance."""
-        found: Array = 0.5 * (self.most - self.least)
-        return found
 
 
 @dataclass(slots=True)
@@ -147,67 +129,93 @@ class Look:
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
 
-    def into(
-        self, s: Settings, m: Method, h: float, y: Array, f: Array, *, has_stages: bool
-    ) -> None:
-        """Make the polynomial of a step from the state to y, where the derivative is f."""
-        state, scene = self.state, self.work.scene
-        self.m, self.start, self.h, self.slack = m, state.time, h, s.tolerance * h
-        state.y_before[:] = state.y
-        state.dense[:] = 0.0
-        hermite_cubic(h, y, state.f, f, state)
-        middle = state.time + 0.5 * h
-        first, cubic, last = map(self._read_at, (state.time, middle, state.time + h))
-        most, sizes = largest(np.abs(first), np.abs(last)), scene.measure_sizes
-        self.noise = np.empty_like(most)
-        self.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
-        self.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
-        self.is_distorted = False
-        if not has_stages:
-            return
-        add_dense_rows(m, h, state, self.work)
-        way = np.abs(cubic - first) + np.abs(last - cubic)
-        is_near = np.abs(self._read_at(middle) - cubic) <= FAR * way + self.noise
-        self.is_distorted = not bool(is_near.all())
-        if self.is_distorted:
-            state.dense[3:] = 0.0
 
-    def _read_at(self, time: float) -> Array:
-        work = self.work
-        interpolate(self.m, (time - self.start) / self.h, self.state, work.scratch)
-        work.w.place(time, work.scratch)
-        work.w.run("measure")
-        found: Array = work.w.measures.reshape(-1, 2).copy()
-        return found
+def side_at(node: Node) -> Array:
+    """Return 1 or -1, the side of zero of each function, 0 where that is not known."""
+    return np.where(node.least > 0.0, 1.0, np.where(node.most < 0.0, -1.0, 0.0))
 
-    def at(self, time: float) -> Node:
-        """Return what is seen at a time."""
-        w, read = self.work.w, self._read_at(time)
-        own = w.ranges[2:].reshape(-1, 6)
-        w.ranges[:2] = time
-        own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - self.noise, read + self.noise, 0.0
-        w.run("crossing")
-        least, most = w.seen.reshape(-1, 4).T[:2].copy()
-        return Node(time, read, least, most)
 
-    def bounds(self, a: Node, b: Node) -> Array:
-        """Return least, most, slowest and fastest of the functions between two nodes."""
-        w, h = self.work.w, b.time - a.time
-        (x, v), (y, u) = a.read.T, b.read.T
-        own = w.ranges[2:].reshape(-1, 6)
-        w.ranges[:2] = a.time, b.time
-        mean = (u - v) / h
-        bend = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h) / h
-        own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
-        reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
-        reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
-        w.run("crossing")
-        return w.seen.reshape(-1, 4).T
+def middle(node: Node) -> Array:
+    """Return the middle of each function's bounds."""
+    return np.multiply(0.5, node.least + node.most)
 
-    def cut_at(self, end: float) -> float:
-        """Cut the step where it must end, and remember what crosses there."""
-        self.was_crossing, self.cut = self.crosses, end
-        return end
+
+def half_width(node: Node) -> Array:
+    """Return half of their distance."""
+    return np.multiply(0.5, node.most - node.least)
+
+
+def read_at(time: float, look: Look) -> Array:
+    """Return what formulas read at a time."""
+    work = look.work
+    interpolate(look.m, (time - look.start) / look.h, look.state, work.scratch)
+    work.w.place(time, work.scratch)
+    work.w.run("measure")
+    found: Array = work.w.measures.reshape(-1, 2).copy()
+    return found
+
+
+def look_at(time: float, look: Look) -> Node:
+    """Return what is seen at a time."""
+    w, read = look.work.w, read_at(time, look)
+    own = w.ranges[2:].reshape(-1, 6)
+    w.ranges[:2] = time
+    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - look.noise, read + look.noise, 0.0
+    w.run("crossing")
+    least, most = w.seen.reshape(-1, 4).T[:2].copy()
+    return Node(time, read, least, most)
+
+
+def is_elsewhere(first: Array, cubic: Array, last: Array, halfway: float, look: Look) -> bool:
+    """Return whether the polynomial leads elsewhere than the cubic one that was read halfway."""
+    way = np.abs(cubic - first) + np.abs(last - cubic)
+    is_near = np.abs(read_at(halfway, look) - cubic) <= FAR * way + look.noise
+    return not bool(is_near.all())
+
+
+def look_into(
+    s: Settings, m: Method, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
+) -> None:
+    """Make the polynomial of a step from the state to y, where the derivative is f."""
+    state, sizes = look.state, look.work.scene.measure_sizes
+    look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
+    state.y_before[:] = state.y
+    state.dense[:] = 0.0
+    hermite_cubic(h, y, state.f, f, state)
+    halfway = state.time + 0.5 * h
+    first, cubic, last = (read_at(time, look) for time in (state.time, halfway, state.time + h))
+    most = largest(np.abs(first), np.abs(last))
+    look.noise = np.empty_like(most)
+    look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
+    look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+    look.is_distorted = False
+    if not has_stages:
+        return
+    add_dense_rows(m, h, state, look.work)
+    look.is_distorted = is_elsewhere(first, cubic, last, halfway, look)
+    if look.is_distorted:
+        state.dense[3:] = 0.0
+
+
+def bound_seen(a: Node, b: Node, look: Look) -> Array:
+    """Return least, most, slowest and fastest of the functions between two nodes."""
+    w, h = look.work.w, b.time - a.time
+    (x, v), (y, u) = a.read.T, b.read.T
+    own = w.ranges[2:].reshape(-1, 6)
+    w.ranges[:2] = a.time, b.time
+    mean = (u - v) / h
+    bend = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h) / h
+    own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
+    reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
+    reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
+    w.run("crossing")
+    return w.seen.reshape(-1, 4).T
+
+
+def cut_at(end: float, look: Look) -> float:
+    """Cut a step where it must end, and remember what crosses there."""
+    look.was_crossing, look.cut = look.crosses, end
+    return end
 
 
 def reach_between(
@@ -222,18 +230,18 @@ def reach_between(
     found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
 
 
-def are_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
+def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     """Return whether functions cross between two nodes as often as their sides tell."""
     n, is_down = len(sides), sides < 0.0
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band = largest(a.half_width[:n], b.half_width[:n])
+    band = largest(half_width(a)[:n], half_width(b)[:n])
     is_clear = (least > -band) | (falls >= 0.0) | (rises <= 0.0)
-    first, last = sign * a.middle[:n] + band, sign * b.middle[:n] + band
-    is_positive = stay_positive(first, last, falls, rises, b.time - a.time)
+    first, last = sign * middle(a)[:n] + band, sign * middle(b)[:n] + band
+    is_positive = stays_positive(first, last, falls, rises, b.time - a.time)
     stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
-    crosses = (sides != 0.0) & (b.side[:n] == -sides)
+    crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     told: Flags = np.where(crosses, rises <= 0.0, stays)
     return told
 
@@ -244,14 +252,14 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     Those of events are zero there, the others beyond it, so that what follows is all on the other
     side.
     """
-    side, first, last = -float(b.side[k]), a.time, b.time
+    side, first, last = -float(side_at(b)[k]), a.time, b.time
     is_event = k < len(look.work.scene.events)
     while last - first > SMALLEST * larger(abs(first), abs(last)):
         time = 0.5 * (first + last)
         if not first < time < last:
             break
-        node = look.at(time)
-        if side * node.middle[k] <= 0.0 if is_event else node.side[k] == -side:
+        node = look_at(time, look)
+        if side * middle(node)[k] <= 0.0 if is_event else side_at(node)[k] == -side:
             last = time
         else:
             first = time
@@ -274,15 +282,15 @@ def seen_end(end: float, look: Look) -> float:
     tiny = SMALLEST * larger(abs(start), abs(end))
     nearest = start + larger(8.0 * tiny, look.least_part * look.h)
     widest = look.h / CELLS
-    width, a = widest, look.at(start)
+    width, a = widest, look_at(start, look)
     for _ in range(MOST_LOOKS):
         if not a.time < end:
             break
-        b = look.at(a.time + width if a.time + 1.0000001 * width < end else end)
-        bounds = look.bounds(a, b)
-        sides[:] = np.where(sides == 0.0, a.side[:n], sides)
-        is_known = bool(are_told(sides, a, b, bounds).all())
-        look.crosses = (sides != 0.0) & (b.side[:n] == -sides)
+        b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
+        bounds = bound_seen(a, b, look)
+        sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
+        is_known = bool(is_told(sides, a, b, bounds).all())
+        look.crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
         if not is_known and b.time - a.time > tiny:
             width = 0.5 * (b.time - a.time)
             continue
@@ -300,7 +308,7 @@ def polished_cut(look: Look) -> float:
         return cut
 
     def value(time: float) -> float:
-        return float(look.at(time).middle[found[0]])
+        return float(middle(look_at(time, look))[found[0]])
 
     before, there = cut - most, cut
     a, b = value(before), value(there)
@@ -318,7 +326,7 @@ def polished_cut(look: Look) -> float:
 def note_crossings(end: float, look: Look) -> None:
     """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
     state, events = look.state, look.work.scene.events
-    sides, now = state.sides.copy(), look.at(end).side
+    sides, now = state.sides.copy(), side_at(look_at(end, look))
     for k, side in enumerate(sides.tolist()):
         is_there = now[k] == 0.0 and end == look.cut and look.was_crossing[k]
         if side == 0.0:
@@ -338,15 +346,15 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
     Their rates change as little, or their bounds leave them nearly what they are.
     """
     n, h = len(look.state.sides), (end - start) / CELLS
-    a = look.at(start)
-    least = most = low = high = a.middle[n:]
-    band, change = a.half_width[n:], np.zeros(len(least))
+    a = look_at(start, look)
+    least = most = low = high = middle(a)[n:]
+    band, change = half_width(a)[n:], np.zeros(len(least))
     for cell in range(1, CELLS + 1):
-        b = look.at(start + cell * h)
-        below, above, slowest, fastest = look.bounds(a, b)[:, n:]
-        least, most = smallest(b.middle[n:], least), largest(b.middle[n:], most)
+        b = look_at(start + cell * h, look)
+        below, above, slowest, fastest = bound_seen(a, b, look)[:, n:]
+        least, most = smallest(middle(b)[n:], least), largest(middle(b)[n:], most)
         low, high = smallest(below, low), largest(above, high)
-        band, change = largest(b.half_width[n:], band), change + h * (fastest - slowest)
+        band, change = largest(half_width(b)[n:], band), change + h * (fastest - slowest)
         a = b
     size = largest(-least, most)
     nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .crossing import FINEST, SMALLEST, Look, note_crossings, seen_end, told_end
+from .crossing import (
+    FINEST,
+    SMALLEST,
+    Look,
+    cut_at,
+    look_into,
+    note_crossings,
+    seen_end,
+    told_end,
+)
 from .dense_output import hermite_cubic
 from .methods import METHODS
 from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
@@ -169,6 +178,20 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
         hermite_cubic(h, state.y, f_before, state.f, state)
 
 
+def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
+    """Return where a position to an end must be, so that forces between are told, and events.
+
+    One that leaps over a place stays where it is.
+    """
+    last = end_of(look.work)
+    look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
+    told = told_end(end, look) if look.work.scene.has_narrow else end
+    seen = seen_end(end, look)
+    if part > 1.0:
+        return end
+    return cut_at(seen, look) if seen <= told and seen < end else smaller(told, seen)
+
+
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """Find the next position of a motion that drivers determine, at most at the time asked for.
 
@@ -201,15 +224,13 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             state.rejected += 1
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
-            seen = _seen_end(s, end, look) if work.scene.sees and part <= 1.0 else end
+            seen = watched_end(s, end, part, look) if work.scene.sees else end
             if not seen < end:
                 break
             if seen == look.cut:
                 asked = seen
             longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
     if work.scene.sees:
-        if part > 1.0:
-            _look_into(s, end, look)
         note_crossings(end, look)
     note_pivot_ratio(ratio, end, state)
     state.largest_pivot_ratio = (
@@ -220,18 +241,3 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
     accept_position(end, asked, state, work)
     return Status.GOOD
-
-
-def _look_into(s: Settings, end: float, look: Look) -> None:
-    last = end_of(look.work)
-    look.into(s, METHODS[0], end - look.state.time, last.y, last.f, has_stages=False)
-
-
-def _seen_end(s: Settings, end: float, look: Look) -> float:
-    """Return where a position to an end must be, so that forces between are told, and events."""
-    _look_into(s, end, look)
-    told = told_end(end, look) if look.work.scene.has_narrow else end
-    seen = seen_end(end, look)
-    if seen <= told and seen < end:
-        return look.cut_at(seen)
-    return smaller(told, seen)

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .crossing import SMALLEST, Look, note_crossings, polished_cut, seen_end, told_end
+from .crossing import (
+    SMALLEST,
+    Look,
+    cut_at,
+    look_into,
+    note_crossings,
+    polished_cut,
+    seen_end,
+    told_end,
+)
 from .dense_output import combine
 from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
 from .projection import displacement_of, last_ratio, project, project_onto_tangent, ratio_at
@@ -257,7 +266,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         is_kept = trial.error <= 1.0
         if work.scene.sees and is_whole and (is_kept or not is_guessed):
             has_stages = has_crossings and is_kept
-            look.into(s, m, trial.h, work.y, work.k[m.stages], has_stages=has_stages)
+            look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
             look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
             to = last
             if work.scene.has_narrow and is_kept and not is_fixed and shorter < MOST_SHORTER:
@@ -265,7 +274,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
             if seen <= to and seen < last:
-                to = end = look.cut_at(seen)
+                to = end = cut_at(seen, look)
             elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:
                 polished += 1
                 there = smaller(polished_cut(look), limit)

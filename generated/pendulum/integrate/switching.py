@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .crossing import EXPLAINED, FINEST, NOTHING, SMALLEST, stay_positive
+from .crossing import EXPLAINED, FINEST, NOTHING, SMALLEST, stays_positive
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
@@ -61,7 +61,7 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
     down = before < 0.0
     a, b = np.where(down, -before, before), np.where(down, -after, after)
     falls, rises = np.where(down, -fastest, slowest), np.where(down, -slowest, fastest)
-    is_near = stay_positive(a, b, falls, rises, h)
+    is_near = stays_positive(a, b, falls, rises, h)
     return bool(np.all(is_same & (is_far | is_steady | is_near)))
 
 
