@@ -273,3 +273,98 @@ def test_both_targets_have_the_same_events_and_bits(solver_of: Callable[..., Any
             assert np.array_equal(first.rows, second.rows)
             assert np.array_equal(first.state, second.state)
             assert np.array_equal(first.events, second.events)
+
+
+#: A shaft that is led, a hammer that hits it, and where it is.
+SHAFT = """
+name = "shaft"
+unit = "m"
+outputs = ["energies"]
+[bodies]
+shaft = { position = [0, 0, 0], mass = 1, inertia = { xx = 0.1, yy = 0.1, zz = 0.1 } }
+[joints]
+axle = { type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1] }
+[coordinates]
+turn = { joint = "axle" }
+[drivers]
+motor = { coordinate = "turn", value = "2*t + sin(t)" }
+[forces]
+hammer = { type = "along", coordinate = "turn", force = "1e3*max(0, 1 - abs(turn - 5)/1e-3)" }
+brush = { type = "along", coordinate = "turn", force = "1e3*exp(-((turn - 9)/1e-3)^2)" }
+[events]
+turned = { when = "sin(turn)", direction = "rising" }
+slow = { when = "turn_dot - 2", direction = "falling", action = "count" }
+enough = { when = "turn - 16", action = "stop" }
+"""
+#: A jump from a bridge: the rope acts once it is straight, by its own law.
+JUMP = """
+name = "jump"
+unit = "cm"
+gravity = [0, 0, -1000]
+outputs = ["energies"]
+parameters = { k = 100.0, rope = 200.0 }
+[bodies]
+man = { point = true, position = [0, 0, -1e-3], mass = 1 }
+[forces.rope_law]
+type = "spring_damper"
+bodies = ["ground", "man"]
+points = [[0, 0, 0], [0, 0, 0]]
+free_length = "rope"
+tension = "k*max(0, x)"
+[coordinates]
+z = { body = "man", along = [0, 0, 1] }
+[events]
+lowest = { when = "z_dot", direction = "rising" }
+"""
+
+
+@pytest.mark.parametrize("rows", [2, 100])
+def test_drivers_lead_to_events_and_through_narrow_forces(
+    solver_of: Callable[..., Any], rows: int
+) -> None:
+    run = solver_of(SHAFT).simulate(12.0, samples=rows)
+
+    def when(turn: float) -> float:
+        t = turn / 2.0
+        for _ in range(60):
+            t -= (2.0 * t + math.sin(t) - turn) / (2.0 + math.cos(t))
+        return t
+
+    assert run.method == "kinematics"
+    assert run.stopped_by == "enough"
+    assert run.time[-1] == pytest.approx(when(16.0), abs=1e-8)
+    assert run.events["turned"].time == pytest.approx(
+        [when(2 * math.pi * n) for n in (1, 2)], abs=1e-8
+    )
+    assert run.events["slow"].count == 1  # cos(t) falls through zero
+    assert run.ledger.works["hammer"] == pytest.approx(1.0, rel=1e-4)
+    assert run.ledger.works["brush"] == pytest.approx(math.sqrt(math.pi), rel=1e-4)
+
+
+def test_a_rope_is_felt_where_it_is_straight(solver_of: Callable[..., Any]) -> None:
+    solver = solver_of(JUMP)
+    for k in range(40):
+        stiff, rope = 10.0 ** random.Random(k).uniform(1.0, 7.0), random.Random(k).uniform(10, 300)
+        run = solver.simulate(
+            20.0, samples=2, parameters={"k": stiff, "rope": rope}, method=WAYS[k % 2]["method"]
+        )
+        # m g (rope + d) = k d^2/2, from 1e-5 m below the bridge; k is the same in any unit
+        fall = (rope - 1e-3) / 100.0
+        deep = (10.0 + math.sqrt(100.0 + 2.0 * stiff * 10.0 * fall)) / stiff
+        lowest = run.events["lowest"].states.position["man"][:, 2]
+        assert len(lowest) > 3
+        assert lowest == pytest.approx(-(rope + 100.0 * deep), rel=1e-7)
+        assert run.ledger.trust.is_trusted
+
+
+def test_events_that_touch_or_stay_are_none(solver_of: Callable[..., Any]) -> None:
+    text = SWING.replace(
+        "[events]", '[events]\ntouch = { when = "1 + 1e-12 - x" }\nstays = { when = "x - x" }'
+    )
+    run = solver_of(text).simulate(19.0, samples=2)
+    assert run.events["touch"].count == run.events["stays"].count == 0
+    assert run.ledger.steps < 300
+    still = BALL.replace("position = [0, 0, 1]", "position = [0, 0, 0]").replace("-g", "0*g")
+    rest = solver_of(still).simulate(10.0, samples=2)
+    assert sum(rest.ledger.events.values()) == 0
+    assert rest.ledger.steps < 50
