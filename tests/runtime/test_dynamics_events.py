@@ -368,3 +368,29 @@ def test_events_that_touch_or_stay_are_none(solver_of: Callable[..., Any]) -> No
     rest = solver_of(still).simulate(10.0, samples=2)
     assert sum(rest.ledger.events.values()) == 0
     assert rest.ledger.steps < 50
+
+
+def test_events_of_rates_and_of_many_roots_in_a_step(solver_of: Callable[..., Any]) -> None:
+    more = """
+fast = { when = "x_dot - level", action = "count" }
+wave = { when = "sin(40*x + 0.5)", action = "count" }
+rare = { when = "cos(12*t) - 0.999*cos(x)^0", action = "count" }
+"""
+    solver, random_ = (
+        solver_of(SWING.replace("[events.late]", more + "[events.late]")),
+        random.Random(1),
+    )
+    t = np.linspace(0.0, 20.0, 200_001)
+    for n in range(30):
+        level = 1.0 - 10.0 ** random_.uniform(-5.0, -1.0)
+        way = ({"step": 0.9}, {"method": "dopri5"}, {"method": "dop853"})[n % 3]
+        run = solver.simulate(30.0, samples=2, parameters={"level": level}, **way)
+        for name, values in (
+            ("fast", np.cos(t) - level),
+            ("wave", np.sin(40.0 * np.sin(t) + 0.5)),
+            ("rare", np.cos(12.0 * t) - 0.999),
+        ):
+            assert run.events[name].count == np.count_nonzero(np.diff(np.sign(values))), (
+                name,
+                level,
+            )
