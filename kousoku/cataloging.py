@@ -20,7 +20,7 @@ T = TypeVar("T")
 
 
 def catalog() -> Catalog:
-    """Return all kinds, joints, forces, drivers, coordinates and bodies with their keys.
+    """Return all kinds, joints, forces, drivers, coordinates, events and bodies with their keys.
 
     The lists are those that scenes are read with, so that none is forgotten.
 

@@ -1,20 +1,20 @@
-/* Crossing: steps end where events are and where formulas that read the state have a kink or a jump,
- * and miss nothing between.
+/* Crossing: steps end where events are and where formulas of the state have a kink or a jump.
  *
  * A step that was tried is looked at before it is kept. Its polynomial tells at some times what
- * formulas read: coordinates, lengths of springs, their rates. That bounds them between these times,
- * and they bound the functions and their rates, as of switching functions of time. What is nearer to
- * zero than the error of a step may be counts as zero: a function crosses when it is beyond on the
- * other side. Then the step is made again, to end there. Parts of formulas that vary with the state
- * beyond polynomials are bounded likewise: where samples do not tell how, the step is made shorter.
- */
+ * formulas read: coordinates, lengths of springs, their rates. That bounds them between these
+ * times, and they bound the functions and their rates, as of switching functions of time. What is
+ * nearer to zero than the error of a step may be counts as zero: a function crosses when it is
+ * beyond on the other side. Then the step is made again, to end there. Parts of formulas that vary
+ * with the state beyond polynomials are bounded likewise: where samples do not tell how, the step
+ * is made shorter. */
 
 /* the smallest step, relative to the time */
 #define SMALLEST 1e-15
 /* in how many parts a step is looked at, and how often at most */
 #define CELLS 4
 #define MOST_LOOKS 512
-/* second derivatives may be so much further from those of a cubic polynomial as it is from a parabola */
+/* second derivatives may be so much further from those of a cubic polynomial as it is from a
+ * parabola */
 #define DOUBT 2.0
 /* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
 #define EXPLAINED 2.0
@@ -42,8 +42,8 @@ typedef struct {
 } Node;
 
 /* a step that is looked at, whose polynomial is in the state: what its values are known to, which
- * functions cross, where it was cut, at which part of it at least, and whether stages that only the polynomial wants were
- * elsewhere, so that it is cubic */
+ * functions cross, where it was cut, at which part of it at least, and whether stages that only the
+ * polynomial wants were elsewhere, so that it is cubic */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)];
