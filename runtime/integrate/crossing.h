@@ -295,7 +295,6 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
         const int side = (int)s->sides[k], now = side_at(&last, k);
         const int is_there = now == 0 && end == look->cut && look->was_crossing[k];
-        if (side == 0) s->sides[k] = now;
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
         if (k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;

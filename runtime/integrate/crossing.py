@@ -329,8 +329,6 @@ def note_crossings(end: float, look: Look) -> None:
     sides, now = state.sides.copy(), side_at(look_at(end, look))
     for k, side in enumerate(sides.tolist()):
         is_there = now[k] == 0.0 and end == look.cut and look.was_crossing[k]
-        if side == 0.0:
-            state.sides[k] = now[k]
         if side == 0.0 or not (now[k] == -side or is_there):
             continue
         state.sides[k] = -side

@@ -292,9 +292,9 @@ over = { when = "t - 0.25", action = "stop" }
 """
     path = tmp_path / "slider.toml"
     path.write_text(SLIDER + events, encoding="utf-8")
-    run = ks.load(path).simulate(1.0, samples=11)
+    run: Any = ks.load(path).simulate(1.0, samples=11)
     run.save(tmp_path / "run.npz")
-    again = ks.open_run(tmp_path / "run.npz")
+    again: Any = ks.open_run(tmp_path / "run.npz")
     assert again.stopped_by == run.stopped_by == "over"
     assert again.events["over"].time == pytest.approx([0.25], abs=1e-15)
     assert again.events["back"].count == run.events["back"].count

@@ -374,7 +374,7 @@ def test_events_of_rates_and_of_many_roots_in_a_step(solver_of: Callable[..., An
     more = """
 fast = { when = "x_dot - level", action = "count" }
 wave = { when = "sin(40*x + 0.5)", action = "count" }
-rare = { when = "cos(12*t) - 0.999*cos(x)^0", action = "count" }
+rare = { when = "cos(11.7*t + 0.3) - 0.999*cos(x)^0", action = "count" }
 """
     solver, random_ = (
         solver_of(SWING.replace("[events.late]", more + "[events.late]")),
@@ -388,7 +388,7 @@ rare = { when = "cos(12*t) - 0.999*cos(x)^0", action = "count" }
         for name, values in (
             ("fast", np.cos(t) - level),
             ("wave", np.sin(40.0 * np.sin(t) + 0.5)),
-            ("rare", np.cos(12.0 * t) - 0.999),
+            ("rare", np.cos(11.7 * t + 0.3) - 0.999),
         ):
             assert run.events[name].count == np.count_nonzero(np.diff(np.sign(values))), (
                 name,
