@@ -21,7 +21,7 @@ from kousoku.runtime.given import (
     require_shape,
 )
 from kousoku.runtime.initial import Initial, started_at
-from kousoku.runtime.integrate.events import Told
+from kousoku.runtime.integrate.events import Told, add_row
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.settings import COMES_OPEN, STAYS_OPEN, Status
 from kousoku.runtime.options import KINEMATICS, with_values
@@ -113,7 +113,7 @@ class Run:
         self._there = with_parameters(solver, self._values)
         self._q, self._v = self._there.q.copy(), self._there.v.copy()
         self._rows = self._room()
-        self._told = np.empty((0, 1 + target.row_size)) if saved is None else saved.events
+        self._told = [] if saved is None else [*saved.events]
         self._is_shown, self._is_elsewhere = False, any(options.initial)
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
@@ -184,7 +184,7 @@ class Run:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
         self._status, self._error = Status.PAUSED, None
-        self._told = self._told[:0]
+        self._told = []
         self._start()
         return self
 
@@ -278,8 +278,8 @@ class Run:
         self._status = self._go(max_steps, self._rows[first : first + max_rows])
         self.seconds["run"] += perf_counter() - begin
         if self._status in EVENTS:
-            number = int(self.state.item(self._places["event"])) - 1
-            self._told = Told((), self._told).with_row(number, self._rows[self.written]).rows
+            event = self.state.item(self._places["event"])
+            add_row(self._told, event, self._rows[self.written])
         return self._status
 
     def finish(self, progress: Callable[[float, float], object] | None = None) -> Motion:
@@ -374,7 +374,7 @@ class Run:
         rows = self._rows[: self.written]
         is_complete = len(rows) == len(self.times)
         if self._status == Status.STOPPED:  # the state there stands at the end
-            rows = np.vstack((rows, self._told[-1:, 1:]))
+            rows = np.vstack((rows, self._told[-1][1:]))
         rows.flags.writeable = False
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
@@ -387,12 +387,16 @@ class Run:
             ledger=lambda: ledger_of(solver, state, options, seconds, error),
             parameters=dict(options.parameters),
             is_complete=is_complete,
-            told=Told(tuple(map(int, solver.state["counts"].view(state))), self._told),
+            told=Told(tuple(map(int, solver.state["counts"].view(state))), self._events()),
         )
         motion.mechanism = self.mechanism
         return motion
 
+    def _events(self) -> Array:
+        """Return the rows of events, as of :class:`Told`."""
+        return np.array(self._told).reshape(-1, 1 + self.solver.target.row_size)
+
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
-        return SavedRun(self.options, self.times, self.state.copy(), rows, self._told)
+        return SavedRun(self.options, self.times, self.state.copy(), rows, self._events())

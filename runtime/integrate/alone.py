@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told
+from .events import Told, add_row
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import unknown
@@ -122,7 +122,7 @@ class Run:
         self.state, self._work = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
         self._rows, self._layout = np.empty((len(times), solver.scene.row_size)), scene.layout
         self._parameters = values
-        self._told = Told((), np.empty((0, 1 + solver.scene.row_size)))
+        self._told: list[Array] = []
         start = np.array([*scene.data["q"], *scene.data["v"]], float)
         nq, given = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
@@ -180,7 +180,7 @@ class Run:
                 self._settings, self.times, left, self.state, self._work, rows
             )
             if status in {Status.EVENT, Status.STOPPED}:
-                self._told = self._told.with_row(int(state.event) - 1, rows[written])
+                add_row(self._told, state.event, rows[written])
             if status != Status.EVENT:
                 return status
 
@@ -202,9 +202,9 @@ class Run:
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         rows, is_complete = self._rows[:written], written == len(self.times)
         counts = state_of(self._scene.solver.scene, self.state).counts.tolist()
-        told, events = self._told._replace(counts=tuple(map(int, counts))), self._layout.events
-        if len(told.rows) and events[int(told.rows[-1, 0])][1] == "stop":
-            rows = np.vstack((rows, told.rows[-1:, 1:]))
+        events = np.array(self._told).reshape(-1, 1 + rows.shape[1])
+        if len(events) and self._layout.events[int(events[-1, 0])][1] == "stop":
+            rows = np.vstack((rows, events[-1:, 1:]))
         return Motion(
             self._layout,
             rows,
@@ -212,7 +212,7 @@ class Run:
             method=self.method,
             parameters=self._parameters,
             is_complete=is_complete,
-            told=told,
+            told=Told(tuple(map(int, counts)), events),
         )
 
     def _require(self, status: int) -> None:

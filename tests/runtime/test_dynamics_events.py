@@ -370,27 +370,24 @@ def test_events_that_touch_or_stay_are_none(solver_of: Callable[..., Any]) -> No
     assert rest.ledger.steps < 50
 
 
-def test_events_of_rates_and_of_many_roots_in_a_step(solver_of: Callable[..., Any]) -> None:
-    more = """
-fast = { when = "x_dot - level", action = "count" }
-wave = { when = "sin(40*x + 0.5)", action = "count" }
-rare = { when = "cos(11.7*t + 0.3) - 0.999*cos(x)^0", action = "count" }
-"""
-    solver, random_ = (
-        solver_of(SWING.replace("[events.late]", more + "[events.late]")),
-        random.Random(1),
-    )
+@pytest.mark.parametrize(
+    ("when", "value"),
+    [
+        ("x_dot - level", lambda t, level: np.cos(t) - level),
+        ("sin(40*x + 0.5)", lambda t, _: np.sin(40.0 * np.sin(t) + 0.5)),
+        ("cos(11.7*t + 0.3) - 0.999", lambda t, _: np.cos(11.7 * t + 0.3) - 0.999),
+    ],
+    ids=["rate", "wave", "rare"],
+)
+def test_events_of_rates_and_of_many_roots_in_a_step(
+    solver_of: Callable[..., Any], when: str, value: Callable[..., Any]
+) -> None:
+    more = f'often = {{ when = "{when}", action = "count" }}\n[events.late]'
+    solver, random_ = solver_of(SWING.replace("[events.late]", more)), random.Random(1)
     t = np.linspace(0.0, 20.0, 200_001)
     for n in range(30):
         level = 1.0 - 10.0 ** random_.uniform(-5.0, -1.0)
         way = ({"step": 0.9}, {"method": "dopri5"}, {"method": "dop853"})[n % 3]
         run = solver.simulate(30.0, samples=2, parameters={"level": level}, **way)
-        for name, values in (
-            ("fast", np.cos(t) - level),
-            ("wave", np.sin(40.0 * np.sin(t) + 0.5)),
-            ("rare", np.cos(11.7 * t + 0.3) - 0.999),
-        ):
-            assert run.events[name].count == np.count_nonzero(np.diff(np.sign(values))), (
-                name,
-                level,
-            )
+        passes = np.count_nonzero(np.diff(np.sign(value(t, level))))
+        assert run.events["often"].count == passes, level

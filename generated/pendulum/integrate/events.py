@@ -29,12 +29,22 @@ class Told(NamedTuple):
     counts: tuple[int, ...]
     rows: Array
 
-    def with_row(self, event: int, row: Array) -> Told:
-        """Return it with a further row; one that it has already is not told twice."""
-        new = np.concatenate(([event], row))
-        if len(self.rows) and np.array_equal(self.rows[-1, :2], new[:2]):
-            return self
-        return self._replace(rows=np.vstack((self.rows, new)))
+
+def add_row(rows: list[Array], event: float, row: Array) -> None:
+    """Add the row of an event, whose number is counted from 1; one that is there is not told again.
+
+    Parameters
+    ----------
+    rows : list of (1 + row_size,) array
+        As of :class:`Told`.
+    event : float
+        Its number in the state of the run.
+    row : (row_size,) array
+        The row.
+    """
+    new = np.concatenate(([event - 1.0], row))
+    if not (rows and np.array_equal(rows[-1][:2], new[:2])):
+        rows.append(new)
 
 
 @dataclass(frozen=True, slots=True)
