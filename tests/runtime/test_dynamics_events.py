@@ -391,3 +391,11 @@ def test_events_of_rates_and_of_many_roots_in_a_step(
         run = solver.simulate(30.0, samples=2, parameters={"level": level}, **way)
         passes = np.count_nonzero(np.diff(np.sign(value(t, level))))
         assert run.events["often"].count == passes, level
+
+
+def test_steps_that_are_far_too_long_end(solver_of: Callable[..., Any]) -> None:
+    run = solver_of(BALL).simulate(
+        8.0, samples=7, step=0.31, parameters={"k": 3e4}, most_steps=20_000
+    )
+    assert run.ledger.steps < 100
+    assert not run.ledger.trust.is_trusted
