@@ -23,8 +23,6 @@
 #define STEADY 0.5
 /* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
 #define FINEST 1e-9
-/* the part of the way of a step by which its polynomial may leave the cubic one */
-#define FAR 0.5
 /* the part of a step by which an event may be off where the step was cut, to be found again */
 #define SMALL 1e-3
 /* what rates are known to of a length in a step, in units of the tolerance */
@@ -42,12 +40,11 @@ typedef struct {
 } Node;
 
 /* a step that is looked at, whose polynomial is in the state: what its values are known to, which
- * functions cross, where it was cut, at which part of it at least, and whether stages that only the
- * polynomial wants were elsewhere, so that it is cubic */
+ * functions cross, where it was cut, and at which part of it at least */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)];
-    int is_distorted, crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)];
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)];
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -86,24 +83,11 @@ static void look_at(double time, const Look *look, const State *s, Work *work, N
     }
 }
 
-/* whether the polynomial leads elsewhere than the cubic one that was read at the middle */
-static int is_elsewhere(const double *first, const double *cubic, const double *last, double middle,
-    const Look *look, const State *s, Work *work)
-{
-    double read[ROOM(N_READ)];
-    read_at(middle, look, s, work, read);
-    for (size_t k = 0; k != N_READ; ++k) {
-        const double way = fabs(cubic[k] - first[k]) + fabs(last[k] - cubic[k]);
-        if (!(fabs(read[k] - cubic[k]) <= FAR * way + look->noise[k])) return 1;
-    }
-    return 0;
-}
-
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
 static void look_into(const Settings *settings, const Method *m, int has_stages, double h,
     const double *y, const double *f_before, const double *f, Look *look, State *s, Work *work)
 {
-    double first[ROOM(N_READ)], cubic[ROOM(N_READ)], last[ROOM(N_READ)];
+    double first[ROOM(N_READ)], last[ROOM(N_READ)];
     look->m = m;
     look->start = s->time;
     look->h = h;
@@ -111,8 +95,8 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memset(s->dense, 0, sizeof s->dense);
     hermite_cubic(h, y, f_before, f, s);
+    if (has_stages) add_dense_rows(m, h, s, work);
     read_at(s->time, look, s, work, first);
-    read_at(s->time + 0.5 * h, look, s, work, cubic);
     read_at(s->time + h, look, s, work, last);
     for (size_t k = 0; k != N_MEASURES; ++k) {
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
@@ -121,11 +105,6 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         look->noise[2 * k + 1] = settings->tolerance *
                                  (larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h);
     }
-    look->is_distorted = 0;
-    if (!has_stages) return;
-    add_dense_rows(m, h, s, work);
-    look->is_distorted = is_elsewhere(first, cubic, last, s->time + 0.5 * h, look, s, work);
-    if (look->is_distorted) memset(s->dense[3], 0, sizeof s->dense - 3 * sizeof s->dense[0]);
 }
 
 /* the least and the most between values a and b at the ends of h, where a slope is bounded */

@@ -10,7 +10,7 @@
 #define MOST_SHORTER 8
 /* of a step whose error is larger, or than this relative to the state where steps are fixed, only a
  * part that is longer is believed to lead to a crossing; how often an event is found again */
-#define LEAST_PART 0.1
+#define LEAST_PART 0.02
 #define MOST_POLISHED 3
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
@@ -213,16 +213,16 @@ static int step(
             }
             /* one that leads beyond its end stays as it is */
             const double seen = is_beyond ? last : seen_end(last, &look, s, work);
-            if (seen <= to && seen < last) to = end = cut_at(seen, &look);
-            else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {
+            if (seen <= to && seen < last) {
+                to = end = cut_at(seen, &look);
+            } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {
                 const double there = smaller(polished_cut(&look, s, work), limit);
                 if (fabs(there - last) > 4.0 * SMALLEST * fabs(last)) {
                     end = look.cut = there;
                     s->step_size = larger(s->step_size, there - s->time);
                     continue;
                 }
-            } else if (is_kept && look.is_distorted && !is_fixed)
-                to = smaller(to, s->time + 0.5 * h);
+            }
             if (to < last && (is_kept || to == look.cut)) {
                 is_guessed = 1;
                 s->rejected += 1;

@@ -46,7 +46,7 @@ SHORTER = 0.9
 MOST_SHORTER = 8
 #: Of a step whose error is larger, or than this relative to the state where steps are fixed, only a
 #: part that is longer is believed to lead to a crossing; how often an event is found again.
-LEAST_PART = 0.1
+LEAST_PART = 0.02
 MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
 NEAR = 1e-3
@@ -282,8 +282,6 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                     end = look.cut = there
                     state.step_size = larger(state.step_size, there - state.time)
                     continue
-            elif is_kept and look.is_distorted and not is_fixed:
-                to = smaller(to, state.time + 0.5 * trial.h)
             if to < last and (is_kept or to == look.cut):
                 is_guessed = True
                 state.rejected += 1

@@ -45,8 +45,6 @@ NOTHING = 1e-12
 STEADY = 0.5
 #: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
 FINEST = 1e-9
-#: The part of the way of a step by which its polynomial may leave the cubic one.
-FAR = 0.5
 #: The part of a step by which an event may be off where the step was cut, to be found again.
 SMALL = 1e-3
 #: What rates are known to of a length in a step, in units of the tolerance.
@@ -106,8 +104,6 @@ class Look:
         How it was made.
     least_part : float
         At which part of it at least it may be cut.
-    is_distorted : bool
-        Whether stages that only the polynomial wants were elsewhere, so that it is cubic.
     slack : float [s]
         What crosses within it crosses together.
     noise : (n, 2) array
@@ -123,7 +119,6 @@ class Look:
     start: float = 0.0
     h: float = 0.0
     least_part: float = 0.0
-    is_distorted: bool = False
     slack: float = 0.0
     noise: Array = field(init=False)
     crosses: Flags = field(init=False)
@@ -166,13 +161,6 @@ def look_at(time: float, look: Look) -> Node:
     return Node(time, read, least, most)
 
 
-def is_elsewhere(first: Array, cubic: Array, last: Array, halfway: float, look: Look) -> bool:
-    """Return whether the polynomial leads elsewhere than the cubic one that was read halfway."""
-    way = np.abs(cubic - first) + np.abs(last - cubic)
-    is_near = np.abs(read_at(halfway, look) - cubic) <= FAR * way + look.noise
-    return not bool(is_near.all())
-
-
 def look_into(
     s: Settings, m: Method, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
 ) -> None:
@@ -182,19 +170,13 @@ def look_into(
     state.y_before[:] = state.y
     state.dense[:] = 0.0
     hermite_cubic(h, y, state.f, f, state)
-    halfway = state.time + 0.5 * h
-    first, cubic, last = (read_at(time, look) for time in (state.time, halfway, state.time + h))
+    if has_stages:
+        add_dense_rows(m, h, state, look.work)
+    first, last = read_at(state.time, look), read_at(state.time + h, look)
     most = largest(np.abs(first), np.abs(last))
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
-    look.is_distorted = False
-    if not has_stages:
-        return
-    add_dense_rows(m, h, state, look.work)
-    look.is_distorted = is_elsewhere(first, cubic, last, halfway, look)
-    if look.is_distorted:
-        state.dense[3:] = 0.0
 
 
 def bound_seen(a: Node, b: Node, look: Look) -> Array:
