@@ -22,7 +22,7 @@ T = TypeVar("T")
 
 
 def catalog() -> Catalog:
-    """Return all kinds, joints, forces, drivers, coordinates and bodies with their keys.
+    """Return all kinds, joints, forces, drivers, coordinates, events and bodies with their keys.
 
     The lists are those that scenes are read with, so that none is forgotten.
 
@@ -151,6 +151,7 @@ def _catalog() -> Catalog:
             validate_coordinates.TITLES,
             also=("near", "hold"),
         ),
+        "events": [_record("event", records["Event"])],
         "bodies": [_record(name, records[record]) for name, record in BODIES.items()],
     }
     found = {name: _section(name, entries) for name, entries in sections.items()}

@@ -11,6 +11,7 @@ import msgspec
 import numpy as np
 
 from kousoku.model.errors import SolveError
+from kousoku.runtime.integrate.events import Told
 from kousoku.runtime.integrate.motion import Layout, Motion
 from kousoku.runtime.integrate.result import Named, not_generated
 from kousoku.runtime.kinematics.trajectory import LINK, NODE, Trajectory
@@ -64,6 +65,8 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
         Those of the run.
     ledger, figures : str, dict
         What the ledger says, and its numbers by name.
+    counts : tuple of int
+        How often each event was.
     """
 
     scene: str
@@ -74,6 +77,7 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
     parameters: dict[str, float]
     ledger: str
     figures: dict[str, Any]
+    counts: tuple[int, ...] = ()
 
 
 class KeptTrajectory(Kept, tag="nodes", kw_only=True):
@@ -167,7 +171,7 @@ def arrays_of(result: Result) -> dict[str, Any]:
     about: Kept
     arrays: dict[str, Any] = {}
     if isinstance(result, Motion):
-        arrays["rows"] = result.rows
+        arrays |= {"rows": result.rows, "events": result.told.rows}
         about = KeptMotion(
             scene=result.mechanism.text,
             layout=result.layout,
@@ -177,6 +181,7 @@ def arrays_of(result: Result) -> dict[str, Any]:
             parameters=dict(result.parameters),
             ledger=str(result.ledger),
             figures=result.ledger.as_data(),
+            counts=result.told.counts,
         )
     else:
         assert isinstance(result, Trajectory)
@@ -264,6 +269,10 @@ def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
     if (np.diff(rows[:, 0]) < 0.0).any():
         raise ValueError("its times do not ascend")
     _require_places(layout)
+    events = _checked(arrays, "events", (None, 1 + rows.shape[1]), 1)
+    count = len(layout.events)
+    if len(about.counts) != count or not np.isin(events[:, 0], range(count)).all():
+        raise ValueError("what it says of its events is not so")
     motion = Motion(
         layout,
         rows,
@@ -272,6 +281,7 @@ def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
         ledger=KeptLedger(about.ledger, about.figures),
         parameters=about.parameters,
         is_complete=about.is_complete,
+        told=Told(about.counts, events),
     )
     motion.mechanism = Moved(about.scene, [body.name for body in layout.bodies])
     return motion

@@ -12,7 +12,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.loads import Force
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.read import scene_from_dict
-from kousoku.model.spatial import Body, Coordinate, Driver, Joint
+from kousoku.model.spatial import Body, Coordinate, Driver, Event, Joint
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
         BodyKeys,
         CoordinateKeys,
         DriverKeys,
+        EventKeys,
         ForceKeys,
         JointKeys,
         MethodKeys,
@@ -36,7 +37,7 @@ RECORDS: MappingProxyType[str, type[msgspec.Struct]] = MappingProxyType(
     {
         **{"nodes": Node, "links": Link, "rigid": Rigid, "sliders": Slider, "inputs": Input},
         **{"bodies": Body, "joints": Joint, "coordinates": Coordinate, "drivers": Driver},
-        "forces": Force,
+        **{"forces": Force, "events": Event},
     }
 )
 """What the elements of each table are."""
@@ -171,6 +172,10 @@ class SceneBuilder:
     def force(self, name: str, **keys: Unpack[ForceKeys]) -> Self:
         """Add a force, torque or spring with the keys of :class:`kousoku.model.loads.Force`."""
         return self._add("forces", name, **keys)
+
+    def event(self, name: str, **keys: Unpack[EventKeys]) -> Self:
+        """Say where a formula passes zero with the keys of :class:`kousoku.model.spatial.Event`."""
+        return self._add("events", name, **keys)
 
     def gravity(self, x: Value, y: Value, z: Value) -> Self:
         """Set the acceleration of free fall, in frame O, in the unit of the scene per s².

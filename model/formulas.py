@@ -28,7 +28,7 @@ TIME = "t"
 RATE = "_dot"
 """What follows the name of a coordinate where its rate is meant."""
 
-WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "gravity")
+WITH_FORMULAS = ("bodies", "joints", "coordinates", "drivers", "forces", "events", "gravity")
 """The keys of a scene of bodies under which a formula may stand."""
 
 

@@ -178,6 +178,14 @@ class ForceKeys(TypedDict, total=False):
     free_angle: Value | None
 
 
+class EventKeys(TypedDict, total=False):
+    """Keys of :class:`kousoku.model.spatial.Event`."""
+
+    when: Required[str]
+    direction: Literal["both", "rising", "falling"]
+    action: Literal["record", "count", "stop"]
+
+
 class MethodKeys(TypedDict, total=False):
     """Keys of :class:`kousoku.model.planar.Method`."""
 

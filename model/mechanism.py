@@ -261,6 +261,28 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True)
+class Event:
+    """A formula that passes zero, and what a run does then.
+
+    Parameters
+    ----------
+    name : str
+        As in the scene.
+    when : str
+        The formula: of time, parameters, coordinates and their rates, in the unit of the scene.
+    direction : int
+        1 where it must rise, -1 where it must fall, 0 where either counts.
+    action : str
+        ``record``, ``count`` or ``stop``.
+    """
+
+    name: str
+    when: str
+    direction: int
+    action: str
+
+
+@dataclass(frozen=True, slots=True)
 class System:
     """A spatial scene, ready to be specialised.
 
@@ -302,6 +324,8 @@ class System:
         Keys of the scene whose numbers depend on parameters and must be positive, and the numbers.
     closure_tolerance : float [lengths of the scene, rad]
         Rows of joints that others imply but for less are redundant.
+    events : tuple of Event
+        In the order of the scene.
     """
 
     name: str
@@ -321,6 +345,7 @@ class System:
     only_held: int = 0
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
+    events: tuple[Event, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""

@@ -13,7 +13,7 @@ from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
 from kousoku.model.mechanism import CLOSURE_TOLERANCE
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
-from kousoku.model.spatial import Body, Components, Coordinate, Driver, Joint
+from kousoku.model.spatial import Body, Components, Coordinate, Driver, Event, Joint
 from kousoku.model.text import counted
 
 Unit = Literal["m", "dm", "cm", "mm", "um", "km", "in", "ft"]
@@ -38,6 +38,7 @@ TABLES = (
     "coordinates",
     "drivers",
     "forces",
+    "events",
     "inputs",
 )
 """The tables of named elements; a name stands in one of them only."""
@@ -72,6 +73,9 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Coordinates and points as functions of time; of a spatial mechanism only.
     forces : mapping of str to Force
         Forces, torques and springs beside gravity; of a spatial mechanism only.
+    events : mapping of str to Event
+        Formulas that pass zero where something is recorded or counted, or a run ends; of a spatial
+        mechanism only.
     gravity : (3,) [unit of the scene per s²]
         Acceleration of free fall, in frame O; of a spatial mechanism only. Components may be
         formulas of parameters.
@@ -105,6 +109,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     coordinates: Mapping[str, Coordinate] = {}
     drivers: Mapping[str, Driver] = {}
     forces: Mapping[str, Force] = {}
+    events: Mapping[str, Event] = {}
     gravity: Components = (0.0, 0.0, 0.0)
     inputs: Mapping[str, Input] = {}
     duration: float | None = None
@@ -119,7 +124,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
             msgspec.structs.force_setattr(self, field, frozen)
 
     def __repr__(self) -> str:
-        tables = ("bodies", "joints", "drivers", "forces", "nodes", "links", "sliders", "inputs")
+        own = ("nodes", "links", "sliders", "inputs")
+        tables = ("bodies", "joints", "drivers", "forces", "events", *own)
         counts = {table: len(getattr(self, table)) for table in tables}
         one = {"bodies": "body"}
         parts = [counted(n, one.get(x, x[:-1]), x) for x, n in counts.items() if n]

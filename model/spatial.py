@@ -1,7 +1,7 @@
 """Bodies, joints, coordinates and drivers of a spatial mechanism as a scene describes them."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
-from typing import Literal
+from typing import ClassVar, Literal
 
 import msgspec
 
@@ -13,6 +13,8 @@ from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 Vector = tuple[float, float, float]
 Free = Literal["angle", "second_angle", "displacement", "second_displacement"]
 Held = Literal["x", "y", "z", "orientation", "velocity", "angular_velocity"]
+Direction = Literal["both", "rising", "falling"]
+Action = Literal["record", "count", "stop"]
 
 Value = float | str
 """A number, or the text of a formula."""
@@ -232,3 +234,26 @@ class Driver(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tr
     body: str | None = None
     point: Place | None = None
     path: Components | None = None
+
+
+class Event(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A formula of the motion that passes zero, and what a run does then.
+
+    The formula depends on the time ``t``, on the parameters and coordinates of the scene, and on
+    rates of coordinates with ``_dot`` behind the name: unit of the scene, rad, seconds.
+
+    Parameters
+    ----------
+    when : str
+        The formula; the event is where it passes zero.
+    direction : {"both", "rising", "falling"}
+        Which way it passes zero.
+    action : {"record", "count", "stop"}
+        Whether the state there is recorded, or only how often that happens, or the run ends there.
+    """
+
+    EXAMPLE: ClassVar = '{ when = "x - 1", direction = "rising", action = "stop" }'
+
+    when: str
+    direction: Direction = "both"
+    action: Action = "record"

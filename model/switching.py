@@ -1,15 +1,20 @@
-"""What a formula of a motion does at certain times: where it switches, how fast it varies."""
+"""What formulas of a motion do: where they switch, how fast they vary."""
 
 from __future__ import annotations
 
+import re
+from dataclasses import dataclass
+from functools import partial
+from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.terms import Apply, Function, Number, add, names_of, neg, ordered
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Collection, Iterator
 
     from kousoku.model.mechanism import System
     from kousoku.model.terms import Expression
@@ -20,35 +25,146 @@ SWITCHES = frozenset({Function.MIN, Function.MAX, Function.ABS, Function.SIGN})
 TRANSPARENT = frozenset({*SWITCHES, Function.ADD, Function.NEG, Function.MUL})
 
 
-def formulas_of(system: System) -> Iterator[Expression]:
-    """Yield all formulas of a system that may depend on time: forces, gravity, drivers."""
-    texts = [text for force in system.forces for _, text in force.formulas]
-    texts += [text for text in system.gravity_law if text]
-    texts += [one.law for one in system.constraints if one.is_driver]
-    values = [one.name for one in system.coordinates]
-    names = {TIME, *(name for name, _ in system.parameters), *values}
-    names.update(f"{name}{RATE}" for name in values)
-    for text in dict.fromkeys(texts):
-        yield parse_expression(text, names)
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """What formulas read of a state: a coordinate, or how far a spring is from where it is free.
+
+    Parameters
+    ----------
+    name : str
+        Its name in formulas: that of the coordinate, or of the force with ``.x``.
+    rate : str
+        The name of its rate.
+    coordinate : int
+        Place of the coordinate, or of the one that a spring acts against; -1 of a spring between
+        points.
+    force : int
+        Place of the spring, -1 of a coordinate.
+    """
+
+    name: str
+    rate: str
+    coordinate: int
+    force: int
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What a run looks at so that no step leaps over it.
+
+    Parameters
+    ----------
+    switches, features : tuple of Expression
+        Functions of time: those that are zero where a formula has a kink or a jump, and smooth
+        parts that vary with it beyond polynomials.
+    measures : tuple of Measure
+        What those below depend on beside time and parameters.
+    crossings : tuple of Expression
+        The formulas of events, then functions of the state that are zero where a formula has a kink
+        or a jump.
+    narrow : tuple of Expression
+        Smooth parts that vary with the state beyond polynomials.
+    """
+
+    switches: tuple[Expression, ...]
+    features: tuple[Expression, ...]
+    measures: tuple[Measure, ...]
+    crossings: tuple[Expression, ...]
+    narrow: tuple[Expression, ...]
+
+
+def seen_of(system: System) -> Seen:
+    """Return what runs of a system look at: forces, springs, gravity, drivers, and events."""
+    measures = tuple(_measures(system))
+    names = {TIME, *(name for name, _ in system.parameters)}
+    names.update(chain.from_iterable((one.name, one.rate) for one in measures))
+    texts = filter(None, dict.fromkeys(_texts(system)))
+    formulas = [parse_expression(text, names, longest=len(text)) for text in texts]
+    events = [parse_expression(one.when, names) for one in system.events]
+    of_state = {name for one in measures for name in (one.name, one.rate)}
+
+    def found(
+        parts: Callable[[Expression], Iterator[Expression]], *, is_state: bool
+    ) -> tuple[Expression, ...]:
+        every = dict.fromkeys(chain.from_iterable(map(parts, formulas)))
+        used = ((one, set(names_of(one))) for one in every)
+        if is_state:
+            return tuple(one for one, own in used if own & of_state)
+        return tuple(one for one, own in used if TIME in own and not own & of_state)
+
+    varying = partial(varying_parts, varying={TIME, *of_state})
+    crossings = (*events, *found(switching_functions, is_state=True))
+    narrow = found(varying, is_state=True)
+    read = set(chain.from_iterable(map(names_of, (*crossings, *narrow))))
+    return Seen(
+        found(switching_functions, is_state=False),
+        found(varying, is_state=False),
+        tuple(one for one in measures if {one.name, one.rate} & read),
+        crossings,
+        narrow,
+    )
+
+
+def _measures(system: System) -> Iterator[Measure]:
+    for place, one in enumerate(system.coordinates):
+        yield Measure(one.name, f"{one.name}{RATE}", place, -1)
+    for place, force in enumerate(system.forces):
+        if force.law:
+            x, v = (f"{force.name}_{place}.{name}" for name in LAW_NAMES[:2])
+            yield Measure(x, v, force.coordinate, place)
+
+
+def _texts(system: System) -> Iterator[str]:
+    """Yield all formulas; those of springs name their own length."""
+    for place, force in enumerate(system.forces):
+        yield from (text for _, text in force.formulas)
+        text = force.law
+        for name in LAW_NAMES[:2]:
+            text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
+        yield text
+    yield from system.gravity_law
+    yield from (one.law for one in system.constraints)
 
 
 def switching_functions(formula: Expression) -> Iterator[Expression]:
-    """Yield what is zero where a formula has a kink or a jump: of ``max(a, b)`` it is a − b."""
+    """Yield what is zero where a formula has a kink or a jump: of ``max(a, b)`` it is a − b.
+
+    ``abs(a)*a`` has neither, and is as large on both sides.
+    """
+    smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
     for part in ordered(formula):
-        if isinstance(part, Apply) and part.function in SWITCHES:
+        if isinstance(part, Apply) and part.function in SWITCHES and id(part) not in smooth:
             first, *rest = part.args
             yield add(first, *map(neg, rest))
 
 
-def varying_parts(formula: Expression) -> Iterator[Expression]:
+def _signed_squares(part: Expression) -> Iterator[Expression]:
+    """Yield the factors ``abs(a)`` of a product that has a factor a, too."""
+    factors = list(_factors(part))
+    for factor in factors if len(factors) > 1 else ():
+        if isinstance(factor, Apply) and factor.function is Function.ABS:
+            (inside,) = factor.args
+            if inside in factors:
+                yield factor
+
+
+def _factors(part: Expression) -> Iterator[Expression]:
+    while isinstance(part, Apply) and part.function in {Function.MUL, Function.NEG}:
+        yield part.args[-1]
+        part = part.args[0]
+    yield part
+
+
+def varying_parts(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
     """Yield the smooth functions that a formula is a sum or an extreme of, polynomials not.
 
     Where they vary much faster than elsewhere, steps that were long enough step over it. Products
     and powers of them vary faster than they do: these are looked at as a whole.
+    Names that are not among the varying ones do not change in a run.
     """
     varies: dict[int, bool] = {}
     for part in ordered(formula):
-        own = isinstance(part, Apply) and not _is_transparent(part)
+        own = isinstance(part, Apply) and not _is_transparent(part, varying)
         args = part.args if isinstance(part, Apply) else ()
         varies[id(part)] = own or any(varies[id(arg)] for arg in args)
     stack, seen = [formula], set()
@@ -61,13 +177,13 @@ def varying_parts(formula: Expression) -> Iterator[Expression]:
         is_whole = part.function is Function.POW or (
             part.function is Function.MUL and len(fast) > 1
         )
-        if is_whole or not _is_transparent(part):
+        if is_whole or not _is_transparent(part, varying):
             yield part
         else:
             stack.extend(reversed(fast))
 
 
-def _is_transparent(part: Apply) -> bool:
+def _is_transparent(part: Apply, varying: Collection[str]) -> bool:
     """Return whether a function of polynomials is one, but for kinks."""
     if part.function is Function.POW:
         exponent = part.args[1]
@@ -77,16 +193,5 @@ def _is_transparent(part: Apply) -> bool:
             and (exponent.value.numerator >= 0)
         )
     if part.function is Function.DIV:
-        return TIME not in names_of(part.args[1])
+        return not any(name in varying for name in names_of(part.args[1]))
     return part.function in TRANSPARENT
-
-
-def of_time(found: Iterator[Expression], system: System) -> tuple[Expression, ...]:
-    """Return those of some formulas that depend on time and parameters only, each once."""
-    fixed = {TIME, *(name for name, _ in system.parameters)}
-    kept = []
-    for one in found:
-        names = names_of(one)
-        if TIME in names and fixed.issuperset(names):
-            kept.append(one)
-    return tuple(dict.fromkeys(kept))

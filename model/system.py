@@ -34,7 +34,7 @@ from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
 from kousoku.model.spatial import GROUND
 from kousoku.model.system_drivers import driver_instances, start_values
-from kousoku.model.system_forces import force_elements, gravity_law, gravity_of
+from kousoku.model.system_forces import events_of, force_elements, gravity_law, gravity_of
 from kousoku.model.traced import Traced
 from kousoku.model.validate_mass import POSSIBLE
 from kousoku.model.validate_unused import OUTPUTS, output_problem
@@ -98,6 +98,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         *driver_instances(scene, coordinates, frames),
     )
     forces = force_elements(scene, frames, coordinates, unit)
+    events = events_of(scene, coordinates)
     wanted = _outputs(scene, outputs)
     shown = scene.coordinates if "coordinates" in wanted else ()
     places = tuple(coordinates.place(name) for name in shown)
@@ -122,6 +123,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
         only_held=len(coordinates.records) - needed,
         positive=(*positive_numbers(scene), *_moments(scene, bodies)),
         closure_tolerance=scene.closure_tolerance,
+        events=events,
     )
 
 

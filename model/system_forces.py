@@ -9,7 +9,7 @@ from kousoku.model import precise
 from kousoku.model.coordinate_forces import CoordinateForces, scalars
 from kousoku.model.formulas import RATE, state_names, used_names
 from kousoku.model.frames import to_vector
-from kousoku.model.mechanism import GROUND_INDEX, ForceElement
+from kousoku.model.mechanism import GROUND_INDEX, Event, ForceElement
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from kousoku.model.spatial import Value
 
 AXES = "xyz"
+
+DIRECTIONS = {"both": 0, "rising": 1, "falling": -1}
 
 
 def force_elements(
@@ -55,6 +57,16 @@ def force_elements(
     for name in _named(scene, [text for _, text in texts]):
         coordinates.place(name)
     return tuple(found)
+
+
+def events_of(scene: Scene, coordinates: CoordinateList) -> tuple[Event, ...]:
+    """Return the events of a checked scene; what they need is added to the coordinates."""
+    for name in _named(scene, [event.when for event in scene.events.values()]):
+        coordinates.place(name)
+    return tuple(
+        Event(name, event.when, DIRECTIONS[event.direction], event.action)
+        for name, event in scene.events.items()
+    )
 
 
 def gravity_of(scene: Scene, unit: High) -> Vector:

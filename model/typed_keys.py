@@ -16,11 +16,11 @@ from kousoku.model.loads import Force
 from kousoku.model.orientation import Orientation
 from kousoku.model.planar import Method
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
-from kousoku.model.spatial import Body, Coordinate, Driver, Joint
+from kousoku.model.spatial import Body, Coordinate, Driver, Event, Joint
 
 RECORDS = (
     *(Orientation, Inertia, MassPoint, Box, Rod, Cylinder, Sphere),
-    *(Body, Joint, Coordinate, Driver, Force, Method),
+    *(Body, Joint, Coordinate, Driver, Force, Event, Method),
 )
 """The records, those first that others hold."""
 

@@ -96,7 +96,7 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
         if scene.forces or problems.touches("forces"):
             problem = "belong to bodies; a linkage of nodes and links has no masses"
             problems.add(problem, "forces")
-        for table in ("parameters", "coordinates", "drivers"):
+        for table in ("parameters", "coordinates", "drivers", "events"):
             if getattr(scene, table) or problems.touches(table):
                 problems.add("belong to bodies; wanted bodies and joints", table)
         check_planar(scene, problems)

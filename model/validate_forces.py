@@ -6,7 +6,13 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join, require_known
 from kousoku.model.errors import SceneError
-from kousoku.model.formulas import fixed_names, formula_problems, values_at_start
+from kousoku.model.formulas import (
+    fixed_names,
+    formula_problems,
+    state_names,
+    used_names,
+    values_at_start,
+)
 from kousoku.model.loads import KEYS
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
@@ -24,6 +30,7 @@ if TYPE_CHECKING:
     from kousoku.model.loads import Force
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
+    from kousoku.model.spatial import Event
 
 OF_MOTION = ("force", "force_b", "torque", "torque_b")
 """Keys whose formulas may depend on the motion; the others' on what is fixed in a run."""
@@ -87,6 +94,25 @@ def check_gravity(scene: Scene) -> None:
     start = values_at_start(scene)
     if found := list(formula_problems(scene.gravity, fixed_names(scene), "gravity", start)):
         raise SceneError.of(found)
+
+
+def check_event(scene: Scene, event: Event, key: str) -> None:
+    """Refuse an event whose formula is none, or never changes.
+
+    Raises
+    ------
+    SceneError
+        With the dotted key of the formula.
+    """
+    names = state_names(scene)
+    if found := list(formula_problems(event.when, names, key, values_at_start(scene))):
+        raise SceneError.of(found)
+    if not used_names(event.when, names - scene.parameters.keys()):
+        raise SceneError(
+            "never changes, so that it passes zero nowhere; wanted a formula of t, of coordinates"
+            " or of their rates, such as 'x - 1' or 'x_dot'",
+            key=key,
+        )
 
 
 def _check_load(scene: Scene, force: Force, key: str) -> None:

@@ -15,7 +15,7 @@ from kousoku.model.planar import Method
 from kousoku.model.spatial import GROUND
 from kousoku.model.validate_coordinates import check_coordinates
 from kousoku.model.validate_couplings import check_coupling
-from kousoku.model.validate_forces import check_force, check_gravity
+from kousoku.model.validate_forces import check_event, check_force, check_gravity
 from kousoku.model.validate_mass import check_mass
 
 if TYPE_CHECKING:
@@ -81,6 +81,10 @@ def check_spatial(scene: Scene, problems: Problems) -> None:
     names = state_names(scene)
     for name, force in scene.forces.items():
         check_force(scene, force, join("forces", name), names, problems)
+    if not problems.touches("parameters", "coordinates"):
+        for name, event in scene.events.items():
+            key = f"{join('events', name)}.when"
+            problems.check(key, (), check_event, scene, event, key)
     problems.check("gravity", ["gravity"], check_gravity, scene)
 
 

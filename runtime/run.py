@@ -14,6 +14,7 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
+from kousoku.runtime.integrate.events import Told, add_row
 from kousoku.runtime.integrate.given import (
     Initial,
     numbers_of,
@@ -55,12 +56,16 @@ MESSAGES: dict[int, str] = {
 #: What a note says where bodies have no freedom.
 STILL = "nothing can move"
 #: What a run that is not over goes on after.
-GOES_ON = (Status.BUFFER_FULL, Status.PAUSED)
+GOES_ON = (Status.BUFFER_FULL, Status.PAUSED, Status.EVENT)
+#: What an event returned with.
+EVENTS = (Status.EVENT, Status.STOPPED)
 #: Instead of the first of them, where drivers determine the motion.
 NO_FURTHER = (
     "no step can be taken: drivers lead no further, as at a dead centre, or the motion is not"
     " determined from here on"
 )
+#: Numbers of the state that are read often.
+PLACES = ("time", "next_row", "steps", "event")
 #: Rows of a call, and steps of the first one.
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
@@ -111,12 +116,13 @@ class Run:
         self._there = with_parameters(solver, self._values)
         self._q, self._v = self._there.q.copy(), self._there.v.copy()
         self._rows = self._room()
+        self._told = [] if saved is None else [*saved.events]
         self._is_shown, self._is_elsewhere = False, any(options.initial)
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
         self._go = target.runner(options.settings(), times, self._memory)
-        self._places = {name: solver.state[name].place for name in ("time", "next_row", "steps")}
+        self._places = {name: solver.state[name].place for name in PLACES}
         self._pace = STEPS
         if saved is None:
             self._start()
@@ -181,6 +187,7 @@ class Run:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
         self._status, self._error = Status.PAUSED, None
+        self._told = []
         self._start()
         return self
 
@@ -267,7 +274,8 @@ class Run:
         Returns
         -------
         int
-            A `Status`: ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, or a key of ``MESSAGES``.
+            A `Status`: ``GOOD``, ``BUFFER_FULL``, ``PAUSED``, ``EVENT`` where an event was told,
+            ``STOPPED`` where one ended the run, or a key of ``MESSAGES``.
 
         Raises
         ------
@@ -282,6 +290,9 @@ class Run:
         begin, first = perf_counter(), self.written
         self._status = self._go(max_steps, self._rows[first : first + max_rows])
         self.seconds["run"] += perf_counter() - begin
+        if self._status in EVENTS:
+            event = self.state.item(self._places["event"])
+            add_row(self._told, event, self._rows[self.written])
         return self._status
 
     def finish(self, progress: Callable[[float, float], object] | None = None) -> Motion:
@@ -310,7 +321,7 @@ class Run:
                     progress(self.time, float(self.times[-1]))
         except KeyboardInterrupt:
             raise Interrupted(self) from None
-        if self._status != Status.GOOD:
+        if self._status not in {Status.GOOD, Status.STOPPED}:
             raise MotionError(self._stop(), self.motion())
         if self.options.estimate_error and self._error is None:
             self._error = self._estimate(progress)
@@ -319,13 +330,14 @@ class Run:
     def _estimate(self, progress: Callable[[float, float], object] | None) -> ErrorEstimate:
         """Return the error of all rows, from a second run by another method."""
         begin = perf_counter()
-        times, options = second_times(self.times, self.options), second_options(self.options)
+        written = self.times[: self.written]
+        times, options = second_times(written, self.options), second_options(self.options)
         again = Run(self.solver, times, options).restart(q=self._q, v=self._v)
         try:
             second = again.finish(progress)
         except MotionError:
             second = again.motion()
-        every = 2 if len(times) > len(self.times) else 1
+        every = 2 if len(times) > len(written) else 1
         second = Motion(second.layout, second.rows[::every], target="", method=second.method)
         self.seconds["error"] = perf_counter() - begin
         return error_estimate(self.motion(), second, self.solver.length / self.solver.unit)
@@ -372,6 +384,9 @@ class Run:
     def motion(self) -> Motion:
         """Return what was computed so far."""
         rows = self._rows[: self.written]
+        is_complete = len(rows) == len(self.times)
+        if self._status == Status.STOPPED:  # the state there stands at the end
+            rows = np.vstack((rows, self._told[-1][1:]))
         rows.flags.writeable = False
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
@@ -383,12 +398,17 @@ class Run:
             method=options.method,
             ledger=lambda: ledger_of(solver, state, options, seconds, error),
             parameters=dict(options.parameters),
-            is_complete=len(rows) == len(self.times),
+            is_complete=is_complete,
+            told=Told(tuple(map(int, solver.state["counts"].view(state))), self._events()),
         )
         motion.mechanism = self.mechanism
         return motion
 
+    def _events(self) -> Array:
+        """Return the rows of events, as of :class:`Told`."""
+        return np.array(self._told).reshape(-1, 1 + self.solver.target.row_size)
+
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
-        return SavedRun(self.options, self.times, self.state.copy(), rows)
+        return SavedRun(self.options, self.times, self.state.copy(), rows, self._events())

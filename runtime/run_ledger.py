@@ -134,6 +134,8 @@ class RunLedger:
     moved : mapping of str to Moved
         What assembly changed of the start that the scene gives, by more than 1e-6 of its length and
         speed: bodies, the one that changed most first.
+    events : mapping of str to int
+        How often each event was.
     seconds : mapping of str to float
         Time that each phase took: it differs from run to run.
     trust : Trust
@@ -166,6 +168,7 @@ class RunLedger:
     missed: Mapping[str, tuple[float, float]]
     released: tuple[str, ...]
     moved: Mapping[str, Moved]
+    events: Mapping[str, int]
     seconds: Mapping[str, float]
     trust: Trust
 
@@ -203,6 +206,7 @@ class RunLedger:
         }
         named["missed"] = {joint: list(one) for joint, one in self.missed.items()}
         named["works"] = dict(self.works)
+        named["events"] = dict(self.events)
         named["moved"] = {body: one._asdict() for body, one in self.moved.items()}
         named["momenta"] = [one.as_data() for one in self.momenta]
         named["parameters"] = dict(self.parameters)
@@ -262,6 +266,8 @@ class RunLedger:
             more = ", …" * (len(most) > MOST_WORKS)
             lines.append(f"work done at the end: {', '.join(texts)}{more}")
         lines += [str(one) for one in self.momenta[:SHOWN]]
+        if self.events:
+            lines.append(f"events: {', '.join(f'{one} {n}' for one, n in self.events.items())}")
         lines += self._of_constraints()
         if self.fallbacks:
             lines.append(
@@ -329,6 +335,7 @@ def ledger_of(
         missed=Named({x: one[:2] for x, one in missed.items() if one.part > MISSES}),
         released=released(missed, layout),
         moved=Named(solver.moved),
+        events=Named(_events(layout.events, state["counts"])),
         seconds=Named(seconds),
         trust=trust_of(
             state,
@@ -344,6 +351,10 @@ def ledger_of(
         ),
         **counts,
     )
+
+
+def _events(events: Sequence[tuple[str, str]], counts: Array) -> dict[str, int]:
+    return {name: int(count) for (name, _), count in zip(events, counts.tolist(), strict=True)}
 
 
 def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict[str, float]:

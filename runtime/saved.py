@@ -24,12 +24,12 @@ if TYPE_CHECKING:
 #: Numbers of a state that count something.
 COUNTS = (
     *("next_row", "steps", "rejected", "derivatives", "factorisations"),
-    *("corrections", "passed", "fallbacks", "refinements"),
+    *("corrections", "passed", "fallbacks", "refinements", "event"),
 )
 #: What a step goes on from.
 FINITE = (
     *("time", "time_before", "step_size", "y", "low", "f", "y_before", "dense"),
-    *("parameters", "momenta"),
+    *("parameters", "momenta", "sides", "counts", "fired"),
 )
 
 
@@ -47,12 +47,15 @@ class SavedRun:
         The state of the solver.
     rows : array
         The rows that were written.
+    events : array
+        The place of an event, then the row there, of each that was told.
     """
 
     options: Options
     times: Array
     state: Array
     rows: Array
+    events: Array
 
     def __repr__(self) -> str:
         last = self.times[-1] if len(self.times) else 0.0
@@ -78,6 +81,7 @@ def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
         times=times_of(solver.name, None, saved.times, 0),
         state=numbers_of(solver.name, "state", saved.state),
         rows=numbers_of(solver.name, "rows", saved.rows),
+        events=numbers_of(solver.name, "events", saved.events),
     )
     problem = next(_problems(solver, found), "")
     if problem:
@@ -117,6 +121,12 @@ def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
             f"the rows belong to another solver: their shape is {saved.rows.shape}, wanted"
             f" {target.row_size} numbers in each"
         )
+        return
+    if (
+        saved.events.shape[1:] != (1 + target.row_size,)
+        or not np.isin(saved.events[:, 0], range(len(solver.layout.events))).all()
+    ):
+        yield f"its events belong to another solver: their shape is {saved.events.shape}"
         return
     number = {name: float(fields[name].view(saved.state)) for name in (*COUNTS, "method")}
     yield from (

@@ -17,7 +17,8 @@ from tests.test_architecture import BLOCK, modules_after
 
 def test_the_catalog_holds_all_that_scenes_are_read_with() -> None:
     found = catalog()
-    assert list(found) == ["kinds", "joints", "forces", "drivers", "coordinates", "bodies"]
+    sections = ["kinds", "joints", "forces", "drivers", "coordinates", "events", "bodies"]
+    assert list(found) == sections
     assert list(found["kinds"]) == list(KINDS)
     assert list(found["joints"]) == [*JOINTS, *COUPLINGS]
     assert list(found["forces"]) == list(loads.KEYS) == list(loads.TITLES)
@@ -34,6 +35,7 @@ def test_every_key_of_a_record_is_in_the_catalog_with_its_meaning() -> None:
         ("forces", loads.Force),
         ("drivers", spatial.Driver),
         ("coordinates", spatial.Coordinate),
+        ("events", spatial.Event),
     ):
         keys = {key for entry in found[section].values() for key in entry.keys}
         assert keys == set(record.__struct_fields__), section
@@ -47,7 +49,7 @@ def test_every_key_of_a_record_is_in_the_catalog_with_its_meaning() -> None:
 
 def test_tables_are_short_and_hold_every_name() -> None:
     found = catalog()
-    assert len(repr(found).splitlines()) == 7
+    assert len(repr(found).splitlines()) == 8
     for section in found.values():
         assert len(repr(section).splitlines()) == len(section) + 1
         assert all(f"\n{name} " in repr(section) for name in section)
@@ -55,7 +57,7 @@ def test_tables_are_short_and_hold_every_name() -> None:
         "revolute (also hinge, pin): a turn about an axis\n"
     )
     assert "a turn about an axis" in found["joints"]._repr_html_()
-    assert found._repr_html_().count("<tr>") == 7
+    assert found._repr_html_().count("<tr>") == 8
     assert "<td" in found["joints"]["hinge"]._repr_html_()
     assert str(kinds) == repr(found["kinds"])
     assert all(name in repr(kinds) for name in found["kinds"])

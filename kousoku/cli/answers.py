@@ -332,7 +332,16 @@ class RunLedger(TypedDict):
     missed: dict[str, list[Number]]
     released: list[str]
     moved: dict[str, MovedByAssembly]
+    events: dict[str, int]
     seconds: dict[str, Number]
+
+
+class Event(TypedDict):
+    """What a run does at an event, how often it was, and when, unless it is only counted."""
+
+    action: Literal["record", "count", "stop"]
+    count: int
+    times: list[Number]
 
 
 class MovedBodies(TypedDict):
@@ -344,6 +353,8 @@ class MovedBodies(TypedDict):
     rows: int
     bodies: list[str]
     is_complete: bool
+    stopped_by: str
+    events: dict[str, Event]
     not_unique: list[str]
     reaction_length: Number
     notes: list[str]

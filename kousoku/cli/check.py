@@ -92,7 +92,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
     made = composed(scene, scene.outputs)
     degrees = f"{made.degrees} degree{'s' * (made.degrees != 1)} of freedom"
     tables = {"bodies": "body", "joints": "joint", "drivers": "driver"}
-    tables |= {"inputs": "input", "forces": "force"}
+    tables |= {"inputs": "input", "forces": "force", "events": "event"}
     return f"{_counted(scene, tables)}; {degrees}", made.about.notes
 
 

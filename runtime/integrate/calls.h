@@ -100,6 +100,24 @@ static int advance(
     return status;
 }
 
+/* writes the row of an event that is still to be told, behind those of times, which it is not
+ * counted with */
+static int report_event(const Method *m, const Settings *settings, State *s, Work *work,
+    double *rows, size_t n_rows, size_t max_rows)
+{
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (s->fired[k] == 0.0) continue;
+        if (n_rows == max_rows) return BUFFER_FULL;
+        const int status = write_row(m, settings, s->time, s, work, rows + n_rows * ROW_SIZE);
+        if (status != GOOD) return status;
+        s->event = (double)(1 + k);
+        if (events[k][1] == STOP) return STOPPED;
+        s->fired[k] = 0.0;
+        return EVENT;
+    }
+    return GOOD;
+}
+
 int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, size_t max_steps,
     size_t max_rows, double *state, double *workspace, double *rows, size_t *n_rows)
 {
@@ -121,6 +139,8 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
             *n_rows += 1;
             s->next_row += 1;
         } else {
+            const int reported = report_event(m, settings, s, work, rows, *n_rows, max_rows);
+            if (reported != GOOD) return reported;
             if (steps == max_steps) return PAUSED;
             const int status = advance(m, settings, t, end, s, work);
             if (status != GOOD) return status;

@@ -16,7 +16,7 @@ from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, larger, smaller, state_of
-from .settings import Status
+from .settings import ACTIONS, Status
 from .stepper import first_step, step
 from .switching import meet_switches, resolved_step
 
@@ -191,6 +191,9 @@ class Solver:
                 n_rows += 1
                 s.next_row += 1
             else:
+                status = self._report_event(m, settings, s, work, rows[n_rows : n_rows + 1])
+                if status != Status.GOOD:
+                    return status, n_rows
                 if steps == max_steps:
                     return Status.PAUSED, n_rows
                 status = self._advance(m, settings, t, end, s, work)
@@ -198,6 +201,23 @@ class Solver:
                     return status, n_rows
                 steps += 1
         return Status.GOOD, n_rows
+
+    def _report_event(
+        self, m: Method, settings: Settings, s: State, work: Work, rows: Array
+    ) -> Status:
+        """Write the row of an event that is still to be told, behind those of times."""
+        for k in np.flatnonzero(s.fired).tolist():
+            if len(rows) == 0:
+                return Status.BUFFER_FULL
+            status = write_row(m, settings, s.time, s, work, rows[0])
+            if status != Status.GOOD:
+                return status
+            s.event = 1.0 + k
+            if ACTIONS[self.scene.events[k, 1]] == "stop":
+                return Status.STOPPED
+            s.fired[k] = 0.0
+            return Status.EVENT
+        return Status.GOOD
 
     def _advance(
         self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work

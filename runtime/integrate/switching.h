@@ -9,11 +9,6 @@
 #define MOST_INTERVALS 4096
 /* samples of an interval, by pieces between them */
 #define PIECES 4
-/* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
-#define EXPLAINED 2.0
-#define NOTHING 1e-12
-/* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
-#define FINEST 1e-9
 
 /* least, most, slowest and fastest of switching functions and of parts that vary, to the workspace
  */
@@ -48,7 +43,7 @@ static int are_rootless(const double *w, const double *before, const double *aft
         const int down = before[k] < 0.0;
         const double a = down ? -before[k] : before[k], b = down ? -after[k] : after[k];
         const double falls = down ? -fastest : slowest, rises = down ? -slowest : fastest;
-        if (!(a * rises - b * falls + falls * rises * h > 0.0)) return 0;
+        if (!stays_positive(a, b, falls, rises, h)) return 0;
     }
     return 1;
 }

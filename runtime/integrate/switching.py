@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .crossing import EXPLAINED, FINEST, NOTHING, SMALLEST, stays_positive
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import SMALLEST
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -31,11 +31,6 @@ if TYPE_CHECKING:
 MOST_INTERVALS = 4096
 #: Samples of an interval, by pieces between them.
 PIECES = 4
-#: How much bounds may exceed what samples tell; what always may be left, by the size of a part.
-EXPLAINED = 2.0
-NOTHING = 1e-12
-#: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
-FINEST = 1e-9
 
 
 def bounds_between(first: float, last: float, w: Workspace) -> tuple[Array, Array]:
@@ -66,7 +61,7 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
     down = before < 0.0
     a, b = np.where(down, -before, before), np.where(down, -after, after)
     falls, rises = np.where(down, -fastest, slowest), np.where(down, -slowest, fastest)
-    is_near = a * rises - b * falls + falls * rises * h > 0.0
+    is_near = stays_positive(a, b, falls, rises, h)
     return bool(np.all(is_same & (is_far | is_steady | is_near)))
 
 

@@ -273,3 +273,29 @@ def test_estimated_error_is_on_the_screen(run: Run) -> None:
     code, out, err = run("simulate", PENDULUM, "--end", 1, "--samples", 5, "--estimate-error")
     assert (code, err) == (0, "")
     assert re.search(r"trust: energy .* · error \S+e-\d+ m, \S+e-\d+ rad", out)
+
+
+def test_a_run_that_an_event_ends_is_no_failure(run: Run, tmp_path: Path) -> None:
+    scene = tmp_path / "swing.toml"
+    event = """
+[coordinates]
+turn = { joint = "pin" }
+[events]
+through = { when = "turn_dot", action = "count" }
+there = { when = "t - 1.25", action = "stop" }
+"""
+    text = PENDULUM.read_text(encoding="utf-8")
+    joint = re.search(r"\[joints\.(\w+)\]|\[joints\]\n(\w+)", text)
+    assert joint is not None
+    name = joint[1] or joint[2]
+    scene.write_text(text + event.replace('"pin"', f'"{name}"'), encoding="utf-8")
+    code, out, err = run("simulate", scene, "--end", 2, "--samples", 5)
+    assert (code, err) == (0, "")
+    assert "ended at t = 1.25 s by events.there" in out
+    assert "there 1" in out
+    code, out, _ = run("simulate", scene, "--end", 2, "--samples", 5, "--json")
+    data = json.loads(out)
+    assert (code, data["stopped_by"], data["rows"], data["is_complete"]) == (0, "there", 4, False)
+    assert data["events"]["there"] == {"action": "stop", "count": 1, "times": [1.25]}
+    assert data["events"]["through"]["times"] == []
+    assert data["ledger"]["events"]["through"] == data["events"]["through"]["count"] > 0

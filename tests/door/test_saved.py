@@ -282,3 +282,21 @@ def test_a_motion_that_stopped_and_a_run_know_what_moved(tmp_path: Path, compile
         motion.save(tmp_path / "run.npz")
         assert ks.open_run(tmp_path / "run.npz").animate() is not None
         assert motion.animate() is not None
+
+
+def test_events_are_kept_with_a_run(compiler: object, tmp_path: Path) -> None:
+    events = """
+[events]
+back = { when = "file_dot", action = "count" }
+over = { when = "t - 0.25", action = "stop" }
+"""
+    path = tmp_path / "slider.toml"
+    path.write_text(SLIDER + events, encoding="utf-8")
+    run: Any = ks.load(path).simulate(1.0, samples=11)
+    run.save(tmp_path / "run.npz")
+    again: Any = ks.open_run(tmp_path / "run.npz")
+    assert again.stopped_by == run.stopped_by == "over"
+    assert again.events["over"].time == pytest.approx([0.25], abs=1e-15)
+    assert again.events["back"].count == run.events["back"].count
+    np.testing.assert_array_equal(again.rows, run.rows)
+    np.testing.assert_array_equal(again.told.rows, run.told.rows)

@@ -324,3 +324,46 @@ def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> Non
     assert got.returncode == 0, got.stderr
     for line, wanted in zip(got.stdout.splitlines(), calls.values(), strict=True):
         assert line.startswith(wanted.replace("my_loop", "loop_free"))
+
+
+LANDS = """
+name = "lands"
+unit = "m"
+gravity = [0, 0, -10]
+outputs = []
+parameters = { ground_at = 0.0 }
+[bodies]
+ball = { point = true, position = [0, 0, 1], velocity = [0, 0, 3], mass = 1 }
+[coordinates]
+z = { body = "ball", along = [0, 0, 1] }
+[events]
+top = { when = "z_dot" }
+half = { when = "z - 1.2", action = "count" }
+ground = { when = "z - ground_at", direction = "falling", action = "stop" }
+"""
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_events_of_a_copied_folder_are_those_of_kousoku(tmp_path: Path) -> None:
+    scene = scene_from_toml(LANDS)
+    write_tree(tmp_path / "lands", generate_dynamics(scene, ()))
+    code = """
+import lands
+going = lands.begin([0.1 * k for k in range(20)], parameters={"ground_at": -1.0})
+while going.advance(2) == 2:
+    pass
+motion, whole = going.motion(), lands.simulate(5.0, samples=51, parameters={"ground_at": -1.0})
+print(json.dumps([motion.told.rows.tolist(), motion.rows.tolist(), motion.stopped_by,
+    motion.events["half"].count, motion.notes, whole.told.rows.tolist()]))
+"""
+    got = run(code, tmp_path)
+    assert got.returncode == 0, got.stderr
+    events, rows, stopped_by, count, notes, whole = json.loads(got.stdout)
+    solver = load_dynamics(tmp_path / "lands", target="numpy")
+    wanted = solver.begin([0.1 * k for k in range(20)], parameters={"ground_at": -1.0}).finish()
+    np.testing.assert_array_equal(events, wanted.told.rows)
+    np.testing.assert_array_equal(rows, wanted.rows)
+    assert (stopped_by, count, tuple(notes)) == ("ground", 2, wanted.notes)
+    assert [row[0] for row in whole] == [0.0, 2.0]
+    assert wanted.events["ground"].time == pytest.approx([1.0], abs=1e-14)
+    assert wanted.events["top"].time == pytest.approx([0.3], abs=1e-14)

@@ -216,7 +216,7 @@ class _Composer:
         if "checks" in self.wanted:
             self._check()
             self._where_rank_drops()
-        record_switching(self.recorder, self.system, self.parameters)
+        record_switching(self.recorder, self.system, self.parameters, self.forces)
         return self._program(kept)
 
     def _program(self, kept: tuple[Kept, ...]) -> Program:

@@ -5,9 +5,16 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.forces import ELONGATION, SPRING, Load, Spring, Stored
+from kousoku.codegen.dynamics.operations.forces import (
+    ELONGATION,
+    SPRING,
+    Load,
+    Spring,
+    Stored,
+    Stretch,
+)
 from kousoku.codegen.dynamics.operations.forces_along import Held, Push, Resist
-from kousoku.codegen.dynamics.operations.formulas import Product, scaled
+from kousoku.codegen.dynamics.operations.formulas import Product, Relative, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import Block, column
 from kousoku.model.formulas import used_names
@@ -22,6 +29,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.model.mechanism import ForceElement, System
     from kousoku.model.precise import High
+    from kousoku.model.switching import Measure
 
     Effect = tuple[dict[int, Block], Block | None]
 
@@ -97,6 +105,26 @@ class ForceTasks:
                 powers.setdefault(force.name, []).append(power)
         free[:] = [summed(self.recorder, parts) for parts in shares]
         return {name: summed(self.recorder, parts) for name, parts in powers.items()}
+
+    def measure(self, system: System, one: Measure, value: Block, rate: Block) -> None:
+        """Record what formulas read of a state, in their units."""
+        free = column((0,))
+        if one.force < 0:
+            (x, unit), (v, _) = self.names[one.name], self.names[one.rate]
+        else:
+            force = system.forces[one.force]
+            constants = self._constants(force)
+            unit, free = constants[-2:]
+            if one.coordinate < 0:
+                bodies = (self.body(force.i), self.body(force.j))
+                ends = [block for x in bodies for block in (x.r, x.p, x.v_r, x.omega_b)]
+                x, v = self.recorder.call(Stretch(), *ends, *constants[:2])
+            else:
+                x = self.coordinates.value(one.coordinate)
+                v = self.coordinates.rate(one.coordinate, self.by_body)
+                unit = self.recorder.constant((1,))
+        self.recorder.call(Relative(), x, free, unit, into=(value,))
+        self.recorder.call(Relative(), v, column((0,)), unit, into=(rate,))
 
     def stored(self, force: ForceElement) -> Block:
         """Record (0, V) of a force that has a potential energy."""

@@ -1,4 +1,4 @@
-"""The segment ``switching``: bounds of what formulas do between two times."""
+"""The segments ``switching``, ``measure``, ``crossing``: bounds of what formulas do in a step."""
 
 from __future__ import annotations
 
@@ -11,26 +11,30 @@ from kousoku.codegen.expressions import to_graph
 from kousoku.model.derivative import derivative
 from kousoku.model.enclosure import Bounds, enclosure
 from kousoku.model.formulas import TIME
-from kousoku.model.switching import formulas_of, of_time, switching_functions, varying_parts
-from kousoku.model.terms import Name
+from kousoku.model.switching import seen_of
+from kousoku.model.terms import Name, add, mul
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
+    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
+    from kousoku.model.switching import Measure
     from kousoku.model.terms import Expression
 
 #: Numbers of each function: least and most, and those of its rate.
 BOUNDS = 4
-#: The names of the two times.
-FIRST, LAST = "t.first", "t.last"
+#: Numbers of each measure: least and most of value, rate, and second derivative.
+RANGES = 6
+#: What follows a name: the least and the most of it; its second derivative.
+LEAST, MOST, SECOND = ".least", ".most", ".second"
 
 
 @dataclass(frozen=True, slots=True)
 class Enclosed:
-    """Bounds of formulas of time. Blocks: two times, the parameters.
+    """Bounds of formulas. Blocks: two times and bounds of measures, the parameters.
 
     Parameters
     ----------
@@ -38,26 +42,43 @@ class Enclosed:
         What is bounded.
     parameters : tuple of str
         Names that they may use beside the time.
+    measures : tuple of Measure
+        What else they depend on.
     """
 
     formulas: tuple[Expression, ...]
     parameters: tuple[str, ...]
+    measures: tuple[Measure, ...] = ()
     title: str = "bounds between two times"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
         """Return four numbers of each, one column."""
-        times, parameters = (block.flat for block in blocks)
-        names = (FIRST, LAST, *self.parameters)
-        leaves = dict(zip(names, (*times, *parameters), strict=True))
-        spans = {TIME: Bounds(Name(FIRST), Name(LAST))}
-        both = ((one, derivative(one, TIME)) for one in self.formulas)
+        ranges, parameters = (block.flat for block in blocks)
+        varying = [TIME]
+        for one in self.measures:
+            varying += (one.name, one.rate, f"{one.rate}{SECOND}")
+        spans = {name: Bounds(Name(f"{name}{LEAST}"), Name(f"{name}{MOST}")) for name in varying}
+        names = [f"{name}{end}" for name in varying for end in (LEAST, MOST)]
+        leaves = dict(zip((*names, *self.parameters), (*ranges, *parameters), strict=True))
+        both = ((one, self._rate(one)) for one in self.formulas)
         bounds = chain.from_iterable(enclosure(one, spans) for one in chain.from_iterable(both))
         nodes = (to_graph(bound, trace.graph, leaves) for bound in bounds)
         return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
 
+    def _rate(self, formula: Expression) -> Expression:
+        """Return the derivative by time."""
+        rate = derivative(formula, TIME)
+        for one in self.measures:
+            rate = add(rate, mul(derivative(formula, one.name), Name(one.rate)))
+            second = Name(f"{one.rate}{SECOND}")
+            rate = add(rate, mul(derivative(formula, one.rate), second))
+        return rate
 
-def record_switching(recorder: Recorder, system: System, parameters: Block) -> None:
-    """Record the segment, if some formula switches or varies with time.
+
+def record_switching(
+    recorder: Recorder, system: System, parameters: Block, forces: ForceTasks
+) -> None:
+    """Record the segments, if some formula switches or varies, or there are events.
 
     Parameters
     ----------
@@ -67,18 +88,29 @@ def record_switching(recorder: Recorder, system: System, parameters: Block) -> N
         The scene.
     parameters : Block
         Where its parameters are.
+    forces : ForceTasks
+        What records its forces.
     """
-    formulas = tuple(formulas_of(system))
-    parts: dict[str, Sequence[Expression]] = {
-        "switches": of_time(chain.from_iterable(map(switching_functions, formulas)), system),
-        "features": of_time(chain.from_iterable(map(varying_parts, formulas)), system),
-    }
-    if not any(parts.values()):
-        return
-    span = recorder.region("span", 2)
-    recorder.begin("switching")
-    names = tuple(name for name, _ in system.parameters)
-    for name, found in parts.items():
-        if found:
-            target = recorder.region(name, BOUNDS * len(found))
-            recorder.call(Enclosed(tuple(found), names), span, parameters, into=(target,))
+    seen, names = seen_of(system), tuple(name for name, _ in system.parameters)
+
+    def record(
+        segment: str, ranges: Block, parts: Mapping[str, Sequence[Expression]], *measures: Measure
+    ) -> None:
+        recorder.begin(segment)
+        for name, found in parts.items():
+            if found:
+                target = recorder.region(name, BOUNDS * len(found))
+                operation = Enclosed(tuple(found), names, measures)
+                recorder.call(operation, ranges, parameters, into=(target,))
+
+    if seen.switches or seen.features:
+        parts = {"switches": seen.switches, "features": seen.features}
+        record("switching", recorder.region("span", 2), parts)
+    if seen.crossings or seen.narrow:
+        region = recorder.region("measures", 2 * len(seen.measures))
+        recorder.begin("measure")
+        for k, one in enumerate(seen.measures):
+            forces.measure(system, one, region.part(2 * k, 1), region.part(2 * k + 1, 1))
+        ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
+        parts = {"crossings": seen.crossings, "narrow": seen.narrow}
+        record("crossing", ranges, parts, *seen.measures)

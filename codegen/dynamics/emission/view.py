@@ -24,7 +24,7 @@ from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
-from kousoku.runtime.integrate.settings import KINEMATICS, Settings, Status
+from kousoku.runtime.integrate.settings import ACTIONS, KINEMATICS, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 #: Kernels that one function runs, and how many there are in a group where they are more.
 MOST_CASES, GROUP = 128, 64
 #: Tables whose rows have several numbers.
-PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts"})
+PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events"})
 #: How wide lines of tables are.
 WIDTH = 92
 #: The longest table that stands in the line of its name.
@@ -198,6 +198,11 @@ class DynamicsView:
         return tuple(Status)
 
     @property
+    def actions(self) -> tuple[str, ...]:
+        """What a run does at an event, by its number."""
+        return ACTIONS
+
+    @property
     def methods(self) -> tuple[str, ...]:
         """The methods, in order."""
         return (*(method.name for method in METHODS), *[KINEMATICS] * self.is_driven)
@@ -339,7 +344,7 @@ def dynamics_view(
     """
     segments, slots = (*program.segments, *program.on_demand), slots_of(program)
     found = tables(program, system, length, parts)
-    counted = ("shifts", "turns", "drivers", "starts", "positive", "parts")
+    counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events")
     counts = sizes(program) | {name.upper(): len(found[name]) for name in counted}
     row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
     bases = {region.name: region.base for region in program.regions}

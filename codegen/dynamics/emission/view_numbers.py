@@ -10,13 +10,16 @@ from kousoku.codegen.dynamics.composition.bodies import thickened
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
 from kousoku.codegen.dynamics.redundancy.left_out import take_over
 from kousoku.model import precise
+from kousoku.model.switching import seen_of
 from kousoku.model.varying import is_varying
+from kousoku.runtime.integrate.settings import ACTIONS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Row
     from kousoku.model.mechanism import System
+    from kousoku.model.switching import Measure
 
 #: Kinds whose residuals are lengths; those of the others are angles.
 LENGTHS = ("point", "distance", "length", "n2", "p2")
@@ -45,6 +48,9 @@ def sizes(program: Program) -> dict[str, int]:
         "N_WRENCHES": present.get("wrenches", 0),
         "N_SWITCHES": present.get("switches", 0) // BOUNDS,
         "N_FEATURES": present.get("features", 0) // BOUNDS,
+        "N_MEASURES": present.get("measures", 0) // 2,
+        "N_CROSSINGS": present.get("crossings", 0) // BOUNDS,
+        "N_NARROW": present.get("narrow", 0) // BOUNDS,
     }
 
 
@@ -105,12 +111,25 @@ def tables(
         "drivers": driver_rows(program, system) if switched else [],
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
+        "measure_sizes": [
+            (one.name, float(measure_size(one, system, length))) for one in seen_of(system).measures
+        ],
+        "events": [(one.name, (one.direction, ACTIONS.index(one.action))) for one in system.events],
         "left_is_length": [
             (name, int(unit == "m"))
             for name, unit in (row_of(row, system) for row in (*program.left_out, *program.reduced))
         ],
         "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
     }
+
+
+def measure_size(one: Measure, system: System, length: float) -> float:
+    """Return a length of the scene in its unit, or 1 rad: what errors are compared with."""
+    if one.coordinate < 0:
+        return length / system.unit
+    if system.coordinates[one.coordinate].kind not in LENGTHS:
+        return 1.0
+    return length / (system.unit if one.force < 0 else 1.0)
 
 
 def row_of(row: Row, system: System) -> list[str]:

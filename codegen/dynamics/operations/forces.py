@@ -141,6 +141,20 @@ class Spring:
 
 
 @dataclass(frozen=True, slots=True)
+class Stretch:
+    """Length of a spring and its rate. Blocks: r, p, v and ω′ of both bodies, then the two ends."""
+
+    title: str = "length of a spring"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return l and its derivative by time."""
+        ends = (f"{name}_{body}" for body in "ij" for name in ("r", "p", "v", "omega"))
+        names = (name + "_b" if "omega" in name else name for name in (*ends, *ENDS))
+        found = _inline(trace, "length", dict(zip(names, blocks, strict=True)))
+        return found["l"], found["l_dot"]
+
+
+@dataclass(frozen=True, slots=True)
 class Stored:
     """Potential energy of a force that has one. Blocks: r and p of both bodies, the constants.
 

@@ -87,6 +87,19 @@ class Product:
         return (column @ number,)
 
 
+@dataclass(frozen=True, slots=True)
+class Relative:
+    """A number beyond another, in a unit. Blocks: both, the unit."""
+
+    title: str = "difference in a unit"
+
+    def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
+        """Return the quotient."""
+        (a,), (b,), (unit,) = (block.flat for block in blocks)
+        node = trace.graph.div(trace.graph.sub(a, b), unit)
+        return (Matrix(trace.graph, ((node,),), 1),)
+
+
 class Names(Mapping[str, "Meaning"]):
     """What formulas may depend on: time, parameters, coordinates, and rates of coordinates.
 

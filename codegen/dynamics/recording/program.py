@@ -306,6 +306,10 @@ REGIONS = {
     "switches": "of each switching function of time least and most between these times, then those"
     " of its rate",
     "features": "of each part of a formula that varies with time, likewise",
+    "measures": "value and rate of what formulas read of a state, in their units",
+    "ranges": "two times, s; least and most of each measure between them, of its rate, of the next",
+    "crossings": "of each event, then each switching function of the state, as of switches",
+    "narrow": "of each part of a formula that varies with the state, likewise",
     "design": "numbers of the scene that depend on parameters",
     "constants": "the scene's numbers",
 }
@@ -313,7 +317,7 @@ REGIONS = {
 #: The regions that only segments of ``ON_DEMAND`` write.
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
-    *("span", "switches", "features"),
+    *("span", "switches", "features", "measures", "ranges", "crossings", "narrow"),
 )
 
 #: What the segments read and write, in the order in which they can run.
@@ -336,6 +340,8 @@ ON_DEMAND = {
     "wrench": "all_lam -> wrenches, reactions",
     "setup": "parameters -> design: once, where a run begins",
     "switching": "span, parameters -> switches, features",
+    "measure": "q, v -> measures",
+    "crossing": "ranges, parameters -> crossings, narrow",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.

@@ -12,14 +12,24 @@ static void combine(
     }
 }
 
-/* the cubic polynomial that meets y and its derivative f at both ends of a step of length h */
-static void hermite_cubic(double h, const double *f_before, const double *f, State *s)
+/* the cubic polynomial that leads from the state before to y in a step of length h, and meets the
+ * derivative f at both ends */
+static void hermite_cubic(
+    double h, const double *y, const double *f_before, const double *f, State *s)
 {
     for (size_t i = 0; i < NY; ++i) {
-        const double step = s->y[i] - s->y_before[i];
+        const double step = y[i] - s->y_before[i];
         s->dense[0][i] = step;
         s->dense[1][i] = h * f_before[i] - step;
         s->dense[2][i] = 2.0 * step - h * (f_before[i] + f[i]);
+    }
+}
+
+/* what the stages of a step add to that */
+static void add_dense_rows(const Method *m, double h, State *s, Work *work)
+{
+    for (size_t n = 0; n < m->dense_rows; ++n) {
+        combine(m->all, m->dense + n * m->all, NULL, h, work->k, s->dense[3 + n]);
     }
 }
 
@@ -27,10 +37,8 @@ static void hermite_cubic(double h, const double *f_before, const double *f, Sta
 static void prepare_dense(const Method *m, Work *work, State *s)
 {
     const double h = s->time - s->time_before;
-    hermite_cubic(h, work->k[0], work->k[m->stages], s);
-    for (size_t n = 0; n < m->dense_rows; ++n) {
-        combine(m->all, m->dense + n * m->all, NULL, h, work->k, s->dense[3 + n]);
-    }
+    hermite_cubic(h, s->y, work->k[0], work->k[m->stages], s);
+    add_dense_rows(m, h, s, work);
 }
 
 /* y at the part x of the step */

@@ -27,20 +27,28 @@ def combine(n: int, row: Sequence[float], low: Array | None, h: float, k: Array,
             y += factor * k[m]
 
 
-def hermite_cubic(h: float, f_before: Array, f: Array, state: State) -> None:
-    """Make the cubic polynomial that meets y and its derivative f at both ends of a step."""
-    change = state.y - state.y_before
+def hermite_cubic(h: float, y: Array, f_before: Array, f: Array, state: State) -> None:
+    """Make the cubic polynomial that leads from the state before to y in a step of length h.
+
+    It meets the derivative f at both ends.
+    """
+    change = y - state.y_before
     state.dense[0] = change
     state.dense[1] = h * f_before - change
     state.dense[2] = 2.0 * change - h * (f_before + f)
 
 
+def add_dense_rows(m: Method, h: float, state: State, work: Work) -> None:
+    """Make what the stages of a step add to that."""
+    for n, row in enumerate(m.dense):
+        combine(m.all, row, None, h, work.k, state.dense[3 + n])
+
+
 def prepare_dense(m: Method, work: Work, state: State) -> None:
     """Make the interpolating polynomial of the last step, all stages of which are there."""
     h = state.time - state.time_before
-    hermite_cubic(h, work.k[0], work.k[m.stages], state)
-    for n, row in enumerate(m.dense):
-        combine(m.all, row, None, h, work.k, state.dense[3 + n])
+    hermite_cubic(h, state.y, work.k[0], work.k[m.stages], state)
+    add_dense_rows(m, h, state, work)
 
 
 def interpolate(m: Method, x: float, state: State, y: Array) -> None:

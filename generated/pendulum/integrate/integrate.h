@@ -24,6 +24,7 @@
 #include "row_switch.h"
 #include "projection.h"
 #include "dense_output.h"
+#include "crossing.h"
 #include "stepper.h"
 #include "switching.h"
 #include "kinematics.h"

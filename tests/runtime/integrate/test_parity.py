@@ -13,7 +13,7 @@ BOTH = sorted(path.stem for path in FOLDER.glob("*.h") if path.with_suffix(".py"
 #: What NumPy has, or what Python says in the line where it is wanted.
 IN_C = {"substitute_back", "multiply_rows", "set_order", "inverse_mass", "sign_of"}
 IN_C |= {"are_changed"}
-IN_PYTHON = {"inverse_masses"}
+IN_PYTHON = {"inverse_masses", "largest", "smallest"}
 
 
 def functions_in_c(name: str) -> set[str]:

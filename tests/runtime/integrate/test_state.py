@@ -26,7 +26,15 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.toolchain import Toolchain
 
-SIZES = {"NY": 5, "DENSE": 7, "N_PARAMETERS": 0, "MOMENTA": 3, "NCHECK": 2}
+SIZES = {
+    "NY": 5,
+    "DENSE": 7,
+    "N_PARAMETERS": 0,
+    "MOMENTA": 3,
+    "NCHECK": 2,
+    "N_CROSSINGS": 2,
+    "EVENTS": 1,
+}
 
 
 def test_fields_follow_each_other_without_gaps_numbers_first() -> None:

@@ -1,0 +1,361 @@
+"""Crossing: steps end where events are and where formulas of the state have a kink or a jump.
+
+A step that was tried is looked at before it is kept. Its polynomial tells at some times what
+formulas read: coordinates, lengths of springs, their rates. That bounds them between these times,
+and they bound the functions and their rates, as of switching functions of time. What is nearer to
+zero than the error of a step may be counts as zero: a function crosses when it is beyond on the
+other side. Then the step is made again, to end there. Parts of formulas that vary with the state
+beyond polynomials are bounded likewise: where samples do not tell how, the step is made shorter.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .dense_output import add_dense_rows, hermite_cubic, interpolate
+from .scene import larger, smaller
+from .settings import ACTIONS
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .methods import Method
+    from .scene import Work
+    from .settings import Settings
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+    Flags = npt.NDArray[np.bool_]
+
+#: The smallest step, relative to the time.
+SMALLEST = 1e-15
+#: In how many parts a step is looked at, and how often at most.
+CELLS = 4
+MOST_LOOKS = 512
+#: Second derivatives may be so much further from those of a cubic polynomial as it is from a
+#: parabola.
+DOUBT = 2.0
+#: How much bounds may exceed what samples tell; what always may be left, by the size of a part.
+EXPLAINED = 2.0
+NOTHING = 1e-12
+#: A part that changes by less than this part of it in an interval needs no samples.
+STEADY = 0.5
+#: The shortest interval in which a part is looked at, in a step: what is narrower has no bounds.
+FINEST = 1e-9
+#: The part of a step by which an event may be off where the step was cut, to be found again.
+SMALL = 1e-3
+#: What rates are known to of a length in a step, in units of the tolerance.
+SLOW = 1e-4
+
+
+def largest(a: Array, b: Array) -> Array:
+    """Return the larger of each two numbers, the second if the first is a NaN."""
+    return np.where(a > b, a, b)
+
+
+def smallest(a: Array, b: Array) -> Array:
+    """Return the smaller of each two numbers, the second if the first is a NaN."""
+    return np.where(a < b, a, b)
+
+
+def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> Flags:
+    """Return whether what is a at the start of h and b at its end is positive between.
+
+    It is no less than lines from both ends as steep as it falls and rises at most.
+    """
+    found: Flags = a * rises - b * falls + falls * rises * h > 0.0
+    return found
+
+
+@dataclass(slots=True)
+class Node:
+    """What is seen at a time of a step.
+
+    Parameters
+    ----------
+    time : float [s]
+        When.
+    read : (n, 2) array
+        What formulas read, and its rate.
+    least, most : array
+        Between what each function is.
+    """
+
+    time: float
+    read: Array
+    least: Array
+    most: Array
+
+
+@dataclass(slots=True)
+class Look:
+    """A step that is looked at, whose polynomial is in the state.
+
+    Parameters
+    ----------
+    state, work : State, Work
+        Of the run.
+    cut : float [s]
+        Where it was cut.
+    m, start, h : Method, float [s], float [s]
+        How it was made.
+    least_part : float
+        At which part of it at least it may be cut.
+    slack : float [s]
+        What crosses within it crosses together.
+    noise : (n, 2) array
+        What values are known to.
+    crosses, was_crossing : array of bool
+        Which functions cross, and crossed where it was cut.
+    """
+
+    state: State
+    work: Work
+    cut: float
+    m: Method = field(init=False)
+    start: float = 0.0
+    h: float = 0.0
+    least_part: float = 0.0
+    slack: float = 0.0
+    noise: Array = field(init=False)
+    crosses: Flags = field(init=False)
+    was_crossing: Flags = field(init=False)
+
+
+def side_at(node: Node) -> Array:
+    """Return 1 or -1, the side of zero of each function, 0 where that is not known."""
+    return np.where(node.least > 0.0, 1.0, np.where(node.most < 0.0, -1.0, 0.0))
+
+
+def middle(node: Node) -> Array:
+    """Return the middle of each function's bounds."""
+    return np.multiply(0.5, node.least + node.most)
+
+
+def half_width(node: Node) -> Array:
+    """Return half of their distance."""
+    return np.multiply(0.5, node.most - node.least)
+
+
+def read_at(time: float, look: Look) -> Array:
+    """Return what formulas read at a time."""
+    work = look.work
+    interpolate(look.m, (time - look.start) / look.h, look.state, work.scratch)
+    work.w.place(time, work.scratch)
+    work.w.run("measure")
+    found: Array = work.w.measures.reshape(-1, 2).copy()
+    return found
+
+
+def look_at(time: float, look: Look) -> Node:
+    """Return what is seen at a time."""
+    w, read = look.work.w, read_at(time, look)
+    own = w.ranges[2:].reshape(-1, 6)
+    w.ranges[:2] = time
+    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - look.noise, read + look.noise, 0.0
+    w.run("crossing")
+    least, most = w.seen.reshape(-1, 4).T[:2].copy()
+    return Node(time, read, least, most)
+
+
+def look_into(
+    s: Settings, m: Method, h: float, y: Array, f: Array, look: Look, *, has_stages: bool
+) -> None:
+    """Make the polynomial of a step from the state to y, where the derivative is f."""
+    state, sizes = look.state, look.work.scene.measure_sizes
+    look.m, look.start, look.h, look.slack = m, state.time, h, s.tolerance * h
+    state.y_before[:] = state.y
+    state.dense[:] = 0.0
+    hermite_cubic(h, y, state.f, f, state)
+    if has_stages:
+        add_dense_rows(m, h, state, look.work)
+    first, last = read_at(state.time, look), read_at(state.time + h, look)
+    most = largest(np.abs(first), np.abs(last))
+    look.noise = np.empty_like(most)
+    look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
+    look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+
+
+def bound_seen(a: Node, b: Node, look: Look) -> Array:
+    """Return least, most, slowest and fastest of the functions between two nodes."""
+    w, h = look.work.w, b.time - a.time
+    (x, v), (y, u) = a.read.T, b.read.T
+    own = w.ranges[2:].reshape(-1, 6)
+    w.ranges[:2] = a.time, b.time
+    mean = (u - v) / h
+    bend = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h) / h
+    own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
+    reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
+    reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])
+    w.run("crossing")
+    return w.seen.reshape(-1, 4).T
+
+
+def cut_at(end: float, look: Look) -> float:
+    """Cut a step where it must end, and remember what crosses there."""
+    look.was_crossing, look.cut = look.crosses, end
+    return end
+
+
+def reach_between(
+    a: Array, b: Array, slowest: Array, fastest: Array, h: float, found: Array
+) -> None:
+    """Write least and most between values a and b at the ends of h, where a slope is bounded."""
+    is_open = (slowest < 0.0) & (fastest > 0.0)
+    every, bend = fastest - slowest, slowest * fastest * h
+    least, most = smallest(a, b), largest(a, b)
+    down = smallest(least, (fastest * a - slowest * b + bend) / every)
+    up = largest(most, (fastest * b - slowest * a - bend) / every)
+    found[:, 0], found[:, 1] = np.where(is_open, down, least), np.where(is_open, up, most)
+
+
+def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
+    """Return whether functions cross between two nodes as often as their sides tell."""
+    n, is_down = len(sides), sides < 0.0
+    low, high, slowest, fastest = bounds[:, :n]
+    sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
+    falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
+    band = largest(half_width(a)[:n], half_width(b)[:n])
+    is_clear = (least > -band) | (falls >= 0.0) | (rises <= 0.0)
+    first, last = sign * middle(a)[:n] + band, sign * middle(b)[:n] + band
+    is_positive = stays_positive(first, last, falls, rises, b.time - a.time)
+    stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
+    crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
+    told: Flags = np.where(crosses, rises <= 0.0, stays)
+    return told
+
+
+def time_of(k: int, a: Node, b: Node, look: Look) -> float:
+    """Return the first time between two nodes at which a function that crosses does.
+
+    Those of events are zero there, the others beyond it, so that what follows is all on the other
+    side.
+    """
+    side, first, last = -float(side_at(b)[k]), a.time, b.time
+    is_event = k < len(look.work.scene.events)
+    while last - first > SMALLEST * larger(abs(first), abs(last)):
+        time = 0.5 * (first + last)
+        if not first < time < last:
+            break
+        node = look_at(time, look)
+        if side * middle(node)[k] <= 0.0 if is_event else side_at(node)[k] == -side:
+            last = time
+        else:
+            first = time
+    return last
+
+
+def first_time(a: Node, b: Node, look: Look) -> float:
+    """Return when the first function crosses; only those that do so there are left."""
+    times = {int(k): time_of(int(k), a, b, look) for k in np.flatnonzero(look.crosses)}
+    first = min(times.values())
+    for k, time in times.items():
+        look.crosses[k] = time <= first + look.slack
+    return first
+
+
+def seen_end(end: float, look: Look) -> float:
+    """Return where a step to an end must end: where a function first crosses, or what was seen."""
+    sides = look.state.sides
+    n, start = len(sides), look.start
+    tiny = SMALLEST * larger(abs(start), abs(end))
+    nearest = start + larger(8.0 * tiny, look.least_part * look.h)
+    widest = look.h / CELLS
+    width, a = widest, look_at(start, look)
+    for _ in range(MOST_LOOKS):
+        if not a.time < end:
+            break
+        b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
+        bounds = bound_seen(a, b, look)
+        sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
+        is_known = bool(is_told(sides, a, b, bounds).all())
+        look.crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
+        if not is_known and b.time - a.time > tiny:
+            width = 0.5 * (b.time - a.time)
+            continue
+        if look.crosses.any():
+            return smaller(larger(first_time(a, b, look), nearest), end)
+        a, width = b, smaller(2.0 * width, widest)
+    return a.time if nearest < a.time < end else end
+
+
+def polished_cut(look: Look) -> float:
+    """Return where an event is that a step was cut for, by the step that ends near it."""
+    most, cut = SMALL * look.h, look.cut
+    found = np.flatnonzero(look.was_crossing[: len(look.work.scene.events)]).tolist()
+    if not found:
+        return cut
+
+    def value(time: float) -> float:
+        return float(middle(look_at(time, look))[found[0]])
+
+    before, there = cut - most, cut
+    a, b = value(before), value(there)
+    for _ in range(4):
+        if a == b:
+            break
+        time = there - b / ((b - a) / (there - before))
+        if not abs(time - cut) <= most or time == there:
+            break
+        a, before, there = b, there, time
+        b = value(there)
+    return there
+
+
+def note_crossings(end: float, look: Look) -> None:
+    """Note what a step that is kept has crossed: one that was cut, also what is zero there."""
+    state, events = look.state, look.work.scene.events
+    sides, now = state.sides.copy(), side_at(look_at(end, look))
+    for k, side in enumerate(sides.tolist()):
+        is_there = now[k] == 0.0 and end == look.cut and look.was_crossing[k]
+        if side == 0.0 or not (now[k] == -side or is_there):
+            continue
+        state.sides[k] = -side
+        if k < len(events) and events[k, 0] in {0, -side}:
+            state.counts[k] += 1.0
+            if ACTIONS[events[k, 1]] != "count":
+                state.fired[k] = 1.0
+
+
+def are_narrow_told(start: float, end: float, look: Look) -> bool:
+    """Return whether samples between two times tell how parts vary.
+
+    Their rates change as little, or their bounds leave them nearly what they are.
+    """
+    n, h = len(look.state.sides), (end - start) / CELLS
+    a = look_at(start, look)
+    least = most = low = high = middle(a)[n:]
+    band, change = half_width(a)[n:], np.zeros(len(least))
+    for cell in range(1, CELLS + 1):
+        b = look_at(start + cell * h, look)
+        below, above, slowest, fastest = bound_seen(a, b, look)[:, n:]
+        least, most = smallest(middle(b)[n:], least), largest(middle(b)[n:], most)
+        low, high = smallest(below, low), largest(above, high)
+        band, change = largest(half_width(b)[n:], band), change + h * (fastest - slowest)
+        a = b
+    size = largest(-least, most)
+    nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)
+    is_explained = change <= EXPLAINED * (most - least) + nothing
+    return bool(np.all(is_explained | (high - low <= STEADY * size + nothing)))
+
+
+def told_end(end: float, look: Look) -> float:
+    """Return where a step to an end must end so that samples tell how parts vary."""
+    start = first = look.start
+    whole = allowed = width = end - start
+    for _ in range(MOST_LOOKS):
+        last = smaller(first + width, end)
+        is_good = are_narrow_told(first, last, look)
+        if not is_good and width > FINEST * whole:
+            width = 0.5 * width
+            continue
+        if is_good:
+            allowed = smaller(allowed, larger(first - start, last - first))
+        first = last
+        if not first < start + allowed:
+            break
+        width = 2.0 * width
+    return start + allowed if allowed < whole else end

@@ -1,0 +1,78 @@
+"""Events of a run: how often they were, when, and the states there."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .motion import Motion
+
+    Array = npt.NDArray[np.float64]
+
+
+class Told(NamedTuple):
+    """What a run tells of its events.
+
+    Parameters
+    ----------
+    counts : tuple of int
+        How often each was.
+    rows : (n, 1 + row_size) array
+        The place of an event, then the row there, in the order of time.
+    """
+
+    counts: tuple[int, ...]
+    rows: Array
+
+
+def add_row(rows: list[Array], event: float, row: Array) -> None:
+    """Add the row of an event, whose number is counted from 1; one that is there is not told again.
+
+    Parameters
+    ----------
+    rows : list of (1 + row_size,) array
+        As of :class:`Told`.
+    event : float
+        Its number in the state of the run.
+    row : (row_size,) array
+        The row.
+    """
+    new = np.concatenate(([event - 1.0], row))
+    if not (rows and np.array_equal(rows[-1][:2], new[:2])):
+        rows.append(new)
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """An event of a run.
+
+    Parameters
+    ----------
+    name, action : str
+        As in the scene.
+    count : int
+        How often it was.
+    states : Motion
+        The states there, a row each; none of an event that is only counted.
+    """
+
+    name: str
+    action: str
+    count: int
+    states: Motion
+
+    @property
+    def time(self) -> Array:
+        """When it was [s]; nothing of an event that is only counted."""
+        return self.states.time
+
+    def __repr__(self) -> str:
+        times = ", ".join(f"{time:.6g}" for time in self.time[:3])
+        more = ", …" * (len(self.time) > 3)
+        at = f", at {times}{more} s" if times else ""
+        return f"<Event {self.name}: {self.count} times{at}>"

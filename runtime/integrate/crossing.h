@@ -1,0 +1,341 @@
+/* Crossing: steps end where events are and where formulas of the state have a kink or a jump.
+ *
+ * A step that was tried is looked at before it is kept. Its polynomial tells at some times what
+ * formulas read: coordinates, lengths of springs, their rates. That bounds them between these
+ * times, and they bound the functions and their rates, as of switching functions of time. What is
+ * nearer to zero than the error of a step may be counts as zero: a function crosses when it is
+ * beyond on the other side. Then the step is made again, to end there. Parts of formulas that vary
+ * with the state beyond polynomials are bounded likewise: where samples do not tell how, the step
+ * is made shorter. */
+
+/* the smallest step, relative to the time */
+#define SMALLEST 1e-15
+/* in how many parts a step is looked at, and how often at most */
+#define CELLS 4
+#define MOST_LOOKS 512
+/* second derivatives may be so much further from those of a cubic polynomial as it is from a
+ * parabola */
+#define DOUBT 2.0
+/* how much bounds may exceed what samples tell; what always may be left, by the size of a part */
+#define EXPLAINED 2.0
+#define NOTHING 1e-12
+/* a part that changes by less than this part of it in an interval needs no samples */
+#define STEADY 0.5
+/* the shortest interval in which a part is looked at, in a step: what is narrower has no bounds */
+#define FINEST 1e-9
+/* the part of a step by which an event may be off where the step was cut, to be found again */
+#define SMALL 1e-3
+/* what rates are known to of a length in a step, in units of the tolerance */
+#define SLOW 1e-4
+
+enum {
+    N_SEEN = N_CROSSINGS + N_NARROW,
+    N_READ = 2 * N_MEASURES,
+    W_SEEN = N_CROSSINGS > 0 ? W_CROSSINGS : W_NARROW /* one behind the other */
+};
+
+/* what is seen at a time of a step: what formulas read, and between what each function is */
+typedef struct {
+    double time, read[ROOM(N_READ)], least[ROOM(N_SEEN)], most[ROOM(N_SEEN)];
+} Node;
+
+/* a step that is looked at, whose polynomial is in the state: what its values are known to, which
+ * functions cross, where it was cut, and at which part of it at least */
+typedef struct {
+    const Method *m;
+    double start, h, least_part, slack, cut, noise[ROOM(N_READ)];
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)];
+} Look;
+
+/* whether what is a at the start of h and b at its end is positive between: no less than lines from
+ * both ends as steep as it falls and rises at most */
+static int stays_positive(double a, double b, double falls, double rises, double h)
+{
+    return a * rises - b * falls + falls * rises * h > 0.0;
+}
+
+/* what formulas read at a time */
+static void read_at(double time, const Look *look, const State *s, Work *work, double *read)
+{
+    interpolate(look->m, (time - look->start) / look->h, s, work->scratch);
+    place(time, work->scratch, work->w);
+    measure(work->w);
+    memcpy(read, work->w + W_MEASURES, N_READ * sizeof *read);
+}
+
+static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
+{
+    double *w = work->w, *ranges = w + W_RANGES;
+    read_at(time, look, s, work, node->read);
+    node->time = ranges[0] = ranges[1] = time;
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        double *own = ranges + 2 + 6 * k;
+        for (size_t n = 0; n != 2; ++n) {
+            own[2 * n] = node->read[2 * k + n] - look->noise[2 * k + n];
+            own[2 * n + 1] = node->read[2 * k + n] + look->noise[2 * k + n];
+        }
+        own[4] = own[5] = 0.0;
+    }
+    crossing(w);
+    for (size_t k = 0; k != N_SEEN; ++k) {
+        node->least[k] = w[W_SEEN + 4 * k];
+        node->most[k] = w[W_SEEN + 4 * k + 1];
+    }
+}
+
+/* makes the polynomial of a step from the state to y, whose rates at both ends are given */
+static void look_into(const Settings *settings, const Method *m, int has_stages, double h,
+    const double *y, const double *f_before, const double *f, Look *look, State *s, Work *work)
+{
+    double first[ROOM(N_READ)], last[ROOM(N_READ)];
+    look->m = m;
+    look->start = s->time;
+    look->h = h;
+    look->slack = settings->tolerance * h;
+    memcpy(s->y_before, s->y, NY * sizeof *s->y);
+    memset(s->dense, 0, sizeof s->dense);
+    hermite_cubic(h, y, f_before, f, s);
+    if (has_stages) add_dense_rows(m, h, s, work);
+    read_at(s->time, look, s, work, first);
+    read_at(s->time + h, look, s, work, last);
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
+        const double most = larger(fabs(a[0]), fabs(b[0]));
+        look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
+        look->noise[2 * k + 1] = settings->tolerance *
+                                 (larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h);
+    }
+}
+
+/* the least and the most between values a and b at the ends of h, where a slope is bounded */
+static void reach_between(
+    double a, double b, double slowest, double fastest, double h, double *range)
+{
+    range[0] = smaller(a, b);
+    range[1] = larger(a, b);
+    if (!(slowest < 0.0 && fastest > 0.0)) return;
+    const double all = fastest - slowest, bend = slowest * fastest * h;
+    range[0] = smaller(range[0], (fastest * a - slowest * b + bend) / all);
+    range[1] = larger(range[1], (fastest * b - slowest * a - bend) / all);
+}
+
+/* bounds of the functions between two times, to the workspace */
+static void bound_seen(const Node *a, const Node *b, double *w)
+{
+    const double h = b->time - a->time;
+    double *ranges = w + W_RANGES;
+    ranges[0] = a->time;
+    ranges[1] = b->time;
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        const double *p = a->read + 2 * k, *q = b->read + 2 * k;
+        double *own = ranges + 2 + 6 * k;
+        const double mean = (q[1] - p[1]) / h;
+        const double bend = fabs(3.0 * (p[1] + q[1]) - 6.0 * (q[0] - p[0]) / h) / h;
+        own[4] = mean - DOUBT * bend;
+        own[5] = mean + DOUBT * bend;
+        reach_between(p[1], q[1], own[4], own[5], h, own + 2);
+        reach_between(p[0], q[0], own[2], own[3], h, own);
+    }
+    crossing(w);
+}
+
+/* on which side of zero a function is, 0 where that is not known */
+static int side_at(const Node *node, size_t k)
+{
+    return (node->least[k] > 0.0) - (node->most[k] < 0.0);
+}
+
+static double middle(const Node *node, size_t k) { return 0.5 * (node->least[k] + node->most[k]); }
+
+static double half_width(const Node *node, size_t k)
+{
+    return 0.5 * (node->most[k] - node->least[k]);
+}
+
+/* whether a function that was on a side crosses between two nodes as often as their sides tell, and
+ * not oftener; its bounds are in the workspace */
+static int is_told(size_t k, int side, const Node *a, const Node *b, const double *w)
+{
+    const double *bounds = w + W_SEEN + 4 * k, sign = side < 0 ? -1.0 : 1.0;
+    const double least = side < 0 ? -bounds[1] : bounds[0];
+    const double falls = side < 0 ? -bounds[3] : bounds[2];
+    const double rises = side < 0 ? -bounds[2] : bounds[3];
+    const double band = larger(half_width(a, k), half_width(b, k));
+    if (side != 0 && side_at(b, k) == -side) return rises <= 0.0;
+    if (least > -band || falls >= 0.0 || rises <= 0.0) return 1;
+    if (side == 0) return bounds[1] < band;
+    const double first = sign * middle(a, k) + band, last = sign * middle(b, k) + band;
+    return stays_positive(first, last, falls, rises, b->time - a->time);
+}
+
+/* the first time between two nodes at which a function that crosses does: those of events are zero
+ * there, the others beyond it, so that what follows is all on the other side */
+static double time_of(
+    size_t k, const Node *a, const Node *b, const Look *look, const State *s, Work *work)
+{
+    const int side = -side_at(b, k);
+    double first = a->time, last = b->time;
+    Node node;
+    while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
+        const double time = 0.5 * (first + last);
+        if (!(first < time && time < last)) break;
+        look_at(time, look, s, work, &node);
+        const int is_behind = k < EVENTS ? side * middle(&node, k) <= 0.0
+                                         : side_at(&node, k) == -side;
+        if (is_behind) last = time;
+        else first = time;
+    }
+    return last;
+}
+
+/* the first of the functions that cross between two nodes; only those that do so there are left */
+static double first_time(const Node *a, const Node *b, Look *look, const State *s, Work *work)
+{
+    double times[ROOM(N_CROSSINGS)], first = b->time;
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        if (!look->crosses[k]) continue;
+        times[k] = time_of(k, a, b, look, s, work);
+        first = smaller(first, times[k]);
+    }
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        look->crosses[k] = look->crosses[k] && times[k] <= first + look->slack;
+    }
+    return first;
+}
+
+/* where a step to an end must end: where a function first crosses, or how far was looked */
+static double seen_end(double end, Look *look, State *s, Work *work)
+{
+    const double tiny = SMALLEST * larger(fabs(look->start), fabs(end));
+    const double nearest = look->start + larger(8.0 * tiny, look->least_part * look->h);
+    const double widest = look->h / CELLS;
+    double width = widest;
+    Node a, b;
+    look_at(look->start, look, s, work, &a);
+    for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
+        int is_known = 1, any = 0;
+        look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
+        bound_seen(&a, &b, work->w);
+        for (size_t k = 0; k != N_CROSSINGS; ++k) {
+            if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
+            const int side = (int)s->sides[k];
+            if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
+            look->crosses[k] = side != 0 && side_at(&b, k) == -side;
+            any = any || look->crosses[k];
+        }
+        if (!is_known && b.time - a.time > tiny) {
+            width = 0.5 * (b.time - a.time);
+            continue;
+        }
+        if (any) return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
+        a = b;
+        width = smaller(2.0 * width, widest);
+    }
+    return a.time < end && a.time > nearest ? a.time : end;
+}
+
+/* cuts a step where it must end, and remembers what crosses there */
+static double cut_at(double end, Look *look)
+{
+    memcpy(look->was_crossing, look->crosses, sizeof look->crosses);
+    look->cut = end;
+    return end;
+}
+
+/* where an event is that a step was cut for, by the polynomial of the step that ends near it */
+static double polished_cut(const Look *look, const State *s, Work *work)
+{
+    const double most = SMALL * look->h;
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (!look->was_crossing[k]) continue;
+        double before = look->cut - most, there = look->cut;
+        Node a, b;
+        look_at(before, look, s, work, &a);
+        look_at(there, look, s, work, &b);
+        for (int n = 0; n != 4 && middle(&a, k) != middle(&b, k); ++n) {
+            const double slope = (middle(&b, k) - middle(&a, k)) / (there - before);
+            const double time = there - middle(&b, k) / slope;
+            if (!(fabs(time - look->cut) <= most) || time == there) break;
+            a = b;
+            before = there;
+            there = time;
+            look_at(there, look, s, work, &b);
+        }
+        return there;
+    }
+    return look->cut;
+}
+
+/* notes what a step that is kept has crossed: one that was cut, also what is at zero there */
+static void note_crossings(double end, const Look *look, State *s, Work *work)
+{
+    Node last;
+    look_at(end, look, s, work, &last);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) {
+        const int side = (int)s->sides[k], now = side_at(&last, k);
+        const int is_there = now == 0 && end == look->cut && look->was_crossing[k];
+        if (side == 0 || !(now == -side || is_there)) continue;
+        s->sides[k] = -side;
+        if (k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
+        s->counts[k] += 1.0;
+        if (events[k][1] != COUNT) s->fired[k] = 1.0;
+    }
+}
+
+/* whether samples between two times tell how parts vary: their rates change as little, or their
+ * bounds leave them nearly what they are */
+static int are_narrow_told(double start, double end, const Look *look, const State *s, Work *work)
+{
+    double least[ROOM(N_NARROW)], most[ROOM(N_NARROW)], low[ROOM(N_NARROW)], high[ROOM(N_NARROW)];
+    double change[ROOM(N_NARROW)], band[ROOM(N_NARROW)];
+    const double h = (end - start) / CELLS;
+    Node a, b;
+    look_at(start, look, s, work, &a);
+    for (size_t k = 0; k != N_NARROW; ++k) {
+        least[k] = most[k] = low[k] = high[k] = middle(&a, N_CROSSINGS + k);
+        band[k] = half_width(&a, N_CROSSINGS + k);
+        change[k] = 0.0;
+    }
+    for (int cell = 1; cell <= CELLS; ++cell) {
+        look_at(start + cell * h, look, s, work, &b);
+        bound_seen(&a, &b, work->w);
+        for (size_t k = 0; k != N_NARROW; ++k) {
+            const double *bounds = work->w + W_NARROW + 4 * k;
+            const double there = middle(&b, N_CROSSINGS + k);
+            least[k] = smaller(there, least[k]);
+            most[k] = larger(there, most[k]);
+            low[k] = smaller(bounds[0], low[k]);
+            high[k] = larger(bounds[1], high[k]);
+            band[k] = larger(half_width(&b, N_CROSSINGS + k), band[k]);
+            change[k] += h * (bounds[3] - bounds[2]);
+        }
+        a = b;
+    }
+    for (size_t k = 0; k != N_NARROW; ++k) {
+        const double range = most[k] - least[k], largest = larger(-least[k], most[k]);
+        const double nothing = band[k] + NOTHING * larger(largest, 1.0);
+        const int is_explained = change[k] <= EXPLAINED * range + nothing;
+        if (!is_explained && !(high[k] - low[k] <= STEADY * largest + nothing)) return 0;
+    }
+    return 1;
+}
+
+/* where a step to an end must end so that samples tell how parts vary with the state */
+static double told_end(double end, const Look *look, const State *s, Work *work)
+{
+    const double start = look->start, whole = end - start;
+    double first = start, allowed = whole, width = whole;
+    for (size_t n = 0; n != MOST_LOOKS; ++n) {
+        const double last = smaller(first + width, end);
+        const int good = are_narrow_told(first, last, look, s, work);
+        if (!good && width > FINEST * whole) {
+            width = 0.5 * width;
+            continue;
+        }
+        if (good) allowed = smaller(allowed, larger(first - start, last - first));
+        first = last;
+        if (!(first < start + allowed)) break;
+        width = 2.0 * width;
+    }
+    return allowed < whole ? start + allowed : end;
+}

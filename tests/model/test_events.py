@@ -1,0 +1,94 @@
+"""Events of a scene: formulas that pass zero, and what is refused of them."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from kousoku.model.builder import SceneBuilder
+from kousoku.model.errors import SceneError
+from kousoku.model.read import scene_from_dict
+from kousoku.model.switching import seen_of
+from kousoku.model.system import system_of
+
+Tree = dict[str, Any]
+
+
+@pytest.fixture
+def bead() -> Tree:
+    """Return the tables of a bead on the x axis, new for each test."""
+    return {
+        "name": "bead",
+        "unit": "cm",
+        "parameters": {"at": 1.0},
+        "bodies": {"bead": {"position": [0, 0, 0], "point": True, "mass": 1}},
+        "coordinates": {"x": {"body": "bead", "along": [1, 0, 0]}},
+        "events": {"there": {"when": "x - at", "direction": "rising", "action": "stop"}},
+    }
+
+
+def test_an_event_comes_into_the_system_with_what_it_reads(bead: Tree) -> None:
+    bead["coordinates"]["y"] = {"body": "bead", "along": [0, 1, 0]}
+    system = system_of(scene_from_dict(bead), ())
+    (event,) = system.events
+    assert (event.name, event.when, event.direction, event.action) == ("there", "x - at", 1, "stop")
+    assert [one.name for one in system.coordinates] == ["x"]
+    assert system.parameters == (("at", 1.0),)
+
+
+def test_the_builder_makes_the_same_events(bead: Tree) -> None:
+    builder = SceneBuilder("bead", unit="cm").parameter("at", 1.0)
+    builder.body("bead", position=(0, 0, 0), point=True, mass=1)
+    builder.coordinate("x", body="bead", along=(1, 0, 0))
+    built = builder.event("there", when="x - at", direction="rising", action="stop").build()
+    assert built == scene_from_dict(bead)
+
+
+@pytest.mark.parametrize(
+    ("event", "problem"),
+    [
+        ({"when": "at - 2"}, r"events\.there\.when: never changes, so that it passes zero nowhere"),
+        ({"when": "y - 2"}, r"events\.there\.when: column 1: unknown name 'y'"),
+        ({"when": "x -"}, r"events\.there\.when: column 4: the formula ends"),
+        ({"when": "x", "action": "halt"}, r"action: the text 'halt' stands where one of 'record'"),
+        ({"when": "x", "direction": "up"}, r"direction: the text 'up' stands where one of 'both'"),
+        ({"if": "x"}, r"events\.there\.when: is missing"),
+        ("x - 1", r"a table is wanted, such as \{ when = "),
+    ],
+)
+def test_what_is_no_event_is_refused(bead: Tree, event: object, problem: str) -> None:
+    bead["events"]["there"] = event
+    with pytest.raises(SceneError, match=problem):
+        scene_from_dict(bead)
+
+
+def test_a_linkage_of_nodes_has_no_events(bead: Tree) -> None:
+    nodes = {"A": {"at": [0, 0], "fixed": True}, "B": {"at": [1, 0]}}
+    links = {"a": {"nodes": ["A", "B"]}}
+    turn = {"turn": {"link": "a", "about": "A"}}
+    tree = {"name": "arm", "unit": "m", "nodes": nodes, "links": links, "inputs": turn}
+    with pytest.raises(SceneError, match="events: belong to bodies"):
+        scene_from_dict(tree | {"events": {"late": {"when": "t - 1"}}})
+
+
+@pytest.mark.parametrize(
+    ("force", "crossings", "narrow"),
+    [
+        ("max(0, -x)", 1, 0),
+        ("-3*abs(x_dot)*x_dot", 0, 0),
+        ("-abs(x_dot)*x", 1, 0),
+        ("-2*x^3 + at*x_dot", 0, 0),
+        ("exp(-(x/at)^2) - sin(x)", 0, 2),
+        ("x/at + sin(at)*x", 0, 0),
+        ("min(t - 1, x)*at", 1, 0),
+    ],
+)
+def test_what_of_a_force_is_looked_at(bead: Tree, force: str, crossings: int, narrow: int) -> None:
+    push = {"type": "along", "coordinate": "x", "force": force}
+    system = system_of(scene_from_dict(bead | {"forces": {"push": push}}), ())
+    seen = seen_of(system)
+    assert len(seen.crossings) == 1 + crossings
+    assert len(seen.narrow) == narrow
+    assert not seen.switches
+    assert not seen.features

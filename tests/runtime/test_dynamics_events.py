@@ -1,0 +1,401 @@
+"""Formulas that read the state: steps end where they switch, and where events are."""
+
+from __future__ import annotations
+
+import math
+import pickle
+import random
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pytest
+
+from kousoku.model.read import scene_from_toml
+from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.settings import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.toolchain import Toolchain
+
+#: A cart that meets a wall as a spring: it takes 2e4 N/m/kg over half a metre.
+WALL = """
+name = "wall"
+unit = "m"
+outputs = ["energies"]
+parameters = { at = 50.0, thick = 0.5, hold = 1e4, start = 0.0 }
+[bodies]
+cart = { position = [0, 0, 0], velocity = [10, 0, 0], boxes = [{ mass = 1, size = [1, 1, 1] }] }
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+[coordinates]
+x = { joint = "rail" }
+[forces]
+wall = { type = "along", coordinate = "x", force = "-hold*max(0, 1 - abs(x - at)/thick)" }
+"""
+#: A ball that falls onto a spring, and what is told of it.
+BALL = """
+name = "ball"
+unit = "m"
+gravity = [0, 0, "-g"]
+outputs = ["energies", "coordinates"]
+parameters = { k = 1e5, g = 10.0, level = 0.0 }
+[bodies]
+ball = { point = true, position = [0, 0, 1], mass = 1 }
+[coordinates]
+z = { body = "ball", along = [0, 0, 1] }
+[forces]
+mat = { type = "along", coordinate = "z", force = "k*max(0, level - z)" }
+[events]
+down = { when = "z - level", direction = "falling" }
+up = { when = "z - level", direction = "rising", action = "count" }
+top = { when = "z_dot", direction = "falling" }
+"""
+#: A ball on the way up and down: a narrow hill of force along it.
+HILL = """
+name = "hill"
+unit = "m"
+parameters = { at = 5.0, width = 1e-3, force = 1.0 }
+[bodies]
+bead = { point = true, position = [0, 0, 0], velocity = [1, 0, 0], mass = 1 }
+[coordinates]
+x = { body = "bead", along = [1, 0, 0] }
+[forces]
+hill = { type = "along", coordinate = "x", force = "LAW" }
+"""
+#: A mass that oscillates as sin(t), and is told of where it passes a level twice in a step.
+SWING = """
+name = "swing"
+unit = "m"
+outputs = ["coordinates"]
+parameters = { level = 0.9 }
+[bodies]
+bob = { point = true, position = [0, 0, 0], velocity = [1, 0, 0], mass = 1 }
+[joints.line]
+type = "point_on_line"
+bodies = ["ground", "bob"]
+points = [[0, 0, 0], [0, 0, 0]]
+axes = [[1, 0, 0], [1, 0, 0]]
+[coordinates]
+x = { body = "bob", along = [1, 0, 0] }
+[forces]
+spring = { type = "along", coordinate = "x", force = "-x" }
+[events]
+rise = { when = "x - level", direction = "rising" }
+fall = { when = "x - level", direction = "falling" }
+any = { when = "x - level", action = "count" }
+[events.late]
+when = "t - 20 + 0*x"
+action = "stop"
+"""
+WAYS: tuple[dict[str, Any], ...] = (
+    {"method": "dop853"},
+    {"method": "dopri5"},
+    {"method": "dop853", "step": 0.0037},
+    {"method": "dopri5", "step": 0.001},
+)
+
+
+@pytest.fixture
+def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callable[..., Any]:
+    """Return what makes a solver of a text."""
+    assert compiler
+
+    def solver(text: str, target: Any = "c") -> DynamicsSolver:
+        scene = scene_from_toml(text)
+        return load_dynamics(bodies_folder(scene, scene.outputs), target=target)
+
+    return solver
+
+
+@pytest.mark.parametrize("way", WAYS, ids=str)
+def test_a_cart_comes_back_from_a_wall(solver_of: Callable[..., Any], way: dict[str, Any]) -> None:
+    run = solver_of(WALL).simulate(10.0, samples=11, **way)
+    inside = math.pi / math.sqrt(2e4)
+    close = 1e-7 if "step" not in way else 1e-4
+    assert run.velocity["cart"][-1, 0] == pytest.approx(-10.0, abs=close)
+    assert run.position["cart"][-1, 0] == pytest.approx(
+        49.5 - 10.0 * (10.0 - 4.95 - inside), abs=10.0 * close
+    )
+    assert run.ledger.trust.is_trusted or "step" in way
+
+
+def test_no_wall_is_missed(solver_of: Callable[..., Any]) -> None:
+    solver, random_ = solver_of(WALL), random.Random(5)
+    for k in range(200):
+        thick = 10.0 ** random_.uniform(-6.0, 0.0)
+        at = random_.uniform(thick + 1.0, 90.0)
+        energy = 10.0 ** random_.uniform(1.8, 4.0)  # of the whole wall, 50 J in the cart
+        given = {"at": at, "thick": thick, "hold": 2.0 * energy / thick / 2.0}
+        run = solver.simulate(
+            10.0, samples=random_.choice((2, 101)), parameters=given, method=WAYS[k % 2]["method"]
+        )
+        # what a step may miss of a place [m] changes the speed by that times the frequency
+        close = 2e-7 + 2e-9 * math.sqrt(given["hold"] / thick)
+        assert run.velocity["cart"][-1, 0] == pytest.approx(-10.0, abs=close), given
+        assert run.ledger.energy_error < 1e-6
+        assert run.ledger.steps < 600
+
+
+def test_no_narrow_hill_is_missed(solver_of: Callable[..., Any]) -> None:
+    laws = {
+        "force*exp(-((x - at)/width)^2)": math.sqrt(math.pi),
+        "force/(1 + ((x - at)/width)^2)^2": math.pi / 2.0,
+    }
+    random_ = random.Random(7)
+    for law, area in laws.items():
+        solver = solver_of(HILL.replace("LAW", law))
+        for k in range(40):
+            width = 10.0 ** random_.uniform(-6.0, -2.0)
+            given = {"at": random_.uniform(1.0, 9.0), "width": width, "force": 0.1 / width}
+            run = solver.simulate(10.0, samples=2, parameters=given, **WAYS[k % 2])
+            speed = math.sqrt(1.0 + 2.0 * 0.1 * area)
+            far = 2e-3 if "/" in law[5:6] else 1e-7  # its flanks reach beyond both ends
+            assert run.velocity["bead"][-1, 0] == pytest.approx(speed, abs=far), given
+            assert run.ledger.steps < 400
+
+
+@pytest.mark.parametrize("way", WAYS, ids=str)
+def test_events_of_free_fall_are_at_the_exact_times(
+    solver_of: Callable[..., Any], way: dict[str, Any]
+) -> None:
+    solver, random_ = solver_of(BALL), random.Random(2)
+    for _ in range(50):
+        level, g = random_.uniform(-2.0, 0.9), random_.uniform(5.0, 15.0)
+        given = {"level": level, "g": g, "k": 1e5}
+        first = math.sqrt(2.0 * (1.0 - level) / g)
+        run = solver.simulate(0.99 * first + 0.02, samples=3, parameters=given, **way)
+        assert run.events["down"].time == pytest.approx([first], rel=1e-13)
+        states = run.events["down"].states
+        assert states.position["ball"][0, 2] == pytest.approx(level, abs=1e-13)
+        assert states.velocity["ball"][0, 2] == pytest.approx(-g * first, rel=1e-13)
+
+
+def test_a_ball_bounces_at_random_stiffness(solver_of: Callable[..., Any]) -> None:
+    solver, random_ = solver_of(BALL), random.Random(4)
+    for k in range(200):
+        stiff, g = 10.0 ** random_.uniform(2.5, 9.0), 10.0
+        fall = math.sqrt(2.0 / g)
+        omega = math.sqrt(stiff)
+        # z = -g/k + A cos(omega t + phase) in contact, from z = 0 with speed -g fall
+        contact = 2.0 / omega * (math.pi - math.atan2(g * fall * omega, g))
+        period = 2.0 * fall + contact
+        run = solver.simulate(
+            4.2 * period, samples=2, parameters={"k": stiff}, method=WAYS[k % 2]["method"]
+        )
+        wanted = [fall + n * period for n in range(4)]
+        assert run.events["down"].time == pytest.approx(wanted, abs=2e-7), stiff
+        assert run.events["top"].time == pytest.approx(
+            [n * period for n in range(1, 5)], abs=2e-7
+        ), stiff
+        assert run.events["up"].count == 4
+        assert len(run.events["up"].states) == 0
+        assert run.ledger.energy_error < 1e-6
+
+
+@pytest.mark.parametrize("way", [*WAYS[:2], {"tolerance": 1e-4}, {"step": 0.9}], ids=str)
+@pytest.mark.parametrize("level", [0.0, 0.3, 0.9, 0.99, 0.999, -0.9999])
+def test_two_roots_in_a_step_are_found(
+    solver_of: Callable[..., Any], way: dict[str, Any], level: float
+) -> None:
+    solver = solver_of(SWING)
+    run = solver.simulate(30.0, samples=2, parameters={"level": level}, **way)
+    rises = [math.asin(level) + 2 * math.pi * n for n in range(-1, 4)]
+    falls = [math.pi - math.asin(level) + 2 * math.pi * n for n in range(-1, 4)]
+    is_rough = bool({"tolerance", "step"} & {*way})
+    if is_rough and abs(level) > 0.99:
+        return  # so near the turn that the error of a step decides
+    close = 0.02 if is_rough else 1e-6
+    inside = [[t for t in times if 1e-9 < t < 20.0] for times in (rises, falls)]
+    assert run.events["rise"].time == pytest.approx(inside[0], abs=close)
+    assert run.events["fall"].time == pytest.approx(inside[1], abs=close)
+    assert run.events["any"].count == sum(map(len, inside))
+
+
+def test_a_run_that_an_event_ends_says_so(solver_of: Callable[..., Any]) -> None:
+    run = solver_of(SWING).simulate(30.0, samples=31)
+    assert run.stopped_by == "late"
+    assert run.time[-1] == pytest.approx(20.0, abs=1e-13)
+    assert len(run) == 22 or (len(run) == 21 and run.time[-2] == 19.0)
+    assert not run.is_complete
+    assert run.coordinate["x"][-1] == pytest.approx(math.sin(20.0), abs=1e-7)
+    assert "ended at t = 20 s by events.late" in run.notes
+    assert "ended at t = 20 s by events.late" in repr(run)
+    assert run.summary()["stopped_by"] == "late"
+    assert run.ledger.events["any"] == run.events["any"].count
+    assert "events: rise 4, fall 3, any 7, late 1" in str(run.ledger)
+
+
+def test_a_run_is_cut_at_events_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
+    solver = solver_of(SWING)
+    whole = solver.begin(np.linspace(0.0, 30.0, 100))
+    run = whole.finish()
+    parts = solver.begin(np.linspace(0.0, 30.0, 100))
+    statuses = []
+    while True:
+        statuses.append(parts.advance(1, 3))
+        if statuses[-1] in {Status.GOOD, Status.STOPPED}:
+            break
+        parts = solver.resume(pickle.loads(pickle.dumps(parts.save())))
+    again = parts.motion()
+    assert Status.EVENT in statuses
+    assert statuses[-1] == Status.STOPPED
+    assert parts.advance() == Status.STOPPED
+    assert np.array_equal(again.rows, run.rows)
+    assert np.array_equal(again.told.rows, run.told.rows)
+    assert again.told.counts == run.told.counts
+    assert np.array_equal(parts.motion().told.rows, run.told.rows)
+    restarted = whole.restart().finish()
+    assert np.array_equal(restarted.told.rows, run.told.rows)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_have_the_same_events_and_bits(solver_of: Callable[..., Any]) -> None:
+    for text, given in (
+        (WALL, {"thick": 0.3}),
+        (BALL, {"k": 3e4}),
+        (SWING, {"level": 0.99}),
+        (HILL.replace("LAW", "force*exp(-((x - at)/width)^2)"), {"force": 1e3}),
+    ):
+        for way in (*WAYS[:2], {"step": 0.031}):
+            runs = [
+                solver_of(text, target=target).begin(
+                    np.linspace(0.0, 8.0, 7), parameters=given, **way
+                )
+                for target in ("c", "numpy")
+            ]
+            for run in runs:
+                run.finish()
+            first, second = (run.save() for run in runs)
+            assert np.array_equal(first.rows, second.rows)
+            assert np.array_equal(first.state, second.state)
+            assert np.array_equal(first.events, second.events)
+
+
+#: A shaft that is led, a hammer that hits it, and where it is.
+SHAFT = """
+name = "shaft"
+unit = "m"
+outputs = ["energies"]
+[bodies]
+shaft = { position = [0, 0, 0], mass = 1, inertia = { xx = 0.1, yy = 0.1, zz = 0.1 } }
+[joints]
+axle = { type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1] }
+[coordinates]
+turn = { joint = "axle" }
+[drivers]
+motor = { coordinate = "turn", value = "2*t + sin(t)" }
+[forces]
+hammer = { type = "along", coordinate = "turn", force = "1e3*max(0, 1 - abs(turn - 5)/1e-3)" }
+brush = { type = "along", coordinate = "turn", force = "1e3*exp(-((turn - 9)/1e-3)^2)" }
+[events]
+turned = { when = "sin(turn)", direction = "rising" }
+slow = { when = "turn_dot - 2", direction = "falling", action = "count" }
+enough = { when = "turn - 16", action = "stop" }
+"""
+#: A jump from a bridge: the rope acts once it is straight, by its own law.
+JUMP = """
+name = "jump"
+unit = "cm"
+gravity = [0, 0, -1000]
+outputs = ["energies"]
+parameters = { k = 100.0, rope = 200.0 }
+[bodies]
+man = { point = true, position = [0, 0, -1e-3], mass = 1 }
+[forces.rope_law]
+type = "spring_damper"
+bodies = ["ground", "man"]
+points = [[0, 0, 0], [0, 0, 0]]
+free_length = "rope"
+tension = "k*max(0, x)"
+[coordinates]
+z = { body = "man", along = [0, 0, 1] }
+[events]
+lowest = { when = "z_dot", direction = "rising" }
+"""
+
+
+@pytest.mark.parametrize("rows", [2, 100])
+def test_drivers_lead_to_events_and_through_narrow_forces(
+    solver_of: Callable[..., Any], rows: int
+) -> None:
+    run = solver_of(SHAFT).simulate(12.0, samples=rows)
+
+    def when(turn: float) -> float:
+        t = turn / 2.0
+        for _ in range(60):
+            t -= (2.0 * t + math.sin(t) - turn) / (2.0 + math.cos(t))
+        return t
+
+    assert run.method == "kinematics"
+    assert run.stopped_by == "enough"
+    assert run.time[-1] == pytest.approx(when(16.0), abs=1e-8)
+    assert run.events["turned"].time == pytest.approx(
+        [when(2 * math.pi * n) for n in (1, 2)], abs=1e-8
+    )
+    assert run.events["slow"].count == 1  # cos(t) falls through zero
+    assert run.ledger.works["hammer"] == pytest.approx(1.0, rel=1e-4)
+    assert run.ledger.works["brush"] == pytest.approx(math.sqrt(math.pi), rel=1e-4)
+
+
+def test_a_rope_is_felt_where_it_is_straight(solver_of: Callable[..., Any]) -> None:
+    solver = solver_of(JUMP)
+    for k in range(40):
+        stiff, rope = 10.0 ** random.Random(k).uniform(1.0, 7.0), random.Random(k).uniform(10, 300)
+        run = solver.simulate(
+            20.0, samples=2, parameters={"k": stiff, "rope": rope}, method=WAYS[k % 2]["method"]
+        )
+        # m g (rope + d) = k d^2/2, from 1e-5 m below the bridge; k is the same in any unit
+        fall = (rope - 1e-3) / 100.0
+        deep = (10.0 + math.sqrt(100.0 + 2.0 * stiff * 10.0 * fall)) / stiff
+        lowest = run.events["lowest"].states.position["man"][:, 2]
+        assert len(lowest) > 3
+        assert lowest == pytest.approx(-(rope + 100.0 * deep), rel=1e-7)
+        assert run.ledger.trust.is_trusted
+
+
+def test_events_that_touch_or_stay_are_none(solver_of: Callable[..., Any]) -> None:
+    text = SWING.replace(
+        "[events]", '[events]\ntouch = { when = "1 + 1e-12 - x" }\nstays = { when = "x - x" }'
+    )
+    run = solver_of(text).simulate(19.0, samples=2)
+    assert run.events["touch"].count == run.events["stays"].count == 0
+    assert run.ledger.steps < 300
+    still = BALL.replace("position = [0, 0, 1]", "position = [0, 0, 0]").replace("-g", "0*g")
+    rest = solver_of(still).simulate(10.0, samples=2)
+    assert sum(rest.ledger.events.values()) == 0
+    assert rest.ledger.steps < 50
+
+
+@pytest.mark.parametrize(
+    ("when", "value"),
+    [
+        ("x_dot - level", lambda t, level: np.cos(t) - level),
+        ("sin(40*x + 0.5)", lambda t, _: np.sin(40.0 * np.sin(t) + 0.5)),
+        ("cos(11.7*t + 0.3) - 0.999", lambda t, _: np.cos(11.7 * t + 0.3) - 0.999),
+    ],
+    ids=["rate", "wave", "rare"],
+)
+def test_events_of_rates_and_of_many_roots_in_a_step(
+    solver_of: Callable[..., Any], when: str, value: Callable[..., Any]
+) -> None:
+    more = f'often = {{ when = "{when}", action = "count" }}\n[events.late]'
+    solver, random_ = solver_of(SWING.replace("[events.late]", more)), random.Random(1)
+    t = np.linspace(0.0, 20.0, 200_001)
+    for n in range(30):
+        level = 1.0 - 10.0 ** random_.uniform(-5.0, -1.0)
+        way = ({"step": 0.9}, {"method": "dopri5"}, {"method": "dop853"})[n % 3]
+        run = solver.simulate(30.0, samples=2, parameters={"level": level}, **way)
+        passes = np.count_nonzero(np.diff(np.sign(value(t, level))))
+        assert run.events["often"].count == passes, level
+
+
+def test_steps_that_are_far_too_long_end(solver_of: Callable[..., Any]) -> None:
+    run = solver_of(BALL).simulate(
+        8.0, samples=7, step=0.31, parameters={"k": 3e4}, most_steps=20_000
+    )
+    assert run.ledger.steps < 100
+    assert not run.ledger.trust.is_trusted
