@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .events import Told, add_row
 from .given import initial_of, require_options, require_steps, times_of, values_of
 from .methods import METHODS
 from .motion import Layout, Motion
@@ -126,6 +127,7 @@ class Run:
         self.state, self._work = np.zeros(solver.scene.state_size), np.zeros(solver.scene.work_size)
         self._rows, self._layout = np.empty((len(times), solver.scene.row_size)), scene.layout
         self._parameters = values
+        self._told: list[Array] = []
         start = np.array([*scene.data["q"], *scene.data["v"]], float)
         nq, given = solver.scene.nq, np.array(list(values.values()), float)
         if solver.scene.has_design:
@@ -162,9 +164,17 @@ class Run:
 
     def advance(self, max_steps: int = 16) -> int:
         """Go on for some steps; return 0 at the end, else why it returned, as in ``settings``."""
-        written = int(state_of(self._scene.solver.scene, self.state).next_row)
-        given = (self._settings, self.times, max_steps, self.state, self._work)
-        return self._scene.solver.run(*given, self._rows[written:])[0]
+        solver, state = self._scene.solver, state_of(self._scene.solver.scene, self.state)
+        last = state.steps + max_steps
+        while True:
+            rows, left = self._rows[int(state.next_row) :], int(last - state.steps)
+            status, written = solver.run(
+                self._settings, self.times, left, self.state, self._work, rows
+            )
+            if status in {Status.EVENT, Status.STOPPED}:
+                add_row(self._told, state.event, rows[written])
+            if status != Status.EVENT:
+                return status
 
     def finish(self) -> Motion:
         """Go on to the last time.
@@ -175,17 +185,18 @@ class Run:
             The motion cannot go on.
         """
         done = int(state_of(self._scene.solver.scene, self.state).steps)
-        self._require(self.advance(max(0, self.most_steps - done)))
+        status = self.advance(max(0, self.most_steps - done))
+        self._require(Status.GOOD if status == Status.STOPPED else status)
         return self.motion()
 
     def motion(self) -> Motion:
         """Return what was computed so far."""
         written = int(state_of(self._scene.solver.scene, self.state).next_row)
         data, scene = self._scene.data, self._scene.solver.scene
-        rows = CheckedRows(*([tuple(row) for row in data[part]] for part in CheckedRows._fields))
+        checked = ([tuple(row) for row in data[part]] for part in CheckedRows._fields)
         trust = trust_of(
             {one.name: one.view(self.state) for one in fields(scene.state_sizes)},
-            rows,
+            CheckedRows(*checked),
             self._layout,
             self.method,
             tolerance=self._settings.tolerance,
@@ -194,14 +205,20 @@ class Run:
             is_weighed=data["is_weighed"],
             is_driven=data["is_driven"],
         )
+        rows, is_complete = self._rows[:written], written == len(self.times)
+        counts = state_of(scene, self.state).counts.tolist()
+        events = np.array(self._told).reshape(-1, 1 + rows.shape[1])
+        if len(events) and self._layout.events[int(events[-1, 0])][1] == "stop":
+            rows = np.vstack((rows, events[-1:, 1:]))
         return Motion(
             self._layout,
-            self._rows[:written],
+            rows,
             target="numpy",
             method=self.method,
             parameters=self._parameters,
-            is_complete=written == len(self.times),
+            is_complete=is_complete,
             trust=trust,
+            told=Told(tuple(map(int, counts)), events),
         )
 
     def _require(self, status: int) -> None:

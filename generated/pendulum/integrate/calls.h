@@ -34,6 +34,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     if (HAS_ROW_SWITCH) note_usual_ratio(work, s);
     if (HAS_CONTINUATION && !continue_parameters(s, work)) return NOT_ASSEMBLED;
     if (!project(time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_ASSEMBLED;
+    note_lost_digits(work, s);
     note_largest_pivot(work, s);
     s->least_pivot_ratio = pivot_ratio(work, s);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, s->least_pivot_ratio);
@@ -99,6 +100,24 @@ static int advance(
     return status;
 }
 
+/* writes the row of an event that is still to be told, behind those of times, which it is not
+ * counted with */
+static int report_event(const Method *m, const Settings *settings, State *s, Work *work,
+    double *rows, size_t n_rows, size_t max_rows)
+{
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (s->fired[k] == 0.0) continue;
+        if (n_rows == max_rows) return BUFFER_FULL;
+        const int status = write_row(m, settings, s->time, s, work, rows + n_rows * ROW_SIZE);
+        if (status != GOOD) return status;
+        s->event = (double)(1 + k);
+        if (events[k][1] == STOP) return STOPPED;
+        s->fired[k] = 0.0;
+        return EVENT;
+    }
+    return GOOD;
+}
+
 int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, size_t max_steps,
     size_t max_rows, double *state, double *workspace, double *rows, size_t *n_rows)
 {
@@ -120,6 +139,8 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
             *n_rows += 1;
             s->next_row += 1;
         } else {
+            const int reported = report_event(m, settings, s, work, rows, *n_rows, max_rows);
+            if (reported != GOOD) return reported;
             if (steps == max_steps) return PAUSED;
             const int status = advance(m, settings, t, end, s, work);
             if (status != GOOD) return status;

@@ -182,8 +182,21 @@ static void accept_position(double end, double asked, Work *work, State *s)
     memcpy(s->f, last.f, NY * sizeof *s->y);
     if (end > asked) {
         memset(s->dense, 0, sizeof s->dense);
-        hermite_cubic(h, f_before, s->f, s);
+        hermite_cubic(h, s->y, f_before, s->f, s);
     }
+}
+
+/* where a position to an end must be, so that forces between are told, and events; one that leaps
+ * over a place stays where it is */
+static double watched_end(
+    const Settings *settings, double end, double part, Look *look, State *s, Work *work)
+{
+    const Position last = end_of(work);
+    look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
+    const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
+    const double seen = seen_end(end, look, s, work);
+    if (part > 1.0) return end;
+    return seen <= told && seen < end ? cut_at(seen, look) : smaller(told, seen);
 }
 
 /* the next position of a motion that drivers determine, at most at the time that is asked for.
@@ -194,6 +207,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
 {
     double drift = 0.0, part = 1.0;
     double longest = settings->largest_step;
+    Look look = { .cut = s->time };
     if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
     for (;;) {
         const int is_last = s->time + 1.0000001 * longest >= asked;
@@ -220,6 +234,16 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             longest = (good && isfinite(error) ? factor : 0.5) * whole;
             part = 1.0;
             continue;
+        }
+        if (N_SEEN > 0) {
+            const double seen = watched_end(settings, end, part, &look, s, work);
+            if (seen < end) {
+                if (seen == look.cut) asked = seen;
+                longest = larger(seen, s->time + FINEST * whole) - s->time;
+                part = 1.0;
+                continue;
+            }
+            note_crossings(end, &look, s, work);
         }
         note_pivot_ratio(ratio, end, s);
         s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio

@@ -7,13 +7,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .crossing import (
+    FINEST,
+    SMALLEST,
+    Look,
+    cut_at,
+    look_into,
+    note_crossings,
+    seen_end,
+    told_end,
+)
 from .dense_output import hermite_cubic
+from .methods import METHODS
 from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
 from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import SMALLEST, fastest, usual_energy, usual_rate
+from .stepper import fastest, usual_energy, usual_rate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -220,7 +231,21 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.f[:] = last.f
     if end > asked:
         state.dense[:] = 0.0
-        hermite_cubic(h, f_before, state.f, state)
+        hermite_cubic(h, state.y, f_before, state.f, state)
+
+
+def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
+    """Return where a position to an end must be, so that forces between are told, and events.
+
+    One that leaps over a place stays where it is.
+    """
+    last = end_of(look.work)
+    look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
+    told = told_end(end, look) if look.work.scene.has_narrow else end
+    seen = seen_end(end, look)
+    if part > 1.0:
+        return end
+    return cut_at(seen, look) if seen <= told and seen < end else smaller(told, seen)
 
 
 def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
@@ -232,6 +257,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     """
     part, longest = 1.0, s.largest_step
     has_energies = "energies" in work.scene.parts
+    look = Look(state, work, state.time)
     if state.step_size > 0.0:
         longest = smaller(state.step_size, longest)
     while True:
@@ -255,7 +281,14 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             state.rejected += 1
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
-            break
+            seen = watched_end(s, end, part, look) if work.scene.sees else end
+            if not seen < end:
+                break
+            if seen == look.cut:
+                asked = seen
+            longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
+    if work.scene.sees:
+        note_crossings(end, look)
     note_pivot_ratio(ratio, end, state)
     state.largest_pivot_ratio = (
         ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)

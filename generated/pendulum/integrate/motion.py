@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
+from .events import Event, Told
 from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
 if TYPE_CHECKING:
@@ -118,6 +119,8 @@ class Layout:
         How long the scene moves unless a run says so.
     jumps : tuple of str
         Keys of forces that jump where a ``sign`` in their formula changes.
+    events : tuple of (str, str)
+        Name and action of each event.
     """
 
     name: str
@@ -136,6 +139,7 @@ class Layout:
     notes: tuple[str, ...] = ()
     duration: float | None = None
     jumps: tuple[str, ...] = ()
+    events: tuple[tuple[str, str], ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -162,6 +166,7 @@ class Layout:
             notes=tuple(data["notes"]),
             duration=data["duration"],
             jumps=tuple(data["jumps"]),
+            events=tuple((name, action) for name, action in data["events"]),
         )
 
     def at(self, design: Array) -> Layout:
@@ -236,6 +241,8 @@ class Motion(Result):
         Whether all times are there.
     trust : Trust, optional
         The verdict where there is no ledger, which has it.
+    told : Told, optional
+        What is told of events.
 
     Attributes
     ----------
@@ -284,10 +291,12 @@ class Motion(Result):
         parameters: Mapping[str, float] | None = None,
         is_complete: bool = True,
         trust: Trust | None = None,
+        told: Told | None = None,
     ) -> None:
         self.layout, self.rows, self._ledger, self._trust = layout, rows, ledger, trust
         self._parameters = dict(parameters or {})
         self._tables: dict[str, Any] = {}
+        self.told = told or Told((), np.empty((0, 1 + rows.shape[1])))
         self.name, self.unit = layout.name, layout.unit_name
         self.target, self.method, self.is_complete = target, method, is_complete
 
@@ -320,9 +329,39 @@ class Motion(Result):
         return Named(self._parameters, f"{self.name}: no parameter")
 
     @property
+    def events(self) -> Mapping[str, Event]:
+        """The events of the scene: how often each was, when, and the states there."""
+        found = {}
+        for k, (name, action) in enumerate(self.layout.events):
+            rows = self.told.rows[self.told.rows[:, 0] == k, 1:]
+            states = Motion(
+                self.layout,
+                rows,
+                target=self.target,
+                method=self.method,
+                parameters=self._parameters,
+            )
+            count = self.told.counts[k] if self.told.counts else 0
+            found[name] = Event(name, action, count, states)
+        return Named(found, f"{self.name}: no event", f"{self.name}: it has no events")
+
+    @property
+    def stopped_by(self) -> str:
+        """The event that ended the run; empty where none did."""
+        if not len(self.told.rows):
+            return ""
+        name, action = self.layout.events[int(self.told.rows[-1, 0])]
+        return name if action == "stop" else ""
+
+    def _end(self) -> str:
+        """Return the line on the event that ended the run, empty where none did."""
+        by = self.stopped_by
+        return f"ended at t = {self.time[-1]:.9g} s by events.{by}" if by else ""
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """What a reader should know before he trusts the numbers, a line each."""
-        return tuple(filter(None, [*self.layout.notes, self.note()]))
+        return tuple(filter(None, [*self.layout.notes, self.note(), self._end()]))
 
     def main_columns(self, of: str | None = None) -> list[str]:
         """Return the columns that are shown where none are named.
@@ -495,6 +534,11 @@ class Motion(Result):
             "rows": len(self),
             "bodies": self._names("body"),
             "is_complete": self.is_complete,
+            "stopped_by": self.stopped_by,
+            "events": {
+                name: {"action": one.action, "count": one.count, "times": one.time.tolist()}
+                for name, one in self.events.items()
+            },
             "not_unique": list(self.not_unique),
             "reaction_length": self.reaction_length,
             "notes": list(self.notes),
@@ -526,6 +570,7 @@ class Motion(Result):
         if not len(self):
             return "no rows"
         stopped = "" if self.is_complete else ", stopped before its end"
+        stopped = f", {self._end()}" if self.stopped_by else stopped
         return (
             f"{len(self)} rows from {self.time[0]:g} to {self.time[-1]:g} s{stopped};"
             f" {self.unit}, kg, s, rad; {self.method} in {self.target}"

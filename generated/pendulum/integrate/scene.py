@@ -40,8 +40,8 @@ class Scene:
         A length of the scene: corrections are compared with it.
     closure_tolerance : float
         What rows that are left out may miss, relative to that length, or in radians.
-    reference_energy : float [J]
-        The error of work is compared with it where less has moved.
+    mass : float [kg]
+        Of all bodies: the error of work is compared with the energy that they have in motion.
     regions : mapping of str to (int, int)
         First slot and size of each named part of the workspace.
     work_size : int
@@ -60,8 +60,8 @@ class Scene:
         Values of the parameters, unless a run is given others.
     lengths : (nv,) array
         What corrections are compared with: the length [m] where a velocity moves, 1 where it turns.
-    floors : (nq + nv,) array
-        What the error of a component of y is compared with when it is zero.
+    floors : (nq,) array
+        What errors of coordinates are compared with.
     shifts : (n, 2) array
         Of each length that changes: its place in q and in v; first those that corrections are
         added to.
@@ -93,6 +93,10 @@ class Scene:
         Places of the design with numbers that must be positive.
     left_lengths : (n,) array
         What residuals of rows that are left out are compared with, as corrections are.
+    measure_sizes : (n,) array
+        What errors are compared with of what formulas read.
+    events : (n, 2) array
+        Of each event the direction, and the place of what a run does then in ``ACTIONS``.
     """
 
     name: str
@@ -100,7 +104,7 @@ class Scene:
     key: float
     length: float
     closure_tolerance: float
-    reference_energy: float
+    mass: float
     regions: Mapping[str, tuple[int, int]]
     work_size: int
     parts: Sequence[str]
@@ -128,6 +132,8 @@ class Scene:
     starts: Slots = field(init=False, repr=False)
     positive: Slots = field(init=False, repr=False)
     left_lengths: Array = field(init=False, repr=False)
+    measure_sizes: Array = field(init=False, repr=False)
+    events: Slots = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         kernels = [Kernel.read(*kernel) for kernel in self.kernels]
@@ -135,9 +141,10 @@ class Scene:
             "segments": {name: segment_of(kernels, text) for name, text in self.tasks.items()},
             "constants": numbers(self.tables["constants"]),
         }
-        for name in ("parameters", "floors", "inverse_masses"):
+        for name in ("parameters", "floors", "inverse_masses", "measure_sizes"):
             found[name] = np.array(numbers(self.tables[name]))
-        for name, width in (("shifts", 2), ("turns", 3), ("drivers", 2), ("starts", 2)):
+        widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 2}
+        for name, width in widths.items():
             found[name] = places(self.tables[name], width)
         for name in ("mass_places", "positive"):
             found[name] = places(self.tables[name], 1)[:, 0]
@@ -186,6 +193,16 @@ class Scene:
         return "features" in self.regions
 
     @property
+    def sees(self) -> bool:
+        """Whether steps are looked at for events, and for formulas that switch or vary in them."""
+        return "ranges" in self.regions
+
+    @property
+    def has_narrow(self) -> bool:
+        """Whether formulas vary with the state beyond polynomials."""
+        return "narrow" in self.regions
+
+    @property
     def has_refinement(self) -> bool:
         """Whether there are loops, in which rows may become dependent."""
         return "refinement" in self.tasks
@@ -209,6 +226,8 @@ class Scene:
             "N_PARAMETERS": self.size("parameters"),
             "MOMENTA": self.size("momenta"),
             "NCHECK": self.nc + self.size("C_left_out"),
+            "N_CROSSINGS": self.size("crossings") // 4,
+            "EVENTS": len(self.events),
         }
 
     @property
@@ -258,6 +277,10 @@ class Workspace:
     span: Array
     switches: Array
     features: Array
+    measures: Array
+    ranges: Array
+    crossings: Array
+    narrow: Array
     constants: Array
 
     def __init__(self, scene: Scene, slots: Array) -> None:
@@ -269,6 +292,9 @@ class Workspace:
         # the rows that are left out stand behind those that are solved for
         base, rows = scene.regions["C"][0], scene.nc + scene.size("C_left_out")
         self.all_C = slots[base : base + rows]
+        # those that vary with the state behind those that cross
+        base = scene.regions.get("crossings", scene.regions.get("narrow", (0, 0)))[0]
+        self.seen = slots[base : base + len(self.crossings) + len(self.narrow)]
 
     def run(self, segment: str) -> None:
         """Compute a segment; one that the scene lacks does nothing."""

@@ -21,6 +21,10 @@ KINEMATICS = "kinematics"
 CLEARLY = 10.0
 
 
+#: What a run does at an event, by its number.
+ACTIONS = ("record", "count", "stop")
+
+
 class Settings(NamedTuple):
     """How a run is made.
 
@@ -47,11 +51,17 @@ class Settings(NamedTuple):
 
 
 class Status(IntEnum):
-    """What a call returns; a run that was stopped goes on from where it is, with the same bits."""
+    """What a call returns; a run that was stopped goes on from where it is, with the same bits.
+
+    ``EVENT`` and ``STOPPED``: an event is at the time that was reached. Its row stands behind those
+    that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
+    """
 
     GOOD = 0
     BUFFER_FULL = 1
     PAUSED = 2
+    EVENT = 3
+    STOPPED = 4
     STEP_TOO_SMALL = -1
     NOT_PROJECTED = -2
     NOT_ASSEMBLED = -3

@@ -12,11 +12,11 @@ from .dense_output import prepare_dense
 from .kinematics import driven_step
 from .methods import METHODS
 from .pivot_monitor import note_largest_pivot, pivot_ratio
-from .projection import project
+from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, larger, smaller, state_of
-from .settings import Status
+from .settings import ACTIONS, Status
 from .stepper import first_step, step
 from .switching import meet_switches, resolved_step
 
@@ -101,6 +101,7 @@ class Solver:
             return Status.NOT_ASSEMBLED
         if project(time, 0.0, s.y, s.low, s.f, work, s) < 0.0:
             return Status.NOT_ASSEMBLED
+        note_lost_digits(work, s)
         note_largest_pivot(work, s)
         s.least_pivot_ratio = pivot_ratio(work, s)
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
@@ -190,6 +191,9 @@ class Solver:
                 n_rows += 1
                 s.next_row += 1
             else:
+                status = self._report_event(m, settings, s, work, rows[n_rows : n_rows + 1])
+                if status != Status.GOOD:
+                    return status, n_rows
                 if steps == max_steps:
                     return Status.PAUSED, n_rows
                 status = self._advance(m, settings, t, end, s, work)
@@ -197,6 +201,23 @@ class Solver:
                     return status, n_rows
                 steps += 1
         return Status.GOOD, n_rows
+
+    def _report_event(
+        self, m: Method, settings: Settings, s: State, work: Work, rows: Array
+    ) -> Status:
+        """Write the row of an event that is still to be told, behind those of times."""
+        for k in np.flatnonzero(s.fired).tolist():
+            if len(rows) == 0:
+                return Status.BUFFER_FULL
+            status = write_row(m, settings, s.time, s, work, rows[0])
+            if status != Status.GOOD:
+                return status
+            s.event = 1.0 + k
+            if ACTIONS[self.scene.events[k, 1]] == "stop":
+                return Status.STOPPED
+            s.fired[k] = 0.0
+            return Status.EVENT
+        return Status.GOOD
 
     def _advance(
         self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work

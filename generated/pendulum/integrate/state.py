@@ -162,6 +162,7 @@ class State:
     row_drift = Number("-", "largest correction of a row between steps, relative to LENGTH")
     not_finite = Number("-", "rows with numbers that are not finite, those passed left out")
     not_finite_time = Number("s", "when the first of them was")
+    event = Number("-", "1 + the event that was told last; 0: none yet")
     y = Numbers("NY", unit="", meaning="q, then v")
     low = Numbers("NY", unit="", meaning="what rounding of y has left over")
     f = Numbers("NY", unit="", meaning="time derivative of y")
@@ -171,6 +172,9 @@ class State:
     momenta = Numbers("MOMENTA", unit="", meaning="at the start, of those that are constant")
     momentum_errors = Numbers("MOMENTA", unit="", meaning="their largest changes")
     violations = Numbers("LEVELS", "NCHECK", unit="", meaning="largest of C, C_dot, C_ddot by row")
+    sides = Numbers("N_CROSSINGS", unit="-", meaning="1 or -1, side of each function; 0: not known")
+    counts = Numbers("EVENTS", unit="-", meaning="how often each event was")
+    fired = Numbers("EVENTS", unit="-", meaning="1 of an event that is still to be told")
 
     def __init__(self, numbers: Array, sizes: Mapping[str, int]) -> None:
         self.numbers = numbers
@@ -200,7 +204,7 @@ def fields(sizes: Mapping[str, int]) -> tuple[Field, ...]:
     Parameters
     ----------
     sizes : mapping of str to int
-        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``.
+        ``NY``, ``DENSE``, ``N_PARAMETERS``, ``MOMENTA``, ``NCHECK``, ``N_CROSSINGS``, ``EVENTS``.
     """
     known = {"LEVELS": LEVELS, **sizes}
     found: list[Field] = []

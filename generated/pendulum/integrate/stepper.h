@@ -2,12 +2,16 @@
 
 /* what may be left of the constraints at a stage inside of a step, in units of the tolerance */
 #define INNER 1e-3
-/* the smallest step, relative to the time */
-#define SMALLEST 1e-15
 /* how often a step is made shorter that has a stage where rows are nearly dependent, and how
  * much */
 #define PATIENCE 8
 #define SHORTER 0.9
+/* how often a step is made shorter for what varies with the state */
+#define MOST_SHORTER 8
+/* of a step whose error is larger, or than this relative to the state where steps are fixed, only a
+ * part that is longer is believed to lead to a crossing; how often an event is found again */
+#define LEAST_PART 0.02
+#define MOST_POLISHED 3
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -157,6 +161,9 @@ static int step(
     const double weak = is_fixed ? VAGUE : WEAK; /* ratios below this, where usual ones are 1 */
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
+    Look look = { .cut = s->time };
+    int shorter = 0, is_guessed = 0, polished = 0;
+    const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
         Trial trial = { 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0 };
@@ -182,9 +189,12 @@ static int step(
             continue;
         }
         if (!is_fixed && good) trial.error = local_error(m, h, s, work, settings->tolerance);
+        const int is_vague = N_SEEN > 0 && is_fixed && good &&
+                             !(local_error(m, h, s, work, LEAST_PART) <= 1.0);
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
-        if (good && trial.error <= 1.0 && asked < (trial.is_last ? end : s->time + h)) {
+        const double last = trial.is_last ? end : s->time + h;
+        if (good && trial.error <= 1.0 && (N_CROSSINGS > 0 || asked < last)) {
             is_whole = make_dense_stages(m, &trial, work, s);
         }
         if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
@@ -205,15 +215,48 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (!is_whole) trial.error = 1e3;
+        const double by_error = isfinite(trial.error)
+                                    ? larger(0.2, 0.9 * pow(trial.error, -1.0 / (double)m->order))
+                                    : 0.2;
+        if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
+            const int is_kept = trial.error <= 1.0;
+            const double *f = work->k[m->stages];
+            look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
+            look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
+            double to = last;
+            if (N_NARROW > 0 && is_kept && !is_fixed && shorter++ < MOST_SHORTER) {
+                to = told_end(last, &look, s, work);
+            }
+            /* one that leads beyond its end stays as it is */
+            const double seen = is_beyond ? last : seen_end(last, &look, s, work);
+            if (seen <= to && seen < last) {
+                to = end = cut_at(seen, &look);
+            } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {
+                const double there = smaller(polished_cut(&look, s, work), limit);
+                if (fabs(there - last) > 4.0 * SMALLEST * fabs(last)) {
+                    end = look.cut = there;
+                    s->step_size = larger(s->step_size, there - s->time);
+                    continue;
+                }
+            }
+            if (to < last && (is_kept || to == look.cut)) {
+                is_guessed = 1;
+                s->rejected += 1;
+                const double shorter_h = is_kept ? h : by_error * h;
+                s->step_size = to == look.cut ? larger(shorter_h, to - s->time) : to - s->time;
+                continue;
+            }
+        }
         if (trial.error <= 1.0) {
+            const double before = s->step_size;
             accept(m, &trial, end, rejected, work, s);
+            if (N_SEEN > 0) note_crossings(last, &look, s, work);
+            if (s->time == look.cut) s->step_size = larger(s->step_size, before);
             return GOOD;
         }
         rejected = 1;
         s->rejected += 1;
-        const double exponent = 1.0 / (double)m->order;
-        s->step_size = h * (isfinite(trial.error) ? larger(0.2, 0.9 * pow(trial.error, -exponent))
-                                                  : 0.2);
+        s->step_size = h * by_error;
     }
 }
 

@@ -8,6 +8,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .crossing import (
+    SMALLEST,
+    Look,
+    cut_at,
+    look_into,
+    note_crossings,
+    polished_cut,
+    seen_end,
+    told_end,
+)
 from .dense_output import combine
 from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
 from .projection import displacement_of, last_ratio, project, project_onto_tangent, ratio_at
@@ -29,11 +39,15 @@ if TYPE_CHECKING:
 
 #: What may be left of the constraints at a stage inside of a step, in units of the tolerance.
 INNER = 1e-3
-#: The smallest step, relative to the time.
-SMALLEST = 1e-15
 #: How often a step is made shorter that has a stage where rows are nearly dependent, how much.
 PATIENCE = 8
 SHORTER = 0.9
+#: How often a step is made shorter for what varies with the state.
+MOST_SHORTER = 8
+#: Of a step whose error is larger, or than this relative to the state where steps are fixed, only a
+#: part that is longer is believed to lead to a crossing; how often an event is found again.
+LEAST_PART = 0.02
+MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
 NEAR = 1e-3
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -212,6 +226,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     weak = VAGUE if is_fixed else WEAK  # ratios below this, where usual ones are 1
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
+    look, shorter, is_guessed = Look(state, work, state.time), 0, False
+    limit, polished = end, 0
     work.k[0] = state.f
     while True:
         h = smaller(state.step_size, s.largest_step)
@@ -239,10 +255,18 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             continue
         if not is_fixed and is_good:
             trial.error = local_error(m, trial.h, state, work, s.tolerance)
+        is_vague = (
+            work.scene.sees
+            and is_fixed
+            and is_good
+            and not local_error(m, trial.h, state, work, LEAST_PART) <= 1.0
+        )
         if is_good and trial.error <= 1.0:
             note_largest_pivot(work, state)
         is_whole = is_good
-        if is_good and trial.error <= 1.0 and asked < (end if is_last else state.time + trial.h):
+        last = end if is_last else state.time + trial.h
+        has_crossings, has_events = len(state.sides) > 0, len(state.counts) > 0
+        if is_good and trial.error <= 1.0 and (has_crossings or asked < last):
             is_whole = make_dense_stages(m, trial, work, state)
         if (is_good or is_fixed) and trial.least_ratio < weak * state.largest_pivot_ratio:
             if trial.least_ratio > 0.0 and trial.most_ratio < weak * state.largest_pivot_ratio:
@@ -260,13 +284,46 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return Status.NOT_PROJECTED
         if not is_whole:
             trial.error = 1e3
+        by_error = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order)) if trial.error else 1.0
+        if not math.isfinite(trial.error):
+            by_error = 0.2
+        is_kept = trial.error <= 1.0
+        if work.scene.sees and is_whole and (is_kept or not is_guessed):
+            has_stages = has_crossings and is_kept
+            look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
+            look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
+            to = last
+            if work.scene.has_narrow and is_kept and not is_fixed and shorter < MOST_SHORTER:
+                to, shorter = told_end(last, look), shorter + 1
+            # one that leads beyond its end stays as it is
+            seen = last if is_beyond else seen_end(last, look)
+            if seen <= to and seen < last:
+                to = end = cut_at(seen, look)
+            elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:
+                polished += 1
+                there = smaller(polished_cut(look), limit)
+                if abs(there - last) > 4.0 * SMALLEST * abs(last):
+                    end = look.cut = there
+                    state.step_size = larger(state.step_size, there - state.time)
+                    continue
+            if to < last and (is_kept or to == look.cut):
+                is_guessed = True
+                state.rejected += 1
+                shorter_h = trial.h if is_kept else by_error * trial.h
+                to_there = to - state.time
+                state.step_size = larger(shorter_h, to_there) if to == look.cut else to_there
+                continue
         if trial.error <= 1.0:
+            before = state.step_size
             accept(m, trial, end, work, state, was_rejected=was_rejected)
+            if work.scene.sees:
+                note_crossings(last, look)
+            if state.time == look.cut:
+                state.step_size = larger(state.step_size, before)
             return Status.GOOD
         was_rejected = True
         state.rejected += 1
-        factor = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order))
-        state.step_size = trial.h * (factor if math.isfinite(trial.error) else 0.2)
+        state.step_size = trial.h * by_error
 
 
 def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> Status:
