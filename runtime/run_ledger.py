@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: Fields of the state that are counts, and fields of the ledger.
 COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
-    *("fallbacks", "refinements"),
+    *("fallbacks", "refinements", "unresolved"),
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -103,6 +103,9 @@ class RunLedger:
     growth, growth_time : float, float [s]
         Smallest ratio of the smallest to the largest pivot of a factorisation, and when that was:
         it is near zero where the rank drops.
+    unresolved, unresolved_time : int, float or None [s]
+        Steps over times where bounds do not tell how formulas of time vary, as near a quotient that
+        is 0/0, and when the last of them was: what acts for a moment there may be passed over.
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, or as good as that, and when
         the last of them is: the polynomial between the states before and after tells their
@@ -157,6 +160,8 @@ class RunLedger:
     growth_time: float
     passed: int
     passed_time: float | None
+    unresolved: int
+    unresolved_time: float | None
     fallbacks: int
     fallback_time: float | None
     refinements: int
@@ -269,6 +274,12 @@ class RunLedger:
         if self.events:
             lines.append(f"events: {', '.join(f'{one} {n}' for one, n in self.events.items())}")
         lines += self._of_constraints()
+        if self.unresolved:
+            lines.append(
+                f"{self.unresolved} steps where bounds do not tell how formulas of time vary, the"
+                f" last at t = {self.unresolved_time:.6g} s: what acts for a moment there may be"
+                " passed over"
+            )
         if self.fallbacks:
             lines.append(
                 f"{self.fallbacks} factorisations of all rows, the last at t ="
@@ -326,6 +337,7 @@ def ledger_of(
         growth=single["least_pivot_ratio"],
         growth_time=single["least_pivot_ratio_time"],
         passed_time=single["passed_time"] if single["passed"] else None,
+        unresolved_time=single["unresolved_time"] if single["unresolved"] else None,
         fallback_time=single["fallback_time"] if single["fallbacks"] else None,
         energy=single["energy"] if solver.is_weighed else None,
         energy_error=single["energy_error"] if options.checks and solver.is_weighed else None,

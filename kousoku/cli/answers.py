@@ -321,6 +321,8 @@ class RunLedger(TypedDict):
     growth_time: Number
     passed: int
     passed_time: Number | None
+    unresolved: int
+    unresolved_time: Number | None
     fallbacks: int
     fallback_time: Number | None
     refinements: int

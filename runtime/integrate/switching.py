@@ -29,6 +29,12 @@ if TYPE_CHECKING:
 
 #: How many intervals a search looks at before the run goes on to where it came.
 MOST_INTERVALS = 4096
+#: So many steps in a row may be shorter by that factor than the longest before, which fades. Then
+#: steps go on unbounded, until they are long again.
+MOST_SHORT = 1000
+SHORT = 1e-4
+FADING = 0.9999
+LONG = 0.1
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
@@ -127,12 +133,18 @@ def is_resolved(first: float, last: float, w: Workspace) -> bool:
 def resolved_step(h: float, part: float, end: float, state: State, work: Work) -> float:
     """Return where a step of length h must end, at most at an end.
 
-    No longer than a part of the intervals that are resolved, unless it ends before such a one.
+    No longer than a part of the intervals that are resolved, unless it ends before such a one. What
+    keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted.
     """
     if not work.scene.has_features:
         return end
     start = first = state.time
     allowed = whole = smaller(h, end - start)
+    state.longest = larger(FADING * state.longest, whole)
+    if state.short_steps > MOST_SHORT and whole < LONG * state.longest:
+        state.unresolved += 1
+        state.unresolved_time = start
+        return end
     width = whole / part
     for _ in range(MOST_INTERVALS):
         last = first + width
@@ -146,5 +158,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
         if not first < start + allowed:
             break
         width = 2.0 * width
+    state.short_steps = state.short_steps + 1 if allowed < SHORT * state.longest else 0
+    if not allowed < whole:
+        return end
     # in equal steps: what is left of the way must be none too short
-    return start + whole / math.ceil(whole / allowed) if allowed < whole else end
+    return start + whole / math.ceil(whole / allowed)

@@ -7,6 +7,12 @@
 
 /* how many intervals a search looks at before the run goes on to where it came */
 #define MOST_INTERVALS 4096
+/* so many steps in a row may be shorter by that factor than the longest before, which fades; then
+ * steps go on unbounded, until they are long again */
+#define MOST_SHORT 1000
+#define SHORT 1e-4
+#define FADING 0.9999
+#define LONG 0.1
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
@@ -127,11 +133,18 @@ static int is_resolved(double first, double last, double *w)
 }
 
 /* where a step of length h must end, at most at an end: no longer than a part of the intervals that
- * are resolved, unless it ends before such a one */
-static double resolved_step(double h, double part, double end, const State *s, Work *work)
+ * are resolved, unless it ends before such a one; what keeps steps short for long, such as a quotient
+ * that is 0/0 somewhere, is gone over and counted */
+static double resolved_step(double h, double part, double end, State *s, Work *work)
 {
     if (N_FEATURES == 0) return end;
     const double start = s->time, whole = smaller(h, end - start);
+    s->longest = larger(FADING * s->longest, whole);
+    if (s->short_steps > MOST_SHORT && whole < LONG * s->longest) {
+        s->unresolved += 1;
+        s->unresolved_time = start;
+        return end;
+    }
     double first = start, allowed = whole, width = whole / part;
     for (size_t n = 0; n != MOST_INTERVALS; ++n) {
         const double last = first + width;
@@ -145,6 +158,8 @@ static double resolved_step(double h, double part, double end, const State *s, W
         if (!(first < start + allowed)) break;
         width = 2.0 * width;
     }
+    s->short_steps = allowed < SHORT * s->longest ? s->short_steps + 1 : 0;
+    if (!(allowed < whole)) return end;
     /* in equal steps: what is left of the way must be none too short */
-    return allowed < whole ? start + whole / ceil(whole / allowed) : end;
+    return start + whole / ceil(whole / allowed);
 }
