@@ -407,6 +407,7 @@ class VerifiedRow(TypedDict):
     inputs: dict[str, str]
     got: Number
     wanted: Number
+    limit: Number
     ok: bool
 
 

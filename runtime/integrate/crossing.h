@@ -180,8 +180,8 @@ static double time_of(
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
         look_at(time, look, s, work, &node);
-        const int is_behind = k < EVENTS ? side * middle(&node, k) <= 0.0
-                                         : side_at(&node, k) == -side;
+        const int is_behind = (int)k < EVENTS ? side * middle(&node, k) <= 0.0
+                                              : side_at(&node, k) == -side;
         if (is_behind) last = time;
         else first = time;
     }

@@ -17,7 +17,7 @@ MOST_STEPS = 1_000_000
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
 #: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
-#: rows.h has it, too.
+#: memory.h has it, too.
 CLEARLY = 10.0
 
 

@@ -133,8 +133,8 @@ static int is_resolved(double first, double last, double *w)
 }
 
 /* where a step of length h must end, at most at an end: no longer than a part of the intervals that
- * are resolved, unless it ends before such a one; what keeps steps short for long, such as a quotient
- * that is 0/0 somewhere, is gone over and counted */
+ * are resolved, unless it ends before such a one; what keeps steps short for long, such as a
+ * quotient that is 0/0 somewhere, is gone over and counted */
 static double resolved_step(double h, double part, double end, State *s, Work *work)
 {
     if (N_FEATURES == 0) return end;

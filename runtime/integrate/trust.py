@@ -59,6 +59,9 @@ class Trust:
         Largest change of energy that no work explains, and what that is compared with: the largest
         sum of kinetic energy, change of potential energy and works. None where rows were not
         checked, or drivers move bodies without mass.
+    work_error : float or None [J]
+        Under ``kinematics``, what a second rule of quadrature finds missing in works: energies of
+        rows cannot tell it where a load and its driver miss the same. Else None.
     constraints : float or None
         Largest residual of a constraint in position, relative to a length of the scene, or in
         radians; None where rows were not checked. Rows that are left out are not among them.
@@ -80,6 +83,7 @@ class Trust:
 
     energy_error: float | None
     energy_moved: float | None
+    work_error: float | None
     constraints: float | None
     missed: float
     closure_tolerance: float
@@ -169,8 +173,11 @@ def trust_of(
     many = HEALTHY * max(1.0, single["steps"] / PER_STEPS)
     limit, corrections = many * tolerance, many * max(tolerance, LEAST)
     knows_energy = checks and is_weighed
-    lost = single["energy_error"] if knows_energy else None
-    moved = single["energy_moved"] if knows_energy else None
+    lost, moved, unseen = (
+        single[name] if knows_energy else None
+        for name in ("energy_error", "energy_moved", "work_error")
+    )
+    unseen = unseen if is_led else None
     drift, row_drift = (None if is_led else single[name] for name in ("drift", "row_drift"))
     advice = "a smaller largest_step, or more rows" if is_led else advice
     problems, beyond = [], []
@@ -193,6 +200,13 @@ def trust_of(
                 f"energy is off by {shortly(lost)} J of {shortly(moved, 2)} J, wanted at most"
                 f" {shortly(allowed)} J"
             )
+        # without signs, so that errors of steps add up that are none in all
+        allowed = max(allowed, single["steps"] * tolerance * moved)
+        if unseen is not None and not unseen <= allowed:
+            beyond.append(
+                f"works are off by {shortly(unseen)} J of {shortly(moved, 2)} J, as positions"
+                f" between those of steps tell, wanted at most {shortly(allowed)} J"
+            )
     for name, size, most in (
         ("constraints are left by", constraints, corrections),
         ("a step left the constraints by", drift, corrections),
@@ -209,6 +223,7 @@ def trust_of(
     return Trust(
         energy_error=lost,
         energy_moved=moved,
+        work_error=unseen,
         constraints=constraints,
         missed=missed,
         closure_tolerance=layout.closure_tolerance,

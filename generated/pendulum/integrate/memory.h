@@ -1,5 +1,8 @@
 /* The memory that a caller owns: the state of a run, which solver.h lays out, and the workspace. */
 
+/* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
+#define CLEARLY 10.0
+
 typedef PUBLIC(settings) Settings;
 typedef PUBLIC(state) State;
 

@@ -9,9 +9,6 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
-#define CLEARLY 10.0
-
 /* whether the rows that are left out, which stand behind C, miss so many times CLOSURE_TOLERANCE at
  * most where they were evaluated last, relative to LENGTH */
 static int are_closed(const double *w, double times)
