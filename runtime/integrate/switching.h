@@ -11,7 +11,7 @@
  * steps go on unbounded, until they are long again */
 #define MOST_SHORT 1000
 #define SHORT 1e-4
-#define FADING 0.9999
+#define FORGETTING 0.9999
 #define LONG 0.1
 /* samples of an interval, by pieces between them */
 #define PIECES 4
@@ -139,7 +139,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
 {
     if (N_FEATURES == 0) return end;
     const double start = s->time, whole = smaller(h, end - start);
-    s->longest = larger(FADING * s->longest, whole);
+    s->longest = larger(FORGETTING * s->longest, whole);
     if (s->short_steps > MOST_SHORT && whole < LONG * s->longest) {
         s->unresolved += 1;
         s->unresolved_time = start;

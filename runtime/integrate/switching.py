@@ -33,7 +33,7 @@ MOST_INTERVALS = 4096
 #: steps go on unbounded, until they are long again.
 MOST_SHORT = 1000
 SHORT = 1e-4
-FADING = 0.9999
+FORGETTING = 0.9999
 LONG = 0.1
 #: Samples of an interval, by pieces between them.
 PIECES = 4
@@ -140,7 +140,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
         return end
     start = first = state.time
     allowed = whole = smaller(h, end - start)
-    state.longest = larger(FADING * state.longest, whole)
+    state.longest = larger(FORGETTING * state.longest, whole)
     if state.short_steps > MOST_SHORT and whole < LONG * state.longest:
         state.unresolved += 1
         state.unresolved_time = start

@@ -276,7 +276,7 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
         const int is_there = now == 0 && end == look->cut && look->was_crossing[k];
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
-        if (k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
+        if ((int)k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
         s->counts[k] += 1.0;
         if (events[k][1] != COUNT) s->fired[k] = 1.0;
     }
