@@ -76,6 +76,11 @@ def test_bodies_are_opened_as_they_were(loop: ks.Result, tmp_path: Path) -> None
     require_same(loop, opened)
     assert opened.parameters["mass"] == 2.5 == opened.ledger.parameters["mass"]
     assert opened.ledger.steps == loop.ledger.steps
+    assert opened.verdict == loop.verdict and opened.verdict.startswith("trust: energy ")
+    assert opened.ledger.trust.is_trusted is True
+    assert opened.ledger.trust.limit == loop.ledger.trust.limit
+    with pytest.raises(AttributeError, match="the verdict that was kept has no 'colour'"):
+        assert opened.ledger.trust.colour
     np.testing.assert_array_equal(opened.joint("a").force, loop.joint("a").force)
     assert opened.animate().html == loop.animate().html
     require_same(loop, pickle.loads(pickle.dumps(opened)))
