@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 #: Begins the names of arrays that are no columns: no part of a scene has a name with it.
 OWN = "kousoku/"
 FORMAT = 1
+#: The verdict on runs that were saved before it was kept.
+UNKNOWN = "trust: not known, this run was saved without its verdict"
 #: Characters of a reason that a message shows.
 LONGEST = 160
 #: Tables of a linkage, and the output that each comes with.
@@ -67,6 +69,8 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
         What the ledger says, and its numbers by name.
     counts : tuple of int
         How often each event was.
+    trust, trust_figures : str, dict
+        What the verdict says, and its numbers by name.
     """
 
     scene: str
@@ -78,6 +82,8 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
     ledger: str
     figures: dict[str, Any]
     counts: tuple[int, ...] = ()
+    trust: str = UNKNOWN
+    trust_figures: dict[str, Any] = {}
 
 
 class KeptTrajectory(Kept, tag="nodes", kw_only=True):
@@ -136,8 +142,8 @@ class Moved:
         return scene
 
 
-class KeptLedger:
-    """Ledger of a run that was opened: what it says, and its numbers by name.
+class KeptFigures:
+    """Ledger or verdict of a run that was opened: what it says, and its numbers by name.
 
     Parameters
     ----------
@@ -147,23 +153,44 @@ class KeptLedger:
         Its numbers by name, those that are not finite None.
     """
 
+    #: What it is, to tell what it does not have.
+    NAME = "verdict"
+
     def __init__(self, text: str, figures: Mapping[str, Any]) -> None:
         self._text, self._figures = text, dict(figures)
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_") or name not in self._figures:
-            raise AttributeError(f"the ledger that was kept has no {name!r}")
+            raise AttributeError(f"the {self.NAME} that was kept has no {name!r}")
         return self._figures[name]
 
     def __str__(self) -> str:
         return self._text
 
     def __repr__(self) -> str:
-        return f"<KeptLedger: {self._text.partition(chr(10))[0]}; print() shows all>"
+        return f"<{type(self).__name__}: {self._text.partition(chr(10))[0]}; print() shows all>"
 
     def as_data(self) -> dict[str, Any]:
         """Return its numbers, ready for JSON."""
         return dict(self._figures)
+
+
+class KeptLedger(KeptFigures):
+    """Ledger of a run that was opened, with its verdict.
+
+    Parameters
+    ----------
+    text, figures
+        As in :class:`KeptFigures`.
+    trust : KeptFigures
+        The verdict.
+    """
+
+    NAME = "ledger"
+
+    def __init__(self, text: str, figures: Mapping[str, Any], trust: KeptFigures) -> None:
+        super().__init__(text, figures)
+        self.trust = trust
 
 
 def arrays_of(result: Result) -> dict[str, Any]:
@@ -182,6 +209,8 @@ def arrays_of(result: Result) -> dict[str, Any]:
             ledger=str(result.ledger),
             figures=result.ledger.as_data(),
             counts=result.told.counts,
+            trust=str(result.ledger.trust),
+            trust_figures=result.ledger.trust.as_data(),
         )
     else:
         assert isinstance(result, Trajectory)
@@ -278,7 +307,11 @@ def _motion(about: KeptMotion, arrays: Mapping[str, Array]) -> Motion:
         rows,
         target=about.target,
         method=about.method,
-        ledger=KeptLedger(about.ledger, about.figures),
+        ledger=KeptLedger(
+            about.ledger,
+            about.figures,
+            KeptFigures(about.trust, about.trust_figures),
+        ),
         parameters=about.parameters,
         is_complete=about.is_complete,
         told=Told(about.counts, events),

@@ -31,7 +31,9 @@ def cache(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFact
 def test_scene_of_bodies_is_verified_by_its_file_and_by_its_name(run: Run) -> None:
     code, out, _ = run("verify", SCENES / "pendulum.toml", "--target", "numpy")
     assert code == 0
-    assert "solver  v_dot" in out
+    tables = [line.split()[:3] for line in out.splitlines()]
+    assert ["solver", "v_dot", "NumPy"] in tables
+    assert ["newton_euler", "acceleration", "NumPy"] in tables
     assert "units of at most 4" in out
     answer = json.loads(run("verify", "pendulum", "--target", "numpy", "--json").out)
     assert answer["ok"]

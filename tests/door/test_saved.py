@@ -76,10 +76,28 @@ def test_bodies_are_opened_as_they_were(loop: ks.Result, tmp_path: Path) -> None
     require_same(loop, opened)
     assert opened.parameters["mass"] == 2.5 == opened.ledger.parameters["mass"]
     assert opened.ledger.steps == loop.ledger.steps
+    assert str(opened.ledger.trust) == str(loop.ledger.trust)
+    assert repr(opened).startswith("trust: energy ")
+    assert opened.ledger.trust.is_trusted is True
+    assert opened.ledger.trust.limit == loop.ledger.trust.limit
+    with pytest.raises(AttributeError, match="the verdict that was kept has no 'colour'"):
+        assert opened.ledger.trust.colour
     np.testing.assert_array_equal(opened.joint("a").force, loop.joint("a").force)
     assert opened.animate().html == loop.animate().html
     require_same(loop, pickle.loads(pickle.dumps(opened)))
     require_same(loop, ks.open_run(kept(opened, tmp_path)))
+
+
+def test_a_run_that_was_saved_without_its_verdict_says_so(loop: ks.Result, tmp_path: Path) -> None:
+    with np.load(kept(loop, tmp_path)) as file:
+        arrays: dict[str, Any] = dict(file)
+    about = json.loads(str(arrays["kousoku/about"]))
+    del about["trust"], about["trust_figures"]
+    arrays["kousoku/about"] = np.array(json.dumps(about))
+    np.savez(tmp_path / "old.npz", **arrays)
+    opened = ks.open_run(tmp_path / "old.npz")
+    assert repr(opened).startswith("trust: not known, ")
+    assert opened.summary()["trust"] == {}
 
 
 def test_a_linkage_is_opened_as_it_was(lever: ks.Result, tmp_path: Path) -> None:

@@ -269,7 +269,7 @@ def test_folder_without_a_target_is_refused_or_the_other_is_taken(
     assert open_solver(where, manifest, only_numpy, "auto").name == "numpy"
     assert open_solver(where, manifest, files, "auto").name == "c"
     other: Any = "fortran"
-    with pytest.raises(ValueError, match="fortran"):
+    with pytest.raises(TargetError, match="fortran"):
         open_solver(where, manifest, files, other)
     monkeypatch.setenv("KOUSOKU_CC", "none")
     with pytest.raises(NoCompilerError):

@@ -410,12 +410,18 @@ def lead(start: Start, initial: Mapping[str, float]) -> tuple[Array, Array]:
     return q, v
 
 
+def _beside(wanted: float, value: float) -> str:
+    """Return a value as text; beside what is wanted, rounding of zero is zero."""
+    return "0" if abs(value) < 1e-12 * abs(wanted) else f"{value:.9g}"
+
+
 def _too_far(leader: Leader, q: Array, values: Mapping[int, float], made: float) -> str:
     """Say how far coordinates were led."""
     count = len(leader.names)
     reached, begun = (leader.value(at)[:count] / leader.units for at in (q, leader.start.q))
     parts = [
-        f"{leader.names[k]} comes from {begun[k]:.9g} to {reached[k]:.9g} of {wanted:.9g}"
+        f"{leader.names[k]} comes from {_beside(wanted, begun[k])} to"
+        f" {_beside(wanted, reached[k])} of {wanted:.9g}"
         for k, wanted in values.items()
     ]
     return (
