@@ -57,7 +57,8 @@ Y_DDOT = Named("y_ddot", abbreviate(curvature(Y), Y))
 COSINE = NamedScalar("c", Dot(SYMBOLS["a_i_b"], Y))
 SINE = NamedScalar("s", Dot(symbol(THIRD), Y))
 SQUARE = Divisor(COSINE**2 + SINE**2)
-
+#: One, and zero where there is no angle.
+APART = NamedScalar("apart", (COSINE**2 + SINE**2) / SQUARE)
 
 #: The axis, times the lengths of a_i and b_i.
 AXIS = Named("n", mul(skew(SYMBOLS["a_i_b"]), symbol(THIRD)))
@@ -99,7 +100,8 @@ def _closed() -> Closed:
     squares = [Dot(SYMBOLS[f"p_{body}"], SYMBOLS[f"p_{body}"]) for body in BODIES]
     axis_from_j = Named("n_j", mul(transpose(A["j"]), A["i"], AXIS))
     across = Named("m_j", mul(skew(axis_from_j), SYMBOLS["a_j_b"]))
-    turn = mul(squares[0] * squares[1] / SQUARE, Named("o_j", mul(skew(SYMBOLS["a_j_b"]), across)))
+    inverse = APART * squares[0] * squares[1] / SQUARE
+    turn = mul(inverse, Named("o_j", mul(skew(SYMBOLS["a_j_b"]), across)))
     row = (*own[:3], Named(own[3].name, transpose(turn)))
     kept = [[replaced(block, fixed, ACROSS) for block in line] for line in _second(fixed)]
     return Closed(

@@ -30,11 +30,12 @@ def test_counts_hold_every_task_once(mechanisms: SimpleNamespace) -> None:
     assert operations(program) == sum(count.operations for count in found)
 
 
-def test_accelerations_of_a_chain_cost_at_most_a_thousand_operations_a_body(
+def test_accelerations_of_a_chain_cost_about_a_thousand_operations_a_body(
     mechanisms: SimpleNamespace,
 ) -> None:
     cost = [cost_of_accelerations(compose(mechanisms.chain(n))) for n in (20, 40)]
-    assert (cost[1] - cost[0]) / 20 <= 1010
+    # 18 of them keep digits: γ of p1 from the relative angular velocity, where less cancels.
+    assert (cost[1] - cost[0]) / 20 <= 1020
 
 
 def test_forty_four_bars_cost_few_operations(mechanisms: SimpleNamespace) -> None:
