@@ -11,6 +11,7 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.given import Initial, numbers_of, times_of
 from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.options import METHODS, Options, options_of
+from kousoku.runtime.run_ledger import COUNTS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -21,15 +22,13 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: Numbers of a state that count something.
-COUNTS = (
-    *("next_row", "steps", "rejected", "derivatives", "factorisations"),
-    *("corrections", "passed", "fallbacks", "refinements", "event"),
-)
+#: Numbers of a state that count something: those of the ledger, and others.
+COUNTED = (*COUNTS, "next_row", "event", "short_steps", "not_finite")
 #: What a step goes on from.
 FINITE = (
     *("time", "time_before", "step_size", "y", "low", "f", "y_before", "dense"),
     *("parameters", "momenta", "sides", "counts", "fired"),
+    *("fastest", "untold", "is_refined", "longest"),
 )
 
 
@@ -128,7 +127,7 @@ def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
     ):
         yield f"its events belong to another solver: their shape is {saved.events.shape}"
         return
-    number = {name: float(fields[name].view(saved.state)) for name in (*COUNTS, "method")}
+    number = {name: float(fields[name].view(saved.state)) for name in (*COUNTED, "method")}
     yield from (
         f"{name} in the state is {value!r}; wanted a count"
         for name, value in number.items()
