@@ -32,9 +32,6 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
     Solver = DynamicsSolver | LinkageSolver
 
-#: What linkages are solved with, and scenes of bodies are not.
-OF_LINKAGES = ("turns", "first_turn", "from_turn", "limit")
-
 
 class Mechanism:
     """A mechanism: a linkage of nodes or a scene of bodies, with the solver that was made for it.
