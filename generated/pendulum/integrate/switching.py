@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .crossing import EXPLAINED, FINEST, NOTHING, SMALLEST, stays_positive
+from .crossing import EXPLAINED, FINEST, NOTHING, SMALLEST, largest, smallest, stays_positive
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
@@ -124,9 +124,9 @@ def is_resolved(first: float, last: float, w: Workspace) -> bool:
         _, (_, _, slowest, fastest) = bounds_between(a, b, w)
         change += h * (fastest - slowest)
         sample = bounds_between(b, b, w)[1][0]
-        least, most = np.where(sample < least, sample, least), np.where(sample > most, sample, most)
-    largest = np.where(-least > most, -least, most)
-    enough = EXPLAINED * (most - least) + NOTHING * np.where(largest > 1.0, largest, 1.0)
+        least, most = smallest(sample, least), largest(sample, most)
+    size = largest(largest(-least, most), np.ones_like(most))
+    enough = EXPLAINED * (most - least) + NOTHING * size
     return bool(np.all(change <= enough))
 
 
