@@ -155,6 +155,8 @@ def run(command: tuple[str, ...], tests: list[str]) -> int:
     line = [str(BIN / words[0]), *words[1:]] if is_program else [str(PYTHON), *words]
     # Lines that a task prints come at once, and are UTF-8 also where a console is not.
     environment = dict(os.environ, PYTHONUNBUFFERED="1", PYTHONUTF8="1")
+    # Tests start many processes: what Python compiled for one serves all that follow.
+    environment.pop("PYTHONDONTWRITEBYTECODE", None)
     if not target:
         return subprocess.call(line, env=environment)
     with Path(target).open("w", encoding="utf-8", newline="\n") as file:

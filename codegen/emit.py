@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 from dataclasses import astuple, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -44,8 +45,9 @@ _ROOT = Path(__file__).parents[1]
 _RUNTIME = _ROOT / "runtime"
 
 
+@cache
 def environment() -> Environment:
-    """Return the one way templates are read and filled."""
+    """Return the one way templates are read and filled; each is parsed once a process."""
     filled = Environment(
         loader=_TEMPLATES,
         undefined=StrictUndefined,

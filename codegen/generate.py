@@ -12,7 +12,7 @@ from kousoku.codegen.derived import (
     recall_committed,
     recall_or_derive,
 )
-from kousoku.codegen.emit import along_file, emit, sha256
+from kousoku.codegen.emit import LIBRARIES, along_file, emit, sha256, with_manifest
 from kousoku.codegen.kernel import Package
 from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
@@ -142,9 +142,20 @@ def _emitted(derived: Derived) -> SourceTree:
 def without(tree: SourceTree, *endings: str) -> SourceTree:
     """Return a package without the files whose names end so, and its manifest without them."""
     kept = {name: text for name, text in tree.items() if not name.endswith(endings)}
-    manifest = Manifest.from_json(tree[MANIFEST_FILE])
-    files = tuple(file for file in manifest.files if file[0] in kept)
-    return kept | {MANIFEST_FILE: replace(manifest, files=files).to_json()}
+    manifest = Manifest.from_json(kept.pop(MANIFEST_FILE))
+    return with_manifest(kept, manifest)
+
+
+def beside_runtime(tree: SourceTree) -> SourceTree:
+    """Return a package of a kind that is shipped with the runtime: it has no copies of its files.
+
+    Its NumPy imports them from there; the runtime gives C those that it includes.
+    """
+    taken = {
+        name: text.replace("from .batch_numpy import", "from kousoku.runtime.batch_numpy import")
+        for name, text in tree.items()
+    }
+    return without(taken, *LIBRARIES)
 
 
 def write_tree(folder: Path, tree: Mapping[str, str]) -> list[str]:

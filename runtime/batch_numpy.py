@@ -1,4 +1,6 @@
-"""NumPy kernels called once or over leading axes; a copy lies beside each ``kernels.py``.
+"""NumPy kernels called once or over leading axes; beside a ``kernels.py`` lies a copy.
+
+Only the kinds that kousoku ships take it from here.
 
 A generated folder works when it alone is copied out, so that this file imports NumPy only.
 """

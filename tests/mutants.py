@@ -3,7 +3,8 @@
 ``python tests/mutants.py runtime/integrate --run 20 --tier test`` makes 20 of all mistakes that the
 rules below find in a folder, one at a time in a copy of the checkout, runs the tests until one
 fails, and prints for each mistake which test that was. A mistake that no test notices survives:
-a test is missing there, or the code says something that does not matter.
+a test is missing there, or the code says something that does not matter. With
+``--tier quick test`` only what the first tier does not notice goes through the second.
 
 The choice is the same for the same sources and the same ``--seed``; ``--list`` prints all mistakes.
 """
@@ -169,7 +170,7 @@ def main() -> int:
     parser.add_argument("--list", action="store_true", help="print all mistakes and make none")
     parser.add_argument("--run", type=int, default=10, metavar="N", help="how many are made")
     parser.add_argument("--seed", type=int, default=1981)
-    parser.add_argument("--tier", choices=TIERS, default="quick")
+    parser.add_argument("--tier", choices=TIERS, nargs="+", default=["quick"])
     parser.add_argument("--tests", nargs="*", default=["tests"], help="files or folders of tests")
     parser.add_argument("--processes", default="2", help="of pytest")
     given = parser.parse_args()
@@ -180,21 +181,25 @@ def main() -> int:
     if given.list:
         print(*mutants, sep="\n")
         return 0
-    options = ["--numprocesses", given.processes, *TIERS[given.tier], *given.tests]
+    common = ["--numprocesses", given.processes, *given.tests]
+    tiers = {name: [*TIERS[name], *common] for name in given.tier}
     chosen = random.Random(given.seed).sample(mutants, min(given.run, len(mutants)))
     survived = 0
     with tempfile.TemporaryDirectory(prefix="kousoku-mutants-") as temporary:
-        folder, start = copied(Path(temporary, "checkout")), time.monotonic()
-        if wrong := run(folder, options, None):
-            sys.exit(f"the tests fail without any mistake: {wrong}")
-        patience = 60.0 + 3.0 * (time.monotonic() - start)
+        folder, patience = copied(Path(temporary, "checkout")), {}
+        for tier, options in tiers.items():
+            start = time.monotonic()
+            if wrong := run(folder, options, None):
+                sys.exit(f"the tests fail without any mistake: {wrong}")
+            patience[tier] = 60.0 + 3.0 * (time.monotonic() - start)
         for mutant in chosen:
             whole = (ROOT / mutant.path).read_text(encoding="utf-8")
             (folder / mutant.path).write_text(mutant.of(whole), encoding="utf-8", newline="\n")
-            by = run(folder, options, patience)
+            found_by = ((t, run(folder, options, patience[t])) for t, options in tiers.items())
+            tier, by = next(((tier, by) for tier, by in found_by if by), ("", ""))
             (folder / mutant.path).write_text(whole, encoding="utf-8", newline="\n")
             survived += not by
-            print(f"{'killed  ' if by else 'SURVIVED'}  {mutant}  {by}", flush=True)
+            print(f"{f'{tier:8}' if by else 'SURVIVED'}  {mutant}  {by}", flush=True)
     print(f"{len(chosen) - survived} of {len(chosen)} are noticed, out of {len(mutants)}")
     return min(survived, 1)
 

@@ -125,14 +125,12 @@ def _shown(folder: Path) -> Path:
 
 def _files(order: Order, target: Emitted) -> SourceTree:
     """Return a package as it is written into its folder, without sources of the other target."""
-    from kousoku.codegen.generate import without
-    from kousoku.runtime.library import LANES
+    from kousoku.codegen.generate import beside_runtime, without
 
     left_out = {Emitted.ALL: (), Emitted.C: (".py",), Emitted.NUMPY: (".c", ".h")}[target]
     tree = without(order.make(), *left_out)
-    # Of the kinds that are shipped lanes.h stands once, in the runtime beside them.
     is_shipped = order.folder.resolve().is_relative_to(generated_folder() / "kinds")
-    return without(tree, LANES.name) if is_shipped else tree
+    return beside_runtime(tree) if is_shipped else tree
 
 
 def _orders(name: str, out: Path | None, check: bool) -> list[Order]:

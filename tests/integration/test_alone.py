@@ -15,7 +15,7 @@ import pytest
 
 import kousoku.generated
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.generate import write_tree
+from kousoku.codegen.generate import generate_kind, write_tree
 from kousoku.generated import lever_crank
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime import load
@@ -72,7 +72,7 @@ def test_copied_folder_solves_with_numpy_alone(tmp_path: Path, method: str) -> N
 
 @pytest.mark.parametrize("name", ["n1", "p2"])
 def test_copied_kind_evaluates_with_numpy_alone(tmp_path: Path, name: str) -> None:
-    shutil.copytree(GENERATED / "kinds" / name, tmp_path / "mine")
+    write_tree(tmp_path / "mine", generate_kind(name, GENERATED / "kinds"))
     kernel = {"n1": "constraint", "p2": "constraint_y"}[name]
     wanted = load(GENERATED / "kinds" / name, target="numpy")[kernel]
     points = [
