@@ -343,6 +343,12 @@ class Result:
         """Draw columns over time, what was asked for unless named; a matplotlib ``Figure``."""
         return self._late("kousoku.result_plots", "plot").plot(self, *columns)
 
+    def figures(self, of: str | None = None) -> dict[str, Any]:
+        """Draw all plots of a run by name, as ``--plot FOLDER``, or those of a body or node."""
+        plots = self._late("kousoku.result_plots", "plot")
+        found: dict[str, Any] = plots.figures_of(self, of=of)
+        return found
+
     def animate(self, path: str | Path | None = None, **options: Any) -> Any:
         """Show the motion on a page of its own; options as of ``kousoku.view.animate``."""
         view = self._late("kousoku.view", "plot")
