@@ -31,8 +31,8 @@ SOLVER_FILES = {
 }
 #: The analysis that all scenes share: a folder of the runtime that goes along.
 LIBRARY = "kinematics"
-#: What results are made of, of another folder.
-RESULT = ("integrate/__init__.py", "integrate/result.py")
+#: What results are made of, and what checks options, of another folder.
+RESULT = ("integrate/__init__.py", "integrate/given.py", "integrate/result.py")
 
 
 def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) -> dict[str, str]:

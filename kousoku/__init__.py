@@ -7,7 +7,8 @@
 >>> run.animate("loop.html")
 
 ``derive`` shows how a constraint is derived, ``kinds`` holds the verified kernels, ``catalog``
-lists what scenes may have, ``verify`` recomputes 50-digit references on this machine.
+lists what scenes may have, ``verify`` recomputes 50-digit references on this machine, ``ledger``
+has every equation of the lectures with its verdict.
 """
 
 from importlib import import_module
@@ -15,6 +16,7 @@ from pathlib import Path as _Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from kousoku import ledger
     from kousoku.cataloging import catalog
     from kousoku.checking import explain, verify
     from kousoku.committed import kinds
@@ -53,6 +55,7 @@ _MODULES = {
     "kinds": "committed",
     "number": "deriving",
     "explain": "checking",
+    "ledger": "ledger",
     "verify": "checking",
     "Mechanism": "mechanism",
     "open_run": "saved",
@@ -91,6 +94,7 @@ __all__ = [
     "explain",
     "kernels",
     "kinds",
+    "ledger",
     "load",
     "number",
     "open_run",
@@ -102,7 +106,8 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is asked for: NumPy alone is needed until then."""
     if name not in _MODULES:
         raise AttributeError(f"module 'kousoku' has no attribute {name!r}")
-    found = getattr(import_module(f"kousoku.{_MODULES[name]}"), name)
+    module = import_module(f"kousoku.{_MODULES[name]}")
+    found = module if name == _MODULES[name] else getattr(module, name)
     globals()[name] = found
     return found
 

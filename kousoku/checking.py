@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, overload
 
 from kousoku.loading import Given, naming, solver_folder
 from kousoku.mechanism import Mechanism
@@ -21,31 +21,45 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.runtime.library import Library
     from kousoku.runtime.report import Report
+    from kousoku.stages import KernelExplanation
     from kousoku.symbolic.derivation import Derivation
 
 
+@overload
+def explain(mechanism: Derivation) -> KernelExplanation: ...
+@overload
 def explain(
     mechanism: Mechanism | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
-) -> Explanation | LinkageExplanation:
+) -> Explanation | LinkageExplanation: ...
+def explain(
+    mechanism: Derivation | Mechanism | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
+) -> Explanation | LinkageExplanation | KernelExplanation:
     """Explain what a solver leaves out, what each step saves, and what remains.
 
     Parameters
     ----------
-    mechanism : Mechanism, or what :func:`kousoku.load` takes
-        The mechanism.
+    mechanism : Mechanism, what :func:`kousoku.load` takes, or Derivation
+        The mechanism; or the derivation of a constraint.
 
     Returns
     -------
     Explanation
         ``print`` shows it as tables; it has the degrees of freedom and the rows of constraints
-        that depend on others, by the names of their joints.
+        that depend on others, by the names of their joints. Of a derivation: the operations of its
+        kernels, stage by stage, and their graphs.
 
     Raises
     ------
     SceneError, AssemblyError
         As of :func:`kousoku.load`.
     """
+    from kousoku.symbolic.derivation import Derivation
+
     outputs = None
+    if isinstance(mechanism, Derivation):
+        from kousoku.stages import KernelExplanation
+
+        return KernelExplanation(mechanism)
     if isinstance(mechanism, Mechanism):
         scene, outputs = mechanism.scene, mechanism.outputs
         file = mechanism.file

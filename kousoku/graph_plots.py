@@ -1,6 +1,6 @@
 """Plots of kernels: the expression graph with and without sharing, and counts of operations.
 
-Needs matplotlib (the extra ``plot``); :func:`kousoku.plots.to_svg` writes them.
+Needs matplotlib (the extra ``plot``).
 """
 
 from __future__ import annotations
@@ -9,20 +9,21 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib as mpl
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from kousoku.codegen.graph import Op
+from kousoku.plots import Drawing
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from matplotlib.typing import RcKeyType
 
     from kousoku.codegen.kernel import Kernel
 
     #: Where nodes stand, as (x, depth, operation), and the lines between them.
-    Drawing = tuple[list[tuple[float, int, Op]], list[list[tuple[float, int]]]]
+    Layers = tuple[list[tuple[float, int, Op]], list[list[tuple[float, int]]]]
 
 _STYLE: dict[RcKeyType, Any] = {
     "axes.spines.right": False,
@@ -53,7 +54,7 @@ def draw_sharing(kernel: Kernel, *, title: str) -> Figure:
     """
     drawings = (_tree(kernel), _graph(kernel))
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(7.2, 5.6), layout="constrained")
+        figure = Drawing(figsize=(7.2, 5.6), layout="constrained")
         panels = figure.subplots(2, 1)
         for panel, words, drawing in zip(panels, ("not shared", "shared"), drawings, strict=True):
             _draw(panel, drawing)
@@ -84,7 +85,7 @@ def draw_counts(counts: Mapping[str, Sequence[int]], names: Sequence[str], *, ti
     height = 0.8 / len(counts)
     shades = ("#f2c4b3", "#d1603d", "#a8cfdb", "#1f6f8b")
     with mpl.rc_context(_STYLE):
-        figure = Figure(figsize=(6.4, 0.9 + 0.9 * len(names)), layout="constrained")
+        figure = Drawing(figsize=(6.4, 0.9 + 0.9 * len(names)), layout="constrained")
         axes = figure.subplots()
         for k, (stage, values) in enumerate(counts.items()):
             places = [place + (k - (len(counts) - 1) / 2) * height for place in range(len(names))]
@@ -99,7 +100,7 @@ def draw_counts(counts: Mapping[str, Sequence[int]], names: Sequence[str], *, ti
     return figure
 
 
-def _draw(axes: Axes, drawing: Drawing) -> None:
+def _draw(axes: Axes, drawing: Layers) -> None:
     nodes, lines = drawing
     axes.add_collection(LineCollection(lines, colors=_EDGE, linewidths=0.5, zorder=1))
     size = 16 if len(nodes) < 150 else 5
@@ -122,7 +123,7 @@ def _heights(kernel: Kernel) -> list[int]:
     return heights
 
 
-def _tree(kernel: Kernel) -> Drawing:
+def _tree(kernel: Kernel) -> Layers:
     """Return the drawing in which each use of a value has a node of its own."""
     nodes: list[tuple[float, int, Op]] = []
     lines: list[list[tuple[float, int]]] = []
@@ -147,7 +148,7 @@ def _tree(kernel: Kernel) -> Drawing:
     return nodes, lines
 
 
-def _graph(kernel: Kernel) -> Drawing:
+def _graph(kernel: Kernel) -> Layers:
     """Return the drawing in which each value has one node, in layers, near to its neighbours."""
     heights = _heights(kernel)
     neighbours: list[list[int]] = [[] for _ in kernel.nodes]

@@ -174,10 +174,8 @@ class Mechanism:
         if isinstance(self.solver, DynamicsSolver):
             with self._passed_on():
                 return self.result_of(self.solver.simulate(**when, progress=progress, **options))
-        given: dict[str, Any] = {**options}
-        require_options(self.name, given, ("method", "limit"), *when)
         with self._passed_on():
-            return self.result_of(self.solver.simulate(**when, **given))
+            return self.result_of(self.solver.simulate(**when, **options))
 
     def _duration(self) -> float:
         duration = getattr(self.scene, "duration", None)

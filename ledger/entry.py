@@ -52,9 +52,9 @@ class Check:
     run: Callable[[], str]
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Entry:
-    """A displayed equation, or a sentence that states a condition.
+    """A displayed equation, or a sentence that states a condition; a notebook shows it typeset.
 
     Parameters
     ----------
@@ -99,6 +99,14 @@ class Entry:
     def true_form(self) -> str:
         """The form that is true: the corrected one, or the printed one where that holds."""
         return self.corrected or self.printed
+
+    def __repr__(self) -> str:
+        return f"<({self.equation}) of {self.document.title}: {self.verdict}>"
+
+    def _repr_latex_(self) -> str:
+        from kousoku.ledger.page import notebook_entry
+
+        return notebook_entry(self)
 
 
 LECTURE_7_1 = Document("001_9db7d55c2f1b4aef.txt", "lecture 7.1")

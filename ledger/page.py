@@ -147,3 +147,16 @@ def _markdown_form(entry: Entry, text: str) -> list[str]:
         return [f"> {' '.join(text.split())}"]
     body = typeset(text)
     return ["```math", body, "```"] if body else ["```text", verbatim(text), "```"]
+
+
+def notebook_entry(entry: Entry) -> str:
+    """Return both forms of an entry as a notebook takes them: words, with formulas as LaTeX."""
+    forms = {"printed": entry.printed, "corrected": entry.corrected}
+    return " ".join(f"{name}: {_shown(entry, form)}" for name, form in forms.items() if form)
+
+
+def _shown(entry: Entry, text: str) -> str:
+    if entry.is_sentence:
+        return sentence(text)
+    body = typeset(text)
+    return f"$${body}$$" if body else verbatim(text)

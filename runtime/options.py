@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Literal, TypedDict
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.integrate.given import Initial, initial_of, require_steps, values_of
+from kousoku.runtime.integrate.given import require_steps, values_of
+from kousoku.runtime.integrate.initial_given import Initial, initial_of
 from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.integrate.settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings
 

@@ -16,12 +16,12 @@ from kousoku.runtime.error_estimate import error_estimate, second_options, secon
 from kousoku.runtime.given import require_callable
 from kousoku.runtime.integrate.events import Told, add_row
 from kousoku.runtime.integrate.given import (
-    Initial,
     numbers_of,
     require_numbers,
     require_room,
     require_shape,
 )
+from kousoku.runtime.integrate.initial_given import Initial
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.model.errors import SolveError
-from kousoku.runtime.integrate.given import Initial, numbers_of, times_of
+from kousoku.runtime.integrate.given import numbers_of, times_of
+from kousoku.runtime.integrate.initial_given import Initial
 from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.options import METHODS, Options, options_of
 from kousoku.runtime.run_ledger import COUNTS

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import re
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
+import kousoku as ks
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.trace import without_sharing
@@ -57,6 +59,39 @@ def test_bars_are_as_long_as_the_counts() -> None:
     assert [bar.get_width() for bar in axes.patches] == [12, 30, 8, 29]
     assert [label.get_text() for label in axes.get_yticklabels()] == ["one", "two"]
     assert axes.yaxis_inverted()
+
+
+def test_a_derivation_is_explained_stage_by_stage() -> None:
+    derivation = ks.derive("n1")
+    found = ks.explain(derivation)
+    whole, alone = found.graph("constraint"), found.graph("constraint", "C")
+    assert whole.operations.total() > alone.operations.total() > 0
+    (matrix,) = [s for s in found.stages if (s.kernel, s.level) == ("constraint", "matrix level")]
+    assert (matrix.shared, matrix.not_shared) == (whole.operations.total(), without_sharing(whole))
+    assert matrix.after_factor <= matrix.after_drop_dead <= matrix.shared < matrix.not_shared
+    emitted = dict(ks.kernels("n1", target="numpy").manifest.kernels[0].operations)
+    assert sum(emitted.values()) == matrix.after_factor
+    assert str(found).count("\n") == len(found.as_data()["stages"]) == 2 * len(derivation.functions)
+    figure: Any = found.plot()
+    (bars,) = figure.axes
+    wanted = [(s.shared, s.after_factor) for s in found.stages]
+    assert sorted(bar.get_width() for bar in bars.patches) == sorted(
+        x for two in wanted for x in two
+    )
+    shared = found.plot("constraint", "C").axes[1].get_title(loc="left")
+    assert shared == f"shared: {alone.operations.total()} operations"
+
+
+@pytest.mark.parametrize(
+    ("names", "wanted"),
+    [
+        (("constrain",), "n1: no kernel 'constrain'; has constraint, rates, reaction"),
+        (("constraint", "D"), "n1: no output of constraint 'D'; has C, C_q"),
+    ],
+)
+def test_a_graph_that_there_is_not_is_refused(names: tuple[str, ...], wanted: str) -> None:
+    with pytest.raises(ks.KousokuError, match=f"^{re.escape(wanted)}$"):
+        ks.explain(ks.derive("n1")).graph(*names)
 
 
 def test_the_same_kernel_gives_the_same_bytes(kernel: Kernel) -> None:

@@ -88,7 +88,8 @@ def test_many_bodies_are_not_all_drawn_unless_one_is_named() -> None:
 
 def test_a_linkage_has_the_figures_of_the_paper() -> None:
     run = ks.load(SCENES / "lever_crank.toml").solve()
-    assert [*plots.figures_of(run)] == ["O3_velocity", "O3_acceleration", "O3_motion"]
+    assert [*run.figures("O2")] == ["O2_velocity", "O2_acceleration", "O2_motion"]
+    assert [*run.figures()] == ["O3_velocity", "O3_acceleration", "O3_motion"]
     assert labels(run.plot()) == [
         "O3: position [cm]",
         "O3: velocity [cm/s]",

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .events import Told, add_row
-from .given import initial_of, require_options, require_steps, times_of, values_of
+from .given import require_options, require_steps, times_of, values_of
+from .initial_given import initial_of
 from .methods import METHODS
 from .motion import Layout, Motion
-from .result import unknown
+from .result import StoppedError, unknown
 from .scene import state_of
 from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status
 from .state import fields
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
-    from .given import Initial
+    from .initial_given import Initial
     from .solver import Solver
 
     Array: TypeAlias = npt.NDArray[np.float64]
@@ -63,8 +64,8 @@ class Alone:
 
         Raises
         ------
-        ArithmeticError
-            The motion cannot go on.
+        StoppedError
+            The motion cannot go on; an ``ArithmeticError`` with what was computed as ``result``.
         ValueError
             An option is not possible.
         TypeError
@@ -181,12 +182,13 @@ class Run:
 
         Raises
         ------
-        ArithmeticError
+        StoppedError
             The motion cannot go on.
         """
         done = int(state_of(self._scene.solver.scene, self.state).steps)
         status = self.advance(max(0, self.most_steps - done))
-        self._require(Status.GOOD if status == Status.STOPPED else status)
+        if status not in {Status.GOOD, Status.STOPPED}:
+            raise StoppedError(self._why(status), self.motion())
         return self.motion()
 
     def motion(self) -> Motion:
@@ -223,6 +225,7 @@ class Run:
 
     def _require(self, status: int) -> None:
         if status != Status.GOOD:
-            raise ArithmeticError(
-                f"{self._scene.layout.name}: {MESSAGES[status]}, at t = {self.time:.9g} s"
-            )
+            raise ArithmeticError(self._why(status))
+
+    def _why(self, status: int) -> str:
+        return f"{self._scene.layout.name}: {MESSAGES[status]}, at t = {self.time:.9g} s"

@@ -343,6 +343,12 @@ class Result:
         """Draw columns over time, what was asked for unless named; a matplotlib ``Figure``."""
         return self._late("kousoku.result_plots", "plot").plot(self, *columns)
 
+    def figures(self, of: str | None = None) -> dict[str, Any]:
+        """Draw all plots of a run by name, as ``--plot FOLDER``, or those of a body or node."""
+        plots = self._late("kousoku.result_plots", "plot")
+        found: dict[str, Any] = plots.figures_of(self, of=of)
+        return found
+
     def animate(self, path: str | Path | None = None, **options: Any) -> Any:
         """Show the motion on a page of its own; options as of ``kousoku.view.animate``."""
         view = self._late("kousoku.view", "plot")
@@ -431,18 +437,36 @@ def shortly(number: float, digits: int = 1) -> str:
     return f"{mantissa}e{int(exponent)}" if e else mantissa
 
 
-def refusal(text: str, kind: str = "SolveError", alone: type[Exception] = ValueError) -> Exception:
-    """Return an error of kousoku; where that is not installed another one."""
+class StoppedError(ArithmeticError):
+    """A motion that cannot go on, where kousoku is not installed.
+
+    Parameters
+    ----------
+    problem : str
+        Where it stopped, and why.
+    result : Result
+        What was computed up to there.
+    """
+
+    def __init__(self, problem: str, result: object) -> None:
+        self.result = result
+        super().__init__(problem)
+
+
+def refusal(
+    text: str, kind: str = "SolveError", *more: object, alone: type[Exception] = ValueError
+) -> Exception:
+    """Return an error of kousoku, which may take more; where that is not installed another one."""
     try:
-        error: Exception = getattr(import_module("kousoku.model.errors"), kind)(text)
+        error: Exception = getattr(import_module("kousoku.model.errors"), kind)(text, *more)
     except ModuleNotFoundError:
-        return alone(text)
+        return alone(text, *more) if alone is StoppedError else alone(text)
     return error
 
 
 def missing(text: str) -> Exception:
     """Return the ``KeyError`` of a name that there is not."""
-    return refusal(text, "NotInResultError", MissingError)
+    return refusal(text, "NotInResultError", alone=MissingError)
 
 
 def listed(names: Sequence[str], most: int = SHOWN) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
@@ -11,15 +11,12 @@ import numpy as np
 
 from ..integrate.result import Column, Named, Result, missing, not_generated
 from .rows import METHODS
-from .solve import solve
-from .status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable, Mapping
 
     import numpy.typing as npt
 
-    from .equations import Kernels
     from .mechanism import Array, Mechanism
     from .rows import Rows, Run
 
@@ -332,47 +329,3 @@ def _times(run: Run, count: int) -> Array | None:
         return None
     times: Array = took[0] * ((run.first + np.arange(count)) / run.divisions)
     return times
-
-
-def solve_alone(mechanism: Mechanism, kernels: Kernels, run: Run, name: str) -> Trajectory:
-    """Return the motion that is asked for, where kousoku is not installed.
-
-    Raises
-    ------
-    ArithmeticError
-        The mechanism cannot be assembled, or not be moved on.
-    """
-    rows = solve(mechanism, kernels, run)
-    if rows.status != Status.GOOD:
-        block = mechanism.blocks[rows.block]
-        names = [unknown.name for unknown in mechanism.unknowns[block.unknowns]]
-        raise ArithmeticError(
-            f"{Status(rows.status).message}: {', '.join(names)} held by {', '.join(block.links)}, "
-            f"at {', '.join(one.name for one in mechanism.inputs)} = {rows.reached.tolist()}"
-        )
-    return trajectory_of(mechanism, run, rows, name=name, target="numpy")
-
-
-def simulate_alone(
-    mechanism: Mechanism,
-    kernels: Kernels,
-    run: Run,
-    name: str,
-    end: float | None,
-    *,
-    times: Sequence[float] | Array | None = None,
-    samples: int = 1001,
-) -> Trajectory:
-    """Return the motion in time: at given times, or at samples from 0 to an end [s].
-
-    Raises
-    ------
-    ArithmeticError
-        The mechanism cannot be assembled, or not be moved on.
-    ValueError
-        There is an end, and there are times; or neither.
-    """
-    if (end is None) == (times is None):
-        raise ValueError("give either end or times")
-    chosen = np.array(times if end is None else np.linspace(0.0, end, samples), float)
-    return solve_alone(mechanism, kernels, replace(run, times=chosen, rows=len(chosen)), name)

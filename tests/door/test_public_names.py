@@ -13,11 +13,13 @@ import pytest
 
 import kousoku as ks
 from kousoku.cataloging import Catalog
+from kousoku.ledger.entry import Entry
 from kousoku.matrices import Evaluation, Matrices
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.library import Library
 from kousoku.runtime.options import RunOptions
 from kousoku.runtime.report import Report
+from kousoku.stages import KernelExplanation
 from kousoku.symbolic.derivation import Derivation
 from kousoku.view import Animation
 
@@ -26,7 +28,10 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 #: What the public functions return or take beside the public classes.
-MORE = (Animation, Catalog, Derivation, Evaluation, Kernel, Library, Matrices, Report, RunOptions)
+MORE = (
+    *(Animation, Catalog, Derivation, Entry, Evaluation, Kernel, KernelExplanation, Library),
+    *(Matrices, Report, RunOptions),
+)
 #: What the four lines may need beside the standard library, of what an installation brings.
 NEEDED = {"numpy", "msgspec", "mpmath", "jinja2", "markupsafe", "typing_extensions"}
 
@@ -56,6 +61,9 @@ def shown(name: str, what: Any) -> Iterator[str]:
     if inspect.isclass(what):
         yield f"{name}{signature(what.__init__)}"
         yield from members(what)
+    elif inspect.ismodule(what):
+        yield name
+        yield from (f"    .{one}{signature(getattr(what, one))}" for one in what.__all__)
     else:
         yield f"{name}{signature(what)}"
 

@@ -41,9 +41,9 @@ sys.path.insert(0, sys.argv[1])
 """
 
 
-def run(code: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def run(code: str, folder: Path, refuse: str = REFUSE) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-c", REFUSE + code, str(folder)],
+        [sys.executable, "-c", refuse + code, str(folder)],
         capture_output=True,
         text=True,
         check=False,
@@ -68,6 +68,47 @@ def test_copied_folder_solves_with_numpy_alone(tmp_path: Path, method: str) -> N
     np.testing.assert_allclose(positions, wanted.positions["O3"], rtol=0, atol=4e-13)
     np.testing.assert_array_equal(alpha, wanted.alpha)
     np.testing.assert_array_equal(iterations, wanted.iterations)
+
+
+#: Calls that are refused, or that stop.
+REFUSED = (
+    "solve(method='euler')",
+    "solve(divsions=3)",
+    "solve(divisions=0)",
+    "solve(divisions='many')",
+    "solve(limit=-1)",
+    "solve(limit=1e-30)",
+    "solve(parameters={'l1': 3})",
+    "simulate()",
+    "simulate(-1)",
+    "simulate('2')",
+    "simulate(1, times=[0, 1])",
+    "simulate(times=[1, 0.5])",
+    "simulate(1, samples=0)",
+    "simulate(1, initial={'alpha': '30 deg'})",
+    "simulate(1)['O9.x']",
+    "simulate(1).node('O9')",
+    "simulate(1).body('coupler')",
+    "simulate(1).save('x.txt')",
+)
+
+
+@pytest.mark.usefixtures("compiler")
+def test_copied_folder_of_a_linkage_refuses_with_the_words_of_kousoku(tmp_path: Path) -> None:
+    shutil.copytree(GENERATED / "lever_crank", tmp_path / "my_crank")
+    code = (
+        f"import my_crank\ncalls = ({', '.join(f'lambda: my_crank.{call}' for call in REFUSED)})\n"
+        "for call in calls:\n"
+        "    try: print('nothing', call())\n"
+        "    except Exception as error:\n"
+        "        result = getattr(error, 'result', None)\n"
+        "        print(error, '' if result is None else len(result))\n"
+    )
+    alone = run(code, tmp_path)
+    beside = run(code, tmp_path, refuse="import sys\nsys.path.insert(0, sys.argv[1])\n")
+    assert alone.stdout == beside.stdout, alone.stderr
+    lines = alone.stdout.splitlines()
+    assert len(lines) == len(REFUSED) and all("lever_crank: " in line for line in lines[:-1])
 
 
 @pytest.mark.parametrize("name", ["n1", "p2"])
@@ -99,7 +140,8 @@ def test_copied_folder_says_where_it_stops(
     shutil.copytree(folder_of(scene), tmp_path / "stops")
     got = run("import stops\nstops.solve()", tmp_path)
     assert got.returncode == 1
-    assert "ArithmeticError: a dead centre, or a change point, on the way: D.x, D.y" in got.stderr
+    assert "StoppedError: second_loop_stops: inputs.alpha: a dead centre" in got.stderr
+    assert "on the way: D, held by" in got.stderr
 
 
 @pytest.mark.usefixtures("compiler")
@@ -221,7 +263,14 @@ def test_copied_folder_of_bodies_starts_where_it_is_told_to(tmp_path: Path) -> N
 
 def test_copied_folder_of_bodies_says_what_is_not_possible(top: Path) -> None:
     got = run("import my_top\nmy_top.simulate(1.0, most_steps=2)", top.parent)
-    assert "ArithmeticError: heavy_top: most_steps are made, at t = " in got.stderr
+    assert "StoppedError: heavy_top: most_steps are made, at t = " in got.stderr
+    got = run(
+        "import my_top\n"
+        "try: my_top.simulate(times=[0, 1e-6, 1.0], most_steps=2)\n"
+        "except ArithmeticError as error: print(error.result['time'].tolist())",
+        top.parent,
+    )
+    assert json.loads(got.stdout) == [0.0, 1e-6], got.stderr
     got = run("import my_top\nmy_top.simulate(1.0, method='euler')", top.parent)
     assert "ValueError: heavy_top: no method 'euler': there are dopri5, dop853" in got.stderr
 

@@ -147,8 +147,8 @@ def test_limit_below_rounding_is_refused(solver: Solver) -> None:
         ({"turns": 0}, "wanted 1 or more divisions and turns"),
         ({"first_turn": -1}, "0 <= from_turn <= first_turn"),
         ({"first_turn": 1, "from_turn": 2}, "0 <= from_turn <= first_turn"),
-        ({"limit": math.nan}, "option is not finite"),
-        ({"limit": 0.0}, "not positive"),
+        ({"limit": math.nan}, "limit nan; wanted a length above 0"),
+        ({"limit": 0.0}, r"limit 0\.0; wanted a length above 0"),
         ({"speed": 3}, "speed"),
     ],
 )

@@ -129,3 +129,13 @@ def test_the_committed_pages_are_up_to_date(
     option = "--latex" if name == "ledger.tex" else "--markdown"
     committed = (DOCS / name).read_text(encoding="utf-8")
     assert committed == page(entries(), proofs), f"run kousoku ledger {option} > docs/{name}"
+
+
+def test_an_entry_shows_itself_in_a_notebook() -> None:
+    assert repr(find("8.11")) == "<(8.11) of lecture 8.2: misprint>"
+    shown = find("8.11")._repr_latex_()
+    assert re.fullmatch(r"printed: \$\$.+\$\$ corrected: \$\$.+\$\$", shown, re.DOTALL)
+    for entry in entries():
+        words = ["printed: ", *["corrected: "][: bool(entry.corrected)]]
+        assert all(word in entry._repr_latex_() for word in words)
+        assert len(repr(entry)) < 80

@@ -13,9 +13,10 @@ import pytest
 
 from kousoku.model.errors import LoadError, SolveError
 from kousoku.model.families import chain
-from kousoku.runtime import linkage, load, verify
+from kousoku.runtime import load, verify
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import given
+from kousoku.runtime.kinematics import moving
 from kousoku.runtime.kinematics.rows import request
 from kousoku.runtime.linkage import load_scene
 from kousoku.runtime.options import ALL_OPTIONS, options_of
@@ -146,7 +147,7 @@ def test_a_linkage_refuses_what_is_no_option_or_no_number(
 
 
 def test_the_options_of_linkages_are_those_that_there_are() -> None:
-    assert sorted(signature(request).parameters) == sorted((*linkage.OPTIONS, "scene"))
+    assert sorted(signature(request).parameters) == sorted((*moving.OPTIONS, "scene"))
 
 
 def test_what_is_no_path_is_no_folder() -> None:

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .body_tables import BodyPlaces
-    from .given import Initial
     from .initial import Evaluate
+    from .initial_given import Initial
     from .motion import Layout
 
     Array: TypeAlias = npt.NDArray[np.float64]

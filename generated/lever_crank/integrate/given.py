@@ -1,0 +1,228 @@
+"""What a caller gives: refused in one line where it is not what is wanted.
+
+Refused with kousoku's ``SolveError``; where that is not installed with ``ValueError``.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from numbers import Integral, Real
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from .result import refusal, shown, unknown
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from typing import TypeAlias
+
+    import numpy.typing as npt
+
+    Array: TypeAlias = npt.NDArray[np.float64]
+
+#: Times that a motion may have; more rows fit into no memory.
+MOST_ROWS = 10**9
+
+
+def require_options(
+    scene: str, given: Mapping[str, object], options: Sequence[str], *also: str
+) -> None:
+    """Refuse options that there are not.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    given : mapping of str to object
+        The options.
+    options : sequence of str
+        Those that there are.
+    *also : str
+        What else the call takes.
+
+    Raises
+    ------
+    SolveError
+        The message says which name is nearest.
+    """
+    for name in given:
+        if name not in options:
+            text = f"{scene}: {unknown('option', name, (*also, *options))}"
+            raise refusal(text, alone=TypeError)
+
+
+def require_numbers(
+    scene: str, *, is_whole: bool = False, least: int | None = None, **given: object
+) -> None:
+    """Refuse what is no number, no whole one, or too large for a double.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    is_whole : bool
+        Whether they are counts.
+    least : int, optional
+        The smallest that is possible.
+    **given
+        The numbers by their names.
+
+    Raises
+    ------
+    SolveError
+        An option is something else, such as a text.
+    """
+    wanted = "a whole number" if is_whole else "a number"
+    if least is not None:
+        wanted += f", {least} or more"
+    for name, value in given.items():
+        is_number = isinstance(value, Integral if is_whole else Real)
+        is_good = is_number and not isinstance(value, bool)
+        if is_good and not is_whole:
+            is_good = _is_double(cast(float, value))
+            wanted = wanted if is_good else "a number in the range of doubles"
+        if not is_good or (least is not None and cast(int, value) < least):
+            raise refusal(f"{scene}: {name.replace('_', ' ')} {shown(value)}; wanted {wanted}")
+
+
+def numbers_of(scene: str, name: str, given: object) -> Array:
+    """Return numbers as an array.
+
+    Raises
+    ------
+    SolveError
+        They are something else, such as complex numbers.
+    """
+    try:
+        array = np.asarray(given)
+        if array.dtype.kind not in "iufO":
+            raise TypeError
+        return np.ascontiguousarray(array, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise refusal(f"{scene}: {name} {shown(given)}; wanted a row of numbers") from None
+
+
+def require_room(scene: str, rows: int, size: int) -> None:
+    """Refuse more rows than the memory of the machine holds.
+
+    Most systems promise memory that they do not have, and kill whoever uses it.
+
+    Parameters
+    ----------
+    scene : str
+        What moves.
+    rows, size : int
+        How many rows, and numbers in each.
+
+    Raises
+    ------
+    SolveError
+        There is no room for them.
+    """
+    wanted, there = 8 * rows * (size + 1), _memory()
+    if wanted > there:
+        raise refusal(
+            f"{scene}: no room for {rows} rows of {size} numbers: they take {wanted / 1e9:.3g} GB,"
+            f" the machine has {there / 1e9:.3g} GB; ask for fewer times"
+        )
+
+
+def _memory() -> float:
+    """Return the bytes of memory of the machine; infinity where the system does not tell."""
+    try:
+        return float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, OSError, ValueError):  # as on Windows
+        return float("inf")
+
+
+def times_of(scene: str, end: object, times: object, samples: object, size: int = 0) -> Array:
+    """Return the times of a motion: those that are given, or samples from 0 to an end.
+
+    Raises
+    ------
+    SolveError
+        Both are given, or neither; or they are not possible, or have no room in rows of a size.
+    """
+    if (end is None) == (times is None):
+        raise refusal(f"{scene}: give either end or times")
+    if times is None:
+        require_numbers(scene, end=end)
+        require_numbers(scene, is_whole=True, samples=samples)
+        last, count = cast(float, end), cast(int, samples)
+        if not (0.0 < last < np.inf and 2 <= count <= MOST_ROWS):
+            raise refusal(
+                f"{scene}: end {shown(end)} with {shown(samples)} samples; wanted an end"
+                f" above 0 and 2 to {MOST_ROWS} samples"
+            )
+        require_room(scene, count, size)
+        return np.linspace(0.0, float(last), count)
+    chosen = numbers_of(scene, "times", times)
+    is_good = chosen.ndim == 1 and chosen.size and bool(np.isfinite(chosen).all())
+    if not is_good or chosen[0] < 0.0 or bool((np.diff(chosen) < 0.0).any()):
+        raise refusal(f"{scene}: times must ascend from 0 or later, one row of numbers")
+    return chosen
+
+
+def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
+    """Refuse an array that has too many or too few numbers.
+
+    Raises
+    ------
+    SolveError
+        The message says which shape is wanted.
+    """
+    if given.shape != wanted.shape:
+        raise refusal(f"{scene}: {name} has the shape {given.shape}, wanted {wanted.shape}")
+
+
+def values_of(
+    scene: str, known: Mapping[str, float], given: Mapping[str, float] | None
+) -> dict[str, float]:
+    """Return all parameters, those that are given with their new values."""
+    if given is None:
+        return {**known}
+    if not isinstance(given, Mapping):
+        raise refusal(f"{scene}: parameters {shown(given)}; wanted a mapping of names to numbers")
+    problems = [unknown("parameter", name, [*known]) for name in given if name not in known]
+    for name, value in given.items():
+        if name in known and not _is_finite(value):
+            problems.append(f"parameter {name} is {shown(value)}, wanted a finite number")
+    if problems:
+        raise refusal(f"{scene}: {'; '.join(problems)}")
+    return {name: float(given.get(name, value)) for name, value in known.items()}
+
+
+def require_steps(
+    scene: str, tolerance: float, step: float | None, largest_step: float, most_steps: int
+) -> None:
+    """Refuse steps that cannot be made so."""
+    require_numbers(scene, tolerance=tolerance, largest_step=largest_step)
+    require_numbers(scene, is_whole=True, most_steps=most_steps)
+    if step is not None:
+        require_numbers(scene, step=step)
+        if not 0.0 < step < math.inf:
+            raise refusal(f"{scene}: step {step!r}; wanted seconds, above 0")
+    if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
+        raise refusal(
+            f"{scene}: tolerance {shown(tolerance)}, largest step {shown(largest_step)}, at"
+            f" most {shown(most_steps)} steps; wanted a tolerance from 1e-15 to 1 and the others"
+            " above 0"
+        )
+
+
+def _is_finite(value: Any) -> bool:
+    try:
+        return not isinstance(value, str) and math.isfinite(value)
+    except (TypeError, OverflowError):
+        return False
+
+
+def _is_double(value: float) -> bool:
+    try:
+        float(value)
+    except OverflowError:
+        return False
+    return True

@@ -1,0 +1,85 @@
+"""Initial values that a caller gives, refused in one line where they are not possible."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from importlib import import_module
+from numbers import Real
+from typing import TYPE_CHECKING, NamedTuple
+
+from .given import numbers_of
+from .result import refusal, shown, unknown
+
+if TYPE_CHECKING:
+    from .motion import Layout
+
+
+class Initial(NamedTuple):
+    """Where a run starts, if not where the scene does; empty of what is not given.
+
+    Parameters
+    ----------
+    values : tuple of (str, float)
+        Coordinates and their rates, in the unit of the scene.
+    q0, v0 : tuple of float
+        Bodies as written, see :func:`.placing.place`.
+    """
+
+    values: tuple[tuple[str, float], ...] = ()
+    q0: tuple[float, ...] = ()
+    v0: tuple[float, ...] = ()
+
+
+def initial_of(
+    layout: Layout, initial: Mapping[str, float | str] | None, q0: object, v0: object
+) -> Initial:
+    """Return initial values of a scene, checked; there may be no such coordinate."""
+    scene = layout.name
+    if initial is None:
+        bodies = (
+            () if given is None else tuple(numbers_of(scene, name, given).ravel().tolist())
+            for name, given in (("q0", q0), ("v0", v0))
+        )
+        return Initial((), *bodies)
+    if q0 is not None or v0 is not None:
+        raise refusal(f"{scene}: give either initial, or q0 and v0")
+    if not isinstance(initial, Mapping):
+        raise refusal(
+            f"{scene}: initial {shown(initial)}; wanted a mapping of coordinates, or of rates"
+            ' as "theta_dot", to numbers'
+        )
+    lengths = {
+        own: is_length for name, is_length, _ in layout.coordinates for own in (name, f"{name}_dot")
+    }
+    if initial and not lengths:
+        raise refusal(
+            f"{scene}: no coordinates for initial {shown([*initial])}: the scene names none,"
+            ' or was generated without "coordinates"; load(..., outputs=[..., "coordinates"])'
+        )
+    found, problems = {}, []
+    for name, value in initial.items():
+        if name not in lengths:
+            problems.append(unknown("coordinate", name, [*lengths]))
+            continue
+        try:
+            found[name] = _number(value, is_length=lengths[name])
+        except (TypeError, ValueError, OverflowError):
+            wanted = "" if lengths[name] else ", or an angle such as '30 deg'"
+            problems.append(f"initial {name} is {shown(value)}; wanted a finite number{wanted}")
+    if problems:
+        raise refusal(f"{scene}: {'; '.join(problems)}")
+    return Initial(tuple(found.items()))
+
+
+def _number(value: object, *, is_length: bool) -> float:
+    """Return a value of a coordinate; only angles are told by texts."""
+    if isinstance(value, str) and not is_length:
+        try:
+            angles = import_module("kousoku.model.angles")
+        except ModuleNotFoundError:  # a copy lies here
+            angles = import_module(".angles", __package__)
+        value = angles.number_of(value)
+    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
+        raise ValueError
+    return float(value)
