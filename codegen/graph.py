@@ -35,6 +35,9 @@ class Op(enum.Enum):
     ABS = "abs"
     MAX = "max"
 
+    #: There is one object of each, and nodes are looked up by it: that of Enum is slow.
+    __hash__ = object.__hash__
+
 
 #: Operations that IEEE 754 rounds correctly: targets agree on them bit for bit.
 EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT, Op.ABS})

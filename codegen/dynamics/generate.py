@@ -123,11 +123,10 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     require_kept(given)
     placed = put_together(given)
     found = weighted(merged(without_held(placed), wanted).system)
-    made = independent(found.system, (*LEDGER, *wanted))
-    require_driven(found, made.freedom, wanted)
-    freedom = made.freedom
-    if "reactions" in wanted:
-        made = with_reactions((*LEDGER, *wanted), made)
+    outline = outlined(found.system, (*LEDGER, *wanted))
+    freedom = outline.freedom
+    require_driven(found, freedom, wanted)
+    made = (with_reactions if "reactions" in wanted else of_outline)((*LEDGER, *wanted), outline)
     program = reduced(made.system, (*LEDGER, *wanted), made.program)
     program = replace(program, is_weighed=not found.missing)
     changes = changes_of_assembly(given, placed)
@@ -141,7 +140,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
 
 
 class Independent(NamedTuple):
-    """A program without rows that depend on others.
+    """A program without rows that depend on others, or the outline of one with all rows.
 
     Parameters
     ----------
@@ -169,49 +168,63 @@ def _of_reactions(program: Program) -> Iterator[str]:
         )
 
 
-def independent(
-    system: System, wanted: Sequence[str], *, may_be_planar: bool = True
-) -> Independent:
-    """Return the program of an assembled system without rows that depend on others."""
+def outlined(system: System, wanted: Sequence[str], *, may_be_planar: bool = True) -> Independent:
+    """Return the outline of an assembled system, and which of its rows depend on others."""
     outline = compose(system, wanted, may_be_planar=may_be_planar, is_outline=True)
     fixed = fixed_system(system)
     require_unmoved_rows_hold(fixed, outline)
     freedom = freedom_of(fixed, outline)
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
+    return Independent(outline, freedom, system)
+
+
+def of_outline(wanted: Sequence[str], outline: Independent) -> Independent:
+    """Return the program of an outline, without the rows that depend on others."""
+    program, freedom, system = outline
     rows, sets, idle = None, None, None
     if freedom.dropped:
-        rows, idle = kept_rows(freedom, outline), by_instance(freedom.idle)
+        rows, idle = kept_rows(freedom, program), by_instance(freedom.idle)
         sets = [one.joints for one in freedom.dependent if one.is_everywhere]
-    program = compose(
-        system, wanted, rows=rows, dependent=sets, idle=idle, may_be_planar=may_be_planar
+    made = compose(
+        system, wanted, rows=rows, dependent=sets, idle=idle, may_be_planar=program.is_planar
     )
-    return Independent(program, freedom, system)
+    return outline._replace(program=made)
 
 
-def with_reactions(wanted: Sequence[str], made: Independent) -> Independent:
+def independent(
+    system: System, wanted: Sequence[str], *, may_be_planar: bool = True
+) -> Independent:
+    """Return the program of an assembled system without rows that depend on others."""
+    return of_outline(wanted, outlined(system, wanted, may_be_planar=may_be_planar))
+
+
+def with_reactions(wanted: Sequence[str], outline: Independent) -> Independent:
     """Return the program that finds the forces of all joints, and knows which are not unique.
 
     Parameters
     ----------
     wanted : sequence of str
         What is computed.
-    made : Independent
-        As :func:`independent` returned it.
+    outline : Independent
+        As :func:`outlined` returned it: where its scene moves in a plane and forces lead out of
+        that, a program in space takes its place.
 
     Returns
     -------
     Independent
         In a plane, joints that are named because of what leads out of it only are named apart.
     """
-    program, freedom, system = made
-    if not program.is_planar:
-        return made._replace(program=_not_unique(program, freedom))
+    freedom, system = outline.freedom, outline.system
+    if not outline.program.is_planar:
+        made = of_outline(wanted, outline)
+        return made._replace(program=_not_unique(made.program, freedom))
     in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
-    found = None if is_flat(program, system) else _in_space(system, wanted)
+    found = None if is_flat(outline.program, system) else _in_space(system, wanted)
     if found is None:
-        twice = held_twice(fixed_system(system), program)
-        found = made._replace(program=replace(program, not_unique=twice))
+        found = of_outline(wanted, outline)
+        twice = held_twice(fixed_system(system), found.program)
+        found = found._replace(program=replace(found.program, not_unique=twice))
     others = tuple(name for name in found.program.not_unique if name not in in_plane)
     named = replace(found.program, not_unique=tuple(in_plane), unique_in_plane=others)
     return found._replace(program=named)

@@ -128,15 +128,15 @@ class Solver:
     def displacement(self, wanted: Sequence[High]) -> list[High]:
         """Return the least d with C_q d = wanted, in 50 digits as far as the rows allow it."""
         lam = [precise.ZERO[0]] * len(wanted)
-        missing = wanted
+        d, missing = self._displacement(lam), wanted
         enough = ENOUGH * max(map(abs, wanted), default=0)
         for _ in range(PASSES):
+            if max(map(abs, missing), default=0) <= enough:
+                break
             lam = [x + y for x, y in zip(lam, self._multipliers(missing), strict=True)]
             d = self._displacement(lam)
             reached = self._jacobian.times(d)
             missing = [x - y for x, y in zip(wanted, reached, strict=True)]
-            if max(map(abs, missing), default=0) <= enough:
-                break
         return d
 
     def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:

@@ -32,7 +32,12 @@ TEMPLATES = {
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
 #: What the text is made of beside the integrator, for the digest.
-PARTS = (*TEMPLATES.values(), "dynamics/kernels.c.jinja", "c/_macros.jinja")
+PARTS = (
+    *TEMPLATES.values(),
+    "dynamics/kernels.c.jinja",
+    "dynamics/_straight_line.jinja",
+    "c/_macros.jinja",
+)
 
 
 def emit_dynamics(

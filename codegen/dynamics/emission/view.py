@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 
-#: Kernels that one function runs, and how many there are in a group where they are more.
-MOST_CASES, GROUP = 128, 64
 #: Tables whose rows have several numbers.
 PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events"})
 #: How wide lines of tables are.
@@ -57,32 +55,27 @@ class KernelText:
         What it computes.
     operations : int
         What one call costs.
-    parameters : str
-        ``const double *restrict x0, …, double *restrict y0, …``, or the workspace.
     regions : tuple of (str, str)
-        The regions of the workspace that it names: type and name of each pointer, and its place.
+        The regions of the workspace ``w`` that it names: type and name of each pointer, and its
+        place, of a kernel that tasks call out of their slots ``s``.
     statements : tuple of (str, str)
         Name and text of each intermediate value.
     results : tuple of (str, str)
         Element of an output, and its text.
-    call : str
-        The arguments, taken from the slots ``s`` of a task on the workspace ``w``.
     slots : int
         How many slots a task of it lists.
-    unused : tuple of str
-        Parameters that the text does not name.
+    repeats : bool
+        Whether there are several of its tasks in a row: loops take compilers a time.
     """
 
     name: str
     title: str
     operations: int
-    parameters: str
     regions: tuple[tuple[str, str], ...]
     statements: tuple[tuple[str, str], ...]
     results: tuple[tuple[str, str], ...]
-    call: str
     slots: int
-    unused: tuple[str, ...]
+    repeats: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,47 +201,32 @@ class DynamicsView:
         return (*(method.name for method in METHODS), *[KINEMATICS] * self.is_driven)
 
     @property
-    def numbered(self) -> tuple[tuple[int, KernelText], ...]:
-        """The kernels, each with its number."""
-        return tuple(enumerate(self.kernels))
-
-    @property
-    def groups(self) -> tuple[tuple[tuple[int, KernelText], ...], ...]:
-        """The kernels in groups, none where they are few: each group is a function of its own.
-
-        A compiler takes a time for a function that grows with the square of its cases.
-        """
-        if len(self.kernels) <= MOST_CASES:
-            return ()
-        starts = range(0, len(self.kernels), GROUP)
-        return tuple(self.numbered[start : start + GROUP] for start in starts)
-
-    @property
     def meanings(self) -> Mapping[str, str]:
         """What the regions hold."""
         return REGIONS
 
 
-def kernel_text(number: int, kernel: Kernel) -> KernelText:
+def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
     """Return a kernel that tasks call as C."""
-    names = [quantity.name for quantity in (*kernel.inputs, *kernel.outputs)]
+    quantities = (*kernel.inputs, *kernel.outputs)
     leaves = {(q.name, k): f"{q.name}[{k}]" for q in kernel.inputs for k in range(q.size)}
     elements = [[f"{q.name}[{k}]" for k in range(q.size)] for q in kernel.outputs]
-    statements, results = _body(kernel, leaves, names, elements)
-    reads = [f"const double *restrict {quantity.name}" for quantity in kernel.inputs]
-    writes = [f"double *restrict {quantity.name}" for quantity in kernel.outputs]
+    statements, results = _body(kernel, leaves, ["w", "s", *(q.name for q in quantities)], elements)
+    types = (*["const double"] * len(kernel.inputs), *["double"] * len(kernel.outputs))
     written = " ".join(text for _, text in (*statements, *results))
     return KernelText(
         name=f"kernel_{number}",
         title=kernel.title,
         operations=kernel.operations.total(),
-        parameters=in_lines(f"{item}," for item in reads + writes).rstrip(","),
-        regions=(),
+        regions=tuple(
+            (f"{kind} *restrict {q.name}", f"s[{k}]")
+            for k, (kind, q) in enumerate(zip(types, quantities, strict=True))
+            if k >= len(kernel.inputs) or f"{q.name}[" in written
+        ),
         statements=statements,
         results=results,
-        call=in_lines((f"w + s[{k}]," for k in range(len(names))), 76).rstrip(","),
-        slots=len(names),
-        unused=tuple(q.name for q in kernel.inputs if f"{q.name}[" not in written),
+        slots=len(quantities),
+        repeats=repeats,
     )
 
 
@@ -275,15 +253,13 @@ def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: st
         name=name,
         title=title,
         operations=kernel.operations.total(),
-        parameters="double *w",
         regions=tuple(
             (f"{kind} *{region}", f"W_{region.upper()}") for region, kind in regions.items()
         ),
         statements=statements,
         results=results,
-        call="w",
         slots=0,
-        unused=() if regions else ("w",),
+        repeats=False,
     )
 
 
@@ -317,10 +293,15 @@ def _body(
     return tuple((s.name, s.text) for s in statements), tuple(results)
 
 
+def runs_of(tasks: Sequence[Task]) -> Iterator[tuple[int, list[Task]]]:
+    """Yield each kernel with the tasks of it that follow each other."""
+    for kernel, run in groupby(tasks, key=lambda task: task.kernel):
+        yield kernel, list(run)
+
+
 def task_rows(tasks: Sequence[Task]) -> Iterator[tuple[str, str]]:
     """Yield tasks as numbers with their owners: a run of one kernel begins with it and a count."""
-    for kernel, run in groupby(tasks, key=lambda task: task.kernel):
-        same = list(run)
+    for kernel, same in runs_of(tasks):
         yield "", f"{kernel}, {len(same)},"
         for task in same:
             yield task.owner, " ".join(f"{slot}," for slot in (*task.inputs, *task.outputs))
@@ -352,6 +333,7 @@ def dynamics_view(
     places |= {f"W_{SCRATCH.upper()}": slots.bases[-1], "W_SIZE": program.size}
     absent = {f"W_{name.upper()}": 0 for name in REGIONS if name not in bases}
     kernels = () if program.is_inlined else program.kernels
+    repeated = {kernel for one in segments for kernel, run in runs_of(one.tasks) if len(run) > 1}
     state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
     return DynamicsView(
         name=program.name,
@@ -360,7 +342,9 @@ def dynamics_view(
         places=_enumerators(places),
         absent_places=_enumerators(absent),
         state=fields(state),
-        kernels=tuple(kernel_text(k, kernel) for k, kernel in enumerate(kernels)),
+        kernels=tuple(
+            kernel_text(k, kernel, repeats=k in repeated) for k, kernel in enumerate(kernels)
+        ),
         segments=tuple(_segment(program, segment, slots) for segment in segments),
         absent=tuple(
             name

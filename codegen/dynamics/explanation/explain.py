@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import counts, operations
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
-from kousoku.codegen.dynamics.generate import LEDGER, independent, with_reactions
+from kousoku.codegen.dynamics.generate import LEDGER, of_outline, outlined, with_reactions
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
@@ -148,10 +148,10 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     wanted = (*LEDGER, *names)
     found = merged(each, wanted)
     apart = _heavy(each)
-    made = independent(weighted(found.system).system, wanted)
-    kept, freedom, system = made
+    outline = outlined(weighted(found.system).system, wanted)
+    kept, freedom, system = of_outline(wanted, outline)
     full = compose(system, wanted) if freedom.dropped else kept
-    whole = with_reactions(wanted, made).program if "reactions" in names else kept
+    whole = with_reactions(wanted, outline).program if "reactions" in names else kept
     prescribed = reduced(system, wanted, whole, PRESCRIBED)
     program = reduced(system, wanted, whole)
     final = inline(program)

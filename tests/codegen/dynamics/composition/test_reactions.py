@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.composition import least_norm
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.least_norm import merged
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.generate import independent, with_reactions
+from kousoku.codegen.dynamics.generate import outlined, with_reactions
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, kept_rows
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
@@ -271,7 +271,7 @@ def test_scene_in_a_plane_keeps_to_it_where_too_many_rows_hold_it_there(
     mechanisms: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system = replace(mechanisms.four_bars(1), gravity=(0.0, -9.0, 3.0))
-    made = independent(system, OUTPUTS)
+    made = outlined(system, OUTPUTS)
     joints = tuple(dict.fromkeys(one.joint for one in system.constraints))
 
     in_space = with_reactions(OUTPUTS, made).program
