@@ -62,6 +62,11 @@ TASKS: dict[str, tuple[str, list[tuple[str, ...]], str]] = {
         [(*PYTEST, "-m", "not (compiles or numpy_solver or release)", "--record-slow", "TESTS")],
         "measures which tests take too long for quick: 5 minutes",
     ),
+    "stress": (
+        "test",
+        [("-m", "tests.stress")],
+        "looks for what breaks kousoku: two minutes on two cores, hours with FULL=1",
+    ),
     "lint": (
         "lint",
         [

@@ -1,0 +1,259 @@
+"""The command of the stress suite: ``make stress``, or ``python -m tests.stress``.
+
+It asks all questions, or those named, in as many processes as there are processors; writes each
+case into a journal as it ends, so that a run that was cut goes on; prints the figures; and exits
+with 1 when something new was found.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import os
+import pkgutil
+import platform
+import re
+import sys
+import tempfile
+import time
+from concurrent.futures import TimeoutError as TakesTooLong
+from concurrent.futures import as_completed
+from dataclasses import dataclass, field
+from importlib import import_module
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import jinja2
+import numpy as np
+from pebble import ProcessExpired, ProcessPool
+from rich.progress import Progress
+
+from kousoku.model.cache import write_atomically
+from tests import stress
+from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size, run_case
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+NO_QUESTIONS = {"__main__", "kit"}
+SOURCES = ("codegen", "kousoku", "model", "runtime", "symbolic", "tests")
+PAGE = jinja2.Environment(
+    loader=jinja2.FileSystemLoader(Path(__file__).parent),
+    undefined=jinja2.StrictUndefined,
+    trim_blocks=True,
+    autoescape=False,  # Markdown
+)
+
+
+@dataclass(slots=True)
+class Answer:
+    """What all cases of a question measured, counted and found."""
+
+    outcome: Outcome = field(default_factory=Outcome)
+    cases: int = 0
+    seconds: float = 0.0
+    slowest: tuple[float, str] = (0.0, "")
+
+    def add(self, case: str, outcome: Outcome, seconds: float) -> None:
+        """Add a case."""
+        self.outcome.add(outcome)
+        self.cases += 1
+        self.seconds += seconds
+        self.slowest = max(self.slowest, (seconds, case))
+
+
+def questions() -> dict[str, Question]:
+    """Return all questions by the names of their modules."""
+    names = sorted(module.name for module in pkgutil.iter_modules(stress.__path__))
+    modules = {
+        name: import_module(f"tests.stress.{name}") for name in names if name not in NO_QUESTIONS
+    }
+    return {name: one.QUESTION for name, one in modules.items() if hasattr(one, "QUESTION")}
+
+
+def journal_of(size: Size) -> Path:
+    """Return the journal of a run: another one for other sources."""
+    digest = hashlib.sha256(repr((size.is_full, size.seed)).encode())
+    for folder in SOURCES:
+        for path in sorted(Path(ROOT, folder).rglob("*")):
+            if path.is_file() and "__pycache__" not in path.parts:
+                digest.update(path.read_bytes())
+    return BUILD / f"{digest.hexdigest()[:16]}.jsonl"
+
+
+def resumed(journal: Path) -> Iterator[tuple[str, str, Outcome, float]]:
+    """Yield the cases of a journal; a line that was cut is no case."""
+    for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
+        try:
+            done = json.loads(line)
+        except ValueError:
+            continue
+        yield done["question"], done["case"], Outcome.from_dict(done["outcome"]), done["seconds"]
+
+
+def stopped(error: BaseException, name: str, case: str, question: Question) -> Outcome:
+    """Return the outcome of a case that did not end by itself: that is a finding."""
+    what = f"case {case}: {type(error).__name__}: {error}"
+    if isinstance(error, TakesTooLong):
+        what = f"case {case} takes longer than {question.seconds:g} s"
+    elif isinstance(error, ProcessExpired):
+        what = f"case {case} ended its process, exit status {error.exitcode}"
+    return Outcome(findings=[Finding(what, "", f"python -m tests.stress {name} --case '{case}'")])
+
+
+def ask(
+    chosen: dict[str, Question], size: Size, journal: Path, processes: int
+) -> dict[str, Answer]:
+    """Run the cases of questions that the journal does not have, and return all answers."""
+    answers: dict[str, Answer] = {name: Answer() for name in chosen}
+    cases = [(name, case) for name, question in chosen.items() for case in question.cases(size)]
+    left = dict.fromkeys(cases)
+    for name, case, outcome, seconds in resumed(journal):
+        if (name, case) in left:
+            del left[name, case]
+            answers[name].add(case, outcome, seconds)
+    journal.parent.mkdir(parents=True, exist_ok=True)
+    with (
+        ProcessPool(processes, context=get_context("spawn")) as pool,
+        journal.open("a", encoding="utf-8") as written,
+        Progress() as progress,
+    ):
+        bar = progress.add_task("stress", total=len(cases), completed=len(cases) - len(left))
+        running = {
+            pool.schedule(run_case, args=key, timeout=chosen[key[0]].seconds): key for key in left
+        }
+        try:
+            for future in as_completed(running):
+                name, case = running[future]
+                try:
+                    outcome, seconds = future.result()
+                except Exception as error:  # tried again when the run goes on
+                    answers[name].add(case, stopped(error, name, case, chosen[name]), 0.0)
+                else:
+                    answers[name].add(case, outcome, seconds)
+                    done = {"question": name, "case": case, "outcome": outcome.as_dict()}
+                    written.write(json.dumps(done | {"seconds": seconds}) + "\n")
+                    written.flush()
+                progress.update(bar, advance=1, description=f"{name} {case}"[:40])
+        except KeyboardInterrupt:
+            pool.stop()
+            raise
+    return answers
+
+
+def machine() -> str:
+    """Return the machine and what kousoku runs on there, in words."""
+    words = Path("/proc/cpuinfo")
+    text = words.read_text(encoding="utf-8") if words.exists() else ""
+    found = re.search(r"model name\s*:\s*(.+)", text)
+    processor = found[1] if found else platform.processor() or platform.machine()
+    return (
+        f"{processor}, {os.cpu_count()} processors, {platform.system()},"
+        f" Python {platform.python_version()}, NumPy {np.__version__}"
+    )
+
+
+def page_of(chosen: dict[str, Question], answers: dict[str, Answer], size: Size) -> str:
+    """Return the page of a run in Markdown."""
+    parts = []
+    for name, answer in answers.items():
+        question, outcome = chosen[name], answer.outcome
+        rows = ((key, f"{worst.value:.3g}", worst.place) for key, worst in outcome.figures.items())
+        found = {finding.title: finding for finding in reversed(outcome.findings)}
+        parts.append(
+            {
+                "name": name,
+                "asks": question.asks,
+                "cases": answer.cases,
+                "slowest": f"{answer.slowest[1]} in {answer.slowest[0]:.1f} s",
+                "figures": sorted(rows),
+                "counts": sorted(outcome.counts.items()),
+                "findings": [(one, question.reason_of(one)) for one in found.values()],
+                "faults": [fault.about for fault in question.faults],
+            }
+        )
+    took = sum(answer.seconds for answer in answers.values())
+    return PAGE.get_template("page.md.jinja").render(
+        date=time.strftime("%Y-%m-%d"),
+        machine=machine(),
+        seed=size.seed,
+        size="full" if size.is_full else "quick",
+        took=f"{took / 60:.1f} min",
+        parts=parts,
+    )
+
+
+def keep(name: str, finding: Finding) -> str:
+    """Write the files of a finding, and return its command with their folder."""
+    digest = hashlib.sha256(repr((name, finding.title)).encode()).hexdigest()[:8]
+    folder = BUILD / "findings" / f"{name}-{digest}"
+    for file, text in (finding.files | {"command.txt": finding.command + "\n"}).items():
+        folder.mkdir(parents=True, exist_ok=True)
+        write_atomically(folder / file, text.encode())
+    return f"(cd {folder.relative_to(ROOT)} && {finding.command})"
+
+
+def arguments_of(words: list[str] | None) -> argparse.Namespace:
+    """Return what the command line asks for; the environment is what ``make stress N=…`` sets."""
+    given, known = os.environ, questions()
+    parser = argparse.ArgumentParser(prog="python -m tests.stress", description=__doc__)
+    only = [name for name in given.get("ONLY", "").split(",") if name]
+    parser.add_argument("questions", nargs="*", default=only or [*known], metavar="QUESTION")
+    parser.add_argument("--full", action="store_true", default=bool(given.get("FULL")))
+    parser.add_argument("--seed", type=int, default=int(given.get("SEED") or 1))
+    parser.add_argument("--count", type=int, default=int(given["N"]) if given.get("N") else None)
+    parser.add_argument("--page", type=Path, default=given.get("PAGE") or None)
+    parser.add_argument("--processes", type=int, default=os.cpu_count())
+    parser.add_argument("--case", help="run this case alone, in this process, and show its errors")
+    parser.add_argument("--plant", type=int, help="plant the fault of this number first")
+    arguments = parser.parse_args(words)
+    for name in arguments.questions:
+        if name not in known:
+            parser.error(f"there is no question {name!r}; there are {', '.join(known)}")
+    arguments.known = {name: known[name] for name in arguments.questions}
+    return arguments
+
+
+def run_here(question: Question, case: str | None, plant: int | None) -> Outcome:
+    """Run one case in this process, with a fault when asked for."""
+    if plant is None:
+        return question.run(case or "")
+    fault = question.faults[plant]
+    with fault.plant():
+        return question.run(case or fault.case)
+
+
+def main(words: list[str] | None = None) -> int:
+    """Ask questions, and return the exit status."""
+    given = arguments_of(words)
+    size = Size(given.full, given.seed, given.count)
+    with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as cache:
+        os.environ.setdefault("KOUSOKU_CACHE", cache)
+        if given.case is not None or given.plant is not None:
+            answers = {name: Answer() for name in given.questions[:1]}
+            for name, answer in answers.items():
+                answer.add(
+                    given.case or "", run_here(given.known[name], given.case, given.plant), 0.0
+                )
+        else:
+            answers = ask(given.known, size, journal_of(size), given.processes)
+    page = page_of({name: given.known[name] for name in answers}, answers, size)
+    print(page)
+    for path in filter(None, (BUILD / "stress.md", given.page)):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_atomically(path, page.encode())
+    new = {
+        (name, finding.title): finding
+        for name, answer in answers.items()
+        for finding in reversed(answer.outcome.findings)
+        if given.known[name].reason_of(finding) is None
+    }
+    for (name, title), finding in new.items():
+        print(f"FOUND {name}: {title}: {finding.details}\n  {keep(name, finding)}")
+    return 1 if new else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

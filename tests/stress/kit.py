@@ -1,0 +1,255 @@
+"""The kit of the stress suite: questions, their cases, and what a case measured and found.
+
+A question is a module beside this one that names one :class:`Question` ``QUESTION``. Its cases are
+named by texts, and the same name always does the same, so that a run can be cut and resumed, and a
+case that found something is repeated by one command.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import asdict, dataclass, field
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import hypothesis
+from hypothesis import HealthCheck, Phase, settings
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from contextlib import AbstractContextManager
+
+    from hypothesis.strategies import SearchStrategy
+
+T = TypeVar("T")
+
+ROOT = Path(__file__).parents[2]
+BUILD = ROOT / "build" / "stress"
+"""Journals, findings and the page of a run."""
+
+
+class Disagreement(AssertionError):
+    """What a check raises when kousoku and what it is compared with do not agree."""
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """How much of a question is asked.
+
+    Parameters
+    ----------
+    is_full : bool
+        Some hours instead of two minutes for all questions together.
+    seed : int
+        The seed of all that is random.
+    count : int, optional
+        How many random examples, instead of the question's own choice (``N=``).
+    """
+
+    is_full: bool = False
+    seed: int = 1
+    count: int | None = None
+
+    def examples(self, quick: int, full: int) -> int:
+        """Return the number of random examples: what was asked for, or the question's own."""
+        if self.count is not None:
+            return self.count
+        return full if self.is_full else quick
+
+
+@dataclass(slots=True)
+class Worst:
+    """The largest value of a figure, and where it was measured."""
+
+    value: float
+    place: str
+
+
+@dataclass(slots=True)
+class Finding:
+    """Something that must not be: wrong, lost, silent, or worse than the page allows.
+
+    Parameters
+    ----------
+    title : str
+        What is wrong, in a line; the same words for the same fault, which is told once.
+    details : str
+        Where and by how much.
+    command : str
+        A command that shows it, in the folder of the finding.
+    files : dict of str
+        The texts of files that the command needs, by their names: a minimal scene.
+    """
+
+    title: str
+    details: str = ""
+    command: str = ""
+    files: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass(slots=True)
+class Outcome:
+    """What a case measured, counted and found."""
+
+    figures: dict[str, Worst] = field(default_factory=dict)
+    counts: dict[str, int] = field(default_factory=dict)
+    findings: list[Finding] = field(default_factory=list)
+
+    def measure(self, figure: str, value: float, place: str, limit: float = math.inf) -> None:
+        """Keep the largest value of a figure; one beyond its limit is a finding.
+
+        Parameters
+        ----------
+        figure : str
+            What is measured, with its unit in parentheses: a row of the page.
+        value : float
+            The value. NaN is larger than every number.
+        place : str
+            Where it was measured: the point, the scene, the seed.
+        limit : float
+            The largest value that is right.
+        """
+        key = math.inf if math.isnan(value) else value
+        if figure not in self.figures or key > self.figures[figure].value:
+            self.figures[figure] = Worst(key, place)
+        if not value <= limit:
+            self.find(f"{figure} is above {limit:g}", f"{value:.3g}; {place}")
+
+    def count(self, what: str, number: int = 1) -> None:
+        """Add to a count: a row of the page."""
+        self.counts[what] = self.counts.get(what, 0) + number
+
+    def find(self, title: str, details: str = "", command: str = "", **files: str) -> None:
+        """Add a finding; a dot in the name of a file is written as two underscores."""
+        named = {name.replace("__", "."): text for name, text in files.items()}
+        self.findings.append(Finding(title, details, command, named))
+
+    def add(self, other: Outcome) -> None:
+        """Add what another case measured, counted and found."""
+        for figure, worst in other.figures.items():
+            self.measure(figure, worst.value, worst.place)
+        for what, number in other.counts.items():
+            self.count(what, number)
+        self.findings += other.findings
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return the outcome as JSON has it."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, data: dict[str, Any]) -> Outcome:
+        """Return the outcome that :meth:`as_dict` wrote."""
+        return cls(
+            {figure: Worst(**worst) for figure, worst in data["figures"].items()},
+            data["counts"],
+            [Finding(**finding) for finding in data["findings"]],
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """A mistake that is planted to show that a question finds it.
+
+    Parameters
+    ----------
+    about : str
+        What is made wrong.
+    plant : callable
+        Returns a context in which this process computes wrongly.
+    case : str
+        A case that then finds something, and without the fault finds nothing.
+    """
+
+    about: str
+    plant: Callable[[], AbstractContextManager[object]]
+    case: str
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """One way to look for what breaks kousoku.
+
+    Parameters
+    ----------
+    asks : str
+        What is asked, and what is measured: the heading and first sentence of its part of the page.
+    cases : callable
+        Returns the names of the cases for a :class:`Size`. Without a compiler in reach a question
+        that needs one says so as a count instead of failing.
+    run : callable
+        Runs a case by its name, in a process of its own for cases, with a cache that all share.
+    faults : tuple of Fault
+        Mistakes that it is shown to find.
+    known : dict of str
+        Titles of findings, or how they begin, that are known and why they are not mended; they
+        stand on the page and do not fail the run.
+    seconds : float
+        The longest time a case may take; one that takes longer is a finding.
+    """
+
+    asks: str
+    cases: Callable[[Size], Iterable[str]]
+    run: Callable[[str], Outcome]
+    faults: tuple[Fault, ...]
+    known: dict[str, str] = field(default_factory=dict)
+    seconds: float = 600.0
+
+    def reason_of(self, finding: Finding) -> str | None:
+        """Return why a finding is known and not mended; None for a new one."""
+        found = (why for title, why in self.known.items() if finding.title.startswith(title))
+        return next(found, None)
+
+
+def run_case(name: str, case: str) -> tuple[Outcome, float]:
+    """Run a case in a process for cases, and return its outcome and its processor time [s]."""
+    start = sum(os.times()[:4])
+    outcome: Outcome = import_module(f"tests.stress.{name}").QUESTION.run(case)
+    return outcome, sum(os.times()[:4]) - start
+
+
+def falsify(
+    strategy: SearchStrategy[T], check: Callable[[T], object], *, seed: int, examples: int
+) -> tuple[T, Exception] | None:
+    """Return the smallest example that a check refuses, and what it says; None if it takes all.
+
+    Parameters
+    ----------
+    strategy : SearchStrategy
+        Hypothesis' description of the examples.
+    check : callable
+        Raises :class:`Disagreement`, or anything that kousoku must not raise.
+    seed : int
+        The same one gives the same examples.
+    examples : int
+        How many are tried.
+    """
+    refused: list[tuple[T, Exception]] = []
+
+    @hypothesis.seed(seed)
+    @settings(
+        max_examples=examples,
+        database=None,
+        deadline=None,
+        suppress_health_check=list(HealthCheck),
+        phases=(Phase.generate, Phase.shrink),
+        print_blob=False,
+        report_multiple_bugs=False,
+    )
+    @hypothesis.given(strategy)
+    def every_example_is_taken(example: T) -> None:
+        try:
+            check(example)
+        except Exception as error:
+            refused.append((example, error))
+            raise
+
+    try:
+        every_example_is_taken()
+    except Exception:
+        # Hypothesis runs the smallest example last.
+        if not refused:
+            raise
+        return refused[-1]
+    return None
