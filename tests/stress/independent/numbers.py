@@ -147,7 +147,7 @@ def atan2(y: Number, x: Number) -> Number:
 
 def sign(x: Number) -> Number:
     """Return −1, 0 or 1."""
-    return (value_of(x) > 0) - (value_of(x) < 0)
+    return int(value_of(x) > 0) - int(value_of(x) < 0)
 
 
 def absolute(x: Number) -> Number:
