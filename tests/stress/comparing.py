@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 SINGULAR = 1e4
 """From this condition on, rounding of positions decides more than digits of the accelerations."""
 
+ROUGH = 1e-6
+"""How far forces may be that are a root of a coordinate near zero: it is rounded before that."""
+
 CLEAR = 1e4
 """How much larger the smallest singular value that counts is than the next one, at least."""
 
@@ -57,6 +60,7 @@ class Comparison:
         self.metre = UNITS[tree["unit"]]
         self.evaluator = Evaluator(tree, parameters)
         self.start: Evaluation | None = None
+        self.rough = ROUGH if "sqrt(" in str(tree.get("forces")) else 0.0
 
     def rows(self, run: Motion) -> Iterator[Measured]:
         """Yield how far the rows of a motion are from what the evaluator says of them."""
@@ -136,11 +140,11 @@ class Comparison:
             yield "mass matrix (relative)", off, 1e-12
             size = self._force(found, found.M @ found.v) + 1e-3
             off = size_of((found.f - theirs.f) * units) / joule / size
-            yield "applied forces (relative)", off, 1e-10
+            yield "applied forces (relative)", off, max(1e-10, self.rough)
         solution = self._solution(found)
         if solution is None or solution.condition > SINGULAR or solution.gap < CLEAR:
             return
-        limit = 1e-13 * solution.condition**2 + 1e-10
+        limit = 1e-13 * solution.condition**2 + 1e-10 + self.rough * solution.condition
         yield from self._accelerations(run, k, found, solution, limit)
         if found.M is None:
             return
