@@ -158,9 +158,11 @@ class Equations:
         )
         self.columns = columns_of(self.system.bodies)
         self.rows = tuple(rows_of(self.system, self._program.rows))
-        units = [unit_of(self.system.constraints[row.instance]) for row in self._program.rows]
-        self.units = tuple(scene.unit if unit == "m" else "rad" for unit in units)
-        self._row_scale = np.array([1 / self.unit if unit == "m" else 1.0 for unit in units])
+        own = [self.system.constraints[row.instance] for row in self._program.rows]
+        self.units = tuple(scene.unit if unit_of(one) == "m" else "rad" for one in own)
+        self._row_scale = np.array(
+            [(1 / self.unit if unit_of(one) == "m" else 1.0) / one.scale for one in own]
+        )
         self._column_scale = np.array([1.0 if is_turn(x) else self.unit for x in self.columns])
         self._places = tuple(np.array(own, int) for own in zip(*self._recorded.places, strict=True))
         #: What M lacks, empty where it has all: a rod may be thin about one axis.

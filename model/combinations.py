@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import frexp, ldexp
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
@@ -11,7 +13,7 @@ from kousoku.model.frames import joint_vectors
 from kousoku.model.joints import ANGLE, DISPLACEMENT, NAMES
 from kousoku.model.mechanism import COMBINATION, Instance, Term
 from kousoku.model.precise import CONTEXT, NOISE
-from kousoku.model.traced import Traced
+from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -20,6 +22,9 @@ if TYPE_CHECKING:
     from kousoku.model.frames import BodyFrame
     from kousoku.model.precise import High
     from kousoku.model.spatial import Joint
+
+USUAL = 8
+"""Powers of two that the largest factor of a linear coupling may have."""
 
 FOLDED = 1e-3
 """Shafts whose 1 + cos of the angle between them is less are folded back on each other."""
@@ -96,7 +101,19 @@ def _linear(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
     if "m" in units:  # what is multiplied with an angle is a length
         pairs = zip(factors, units, strict=True)
         factors = [f * coordinates.unit if of == "rad" else f for f, of in pairs]
-    return _as_written(name, list(zip(places, factors, strict=True)), coordinates)
+    scale = _scale_of(factors)
+    terms = [(place, scale * f) for place, f in zip(places, factors, strict=True)]
+    return replace(_as_written(name, terms, coordinates), scale=scale)
+
+
+def _scale_of(factors: Sequence[High]) -> float:
+    """Return what factors are multiplied by, so that their row has the size of other rows.
+
+    A row that is far smaller would count as one that depends on others, and nothing would keep it.
+    """
+    largest = max(abs(float(at_scene(factor))) for factor in factors)
+    exponent = frexp(largest)[1] if largest else 0
+    return 1.0 if abs(exponent) <= USUAL else ldexp(1.0, 1 - exponent)
 
 
 def _constant_velocity(

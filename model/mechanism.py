@@ -154,6 +154,8 @@ class Instance:
         What the formula is multiplied by to be in ``unit``.
     unit : str
         Of a combination ``m`` or ``rad``: the unit of its residual.
+    scale : float
+        Of a combination, what its factors are those of the scene multiplied by.
     """
 
     joint: str
@@ -167,6 +169,7 @@ class Instance:
     law: str = ""
     law_unit: float = 1.0
     unit: str = ""
+    scale: float = 1.0
 
     @property
     def bodies(self) -> tuple[int, ...]:

@@ -1,0 +1,245 @@
+"""A motion of a scene of bodies, row by row against the independent evaluator."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from tests.random_draft import UNITS
+from tests.stress.independent.evaluator import Evaluator
+from tests.stress.independent.numbers import cross, minus, rotation, turned
+from tests.stress.independent.solids import Pose
+from tests.stress.independent.solving import solve
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
+    from kousoku.mechanism import Mechanism
+    from kousoku.runtime.integrate.motion import Motion
+    from tests.stress.independent.evaluator import Evaluation
+    from tests.stress.independent.solving import Solution
+
+    Tree = dict[str, Any]
+    Array = Any
+    Measured = tuple[str, float, float]
+    """A figure, its value, and the largest value that is right."""
+
+SINGULAR = 1e4
+"""From this condition on, rounding of positions decides more than digits of the accelerations."""
+
+ROUGH = 1e-6
+"""How far forces may be that are a root of a coordinate near zero: it is rounded before that."""
+
+CLEAR = 1e4
+"""How much larger the smallest singular value that counts is than the next one, at least."""
+
+
+def size_of(*arrays: Array) -> float:
+    """Return the largest absolute value, 0 of nothing."""
+    return max((abs(float(x)) for a in arrays for x in np.ravel(a)), default=0.0)
+
+
+class Comparison:
+    """A scene, and the evaluator of the same tree.
+
+    Parameters
+    ----------
+    tree : dict
+        The scene.
+    mechanism : Mechanism
+        What kousoku made of it.
+    parameters : dict of str to float, optional
+        Those of the run that are not as in the scene.
+    """
+
+    def __init__(
+        self, tree: Tree, mechanism: Mechanism, parameters: Mapping[str, float] | None = None
+    ) -> None:
+        self.tree, self.mechanism = tree, mechanism
+        self.metre = UNITS[tree["unit"]]
+        self.evaluator = Evaluator(tree, parameters)
+        self.start: Evaluation | None = None
+        self.rough = ROUGH if "sqrt(" in str(tree.get("forces")) else 0.0
+
+    def rows(self, run: Motion) -> Iterator[Measured]:
+        """Yield how far the rows of a motion are from what the evaluator says of them."""
+        last = None
+        for k in range(len(run)):
+            t, q, v = run.state(k)
+            found = self._at(t, q, v, last)
+            self.start, last = self.start or found, (t, found)
+            yield from self._constraints(found)
+            yield from self._tables(run, k, found)
+            if k in (0, len(run) - 1):
+                yield from self._equations(run, k, found)
+
+    def _at(
+        self, t: float, q: Array, v: Array, last: tuple[float, Evaluation] | None
+    ) -> Evaluation:
+        """Return a row; angles have gone on by half of the time with the rate before and after."""
+        state = self.evaluator.state_of(q.tolist(), v.tolist())
+        if last is None:
+            return self.evaluator.evaluate(t, state)
+        near = last[1].turns((t - last[0]) / 2)
+        found = self.evaluator.evaluate(t, state, near)
+        half = {key: u.first[-2] * (t - last[0]) / 2 for key, u in found.angles.items()}
+        near = {key: value + half[key] for key, value in near.items()}
+        return self.evaluator.evaluate(t, state, near)
+
+    def scales(self, found: Evaluation) -> Array:
+        """Return by what the rows are measured: lengths in metres, angles in radians."""
+        shifts = np.zeros(found.C_q.shape[1], dtype=bool)
+        for own in found.columns.values():
+            shifts[own.start : own.start + 3] = True
+        has_shift = (found.C_q[:, shifts] != 0).any(axis=1)
+        return np.where(has_shift, self.metre, 1.0)
+
+    def _constraints(self, found: Evaluation) -> Iterator[Measured]:
+        scales = self.scales(found)
+        yield "rows of joints and drivers (m, rad)", size_of(found.C / scales), 1e-8
+        rates = found.C_q @ found.v - found.nu
+        yield "their rates (m/s, rad/s)", size_of(rates / scales) / (1 + self._speed(found)), 1e-8
+
+    def _speed(self, found: Evaluation) -> float:
+        return size_of(found.v / self.units(found))
+
+    def _tables(self, run: Motion, k: int, found: Evaluation) -> Iterator[Measured]:
+        """Yield how far results are off: coordinates, energies, forces of joints."""
+        for name, u in found.coordinates.items():
+            if name not in run.coordinate:
+                continue
+            of = self.metre if self._is_length(name) else 1.0
+            yield "coordinates (m, rad)", size_of(run.coordinate[name][k] - u.value) / of, 1e-9
+            rate = size_of(run.coordinate_rate[name][k] - u.first[-2]) / of
+            yield "their rates (m/s, rad/s)", rate / (1 + self._speed(found)), 1e-9
+        if "energy.kinetic" in run and found.M is not None and self.start is not None:
+            kinetic, potential = (run[f"energy.{one}"] for one in ("kinetic", "potential"))
+            joule = self.metre**2
+            size = joule + found.kinetic + abs(found.potential) + abs(self.start.potential)
+            yield "kinetic energy (relative)", size_of(kinetic[k] - found.kinetic) / size, 1e-10
+            off = potential[k] - found.potential
+            yield "potential energy (relative)", size_of(off) / size, 1e-10
+
+    def _is_length(self, name: str) -> bool:
+        one = self.tree["coordinates"][name]
+        key = self.evaluator.joints.key_of(one)
+        return key is None or "displacement" in key[1]
+
+    def _equations(self, run: Motion, k: int, found: Evaluation) -> Iterator[Measured]:
+        """Yield how far M, f, C_q, ν, γ and what follows from them are off."""
+        state = run.state(k)
+        theirs = self.mechanism.matrices(*state)
+        # Both choose rows of their own for a joint: one's are combinations of the other's.
+        for owner in dict.fromkeys(found.owners):
+            yield from self._rows_of(owner, found, theirs)
+        units, joule = self.units(found), self.metre**2
+        if found.M is not None:
+            square = np.outer(units, units) / joule
+            off = size_of((found.M - theirs.M) * square) / size_of(found.M * square)
+            yield "mass matrix (relative)", off, 1e-12
+            size = self._force(found, found.M @ found.v) + 1e-3
+            off = size_of((found.f - theirs.f) * units) / joule / size
+            yield "applied forces (relative)", off, max(1e-10, self.rough)
+        solution = self._solution(found)
+        if solution is None or solution.condition > SINGULAR or solution.gap < CLEAR:
+            return
+        limit = 1e-13 * solution.condition**2 + 1e-10 + self.rough * solution.condition
+        yield from self._accelerations(run, k, found, solution, limit)
+        if found.M is None:
+            return
+        evaluated = self.mechanism.evaluate(*state)
+        size = size_of(solution.v_dot / units) + self._speed(found) ** 2 + 1
+        off = size_of((evaluated.v_dot - solution.v_dot) / units) / size
+        yield "accelerations (relative)", off, limit
+        size = self._force(found, found.M @ solution.v_dot, *(found.C_q.T * solution.lam).T) + 1e-3
+        for owner in dict.fromkeys(found.owners):
+            own = [row.partition(":")[0] == owner for row in theirs.rows]
+            push = -theirs.C_q[own].T @ evaluated.lam[own]
+            pushes, left_open = found.pushes(owner)
+            if size_of(left_open) <= 1e-6 * size_of(found.C_q):
+                off = size_of((push - pushes) * units) / joule / size
+                yield "forces of joints and drivers (relative)", off, limit
+                yield from self._wrench(run, k, owner, pushes, (size, limit))
+
+    def _accelerations(
+        self, run: Motion, k: int, found: Evaluation, solution: Solution, limit: float
+    ) -> Iterator[Measured]:
+        """Yield how far the table of accelerations is off."""
+        if "accelerations" not in self.tree["outputs"]:
+            return
+        tables = run.acceleration, run.angular_acceleration
+        for name, own in found.columns.items():
+            got = np.concatenate([table[name][k] for table in tables if name in table])
+            units = self.units(found)[own]
+            size = size_of(solution.v_dot / self.units(found)) + self._speed(found) ** 2 + 1
+            off = size_of((got - solution.v_dot[own]) / units) / size
+            yield "table of accelerations (relative)", off, limit
+
+    def _wrench(
+        self, run: Motion, k: int, owner: str, pushes: Array, known: tuple[float, float]
+    ) -> Iterator[Measured]:
+        """Yield how far the tables of force and torque of a joint are off."""
+        ends = self.evaluator.joints.ends.get(owner)
+        if ends is None or "reactions" not in self.tree["outputs"]:
+            return
+        size, limit = known
+        seen = 1 if ends.bodies[1] != "ground" else 0
+        body, sign = ends.bodies[seen], 2 * seen - 1
+        own = self.evaluator.columns[body]
+        pose = self._pose(run, k, body)
+        force = sign * pushes[own][:3]
+        place = pose.place(ends.points[seen])
+        if seen == 0:  # body j is the ground, and its point stays
+            place = ends.points[1]
+        moment = np.zeros(3)
+        if own.stop - own.start > 3:
+            moment = sign * np.array(turned(pose.A, pushes[own][3:]))
+        moment -= np.array(cross(minus(place, pose.r), force))
+        off = size_of(run.force[owner][k] - force) / self.metre / size
+        yield "table of forces of joints (relative)", off, limit
+        off = size_of(run.torque[owner][k] - moment) / self.metre**2 / size
+        yield "table of torques of joints (relative)", off, limit
+
+    def _pose(self, run: Motion, k: int, body: str) -> Pose:
+        p = run.orientation[body][k] if body in run.orientation else [1, 0, 0, 0]
+        return Pose(run.position[body][k], rotation(p))
+
+    def _force(self, found: Evaluation, *also: Array) -> float:
+        """Return the largest of some generalised forces in N and N m."""
+        return size_of(*(f * self.units(found) for f in (found.f, *also))) / self.metre**2
+
+    def _rows_of(self, owner: str, found: Evaluation, theirs: Any) -> Iterator[Measured]:
+        mine = [name == owner for name in found.owners]
+        own = [row.partition(":")[0] == owner for row in theirs.rows]
+        units = self.units(found)
+        A, B = found.C_q[mine] * units, theirs.C_q[own] * units
+        A, B = A / self._of(A), B / self._of(B)
+        X = np.linalg.lstsq(A.T, B.T, rcond=None)[0].T if size_of(A) else np.zeros((len(B), len(A)))
+        yield "Jacobian of joints (relative)", size_of(X @ A - B), 1e-9
+        sizes = self._of(found.C_q[mine] * units)[:, 0], self._of(theirs.C_q[own] * units)[:, 0]
+        speed = self._speed(found)
+        for name, power in (("nu", 1), ("gamma", 2)):
+            x, y = getattr(found, name)[mine] / sizes[0], getattr(theirs, name)[own] / sizes[1]
+            size = 1 + speed**power + size_of(x, y)
+            yield f"{name} of joints (relative)", size_of(X @ x - y) / size, 1e-9
+
+    @staticmethod
+    def _of(A: Array) -> Array:
+        """Return the largest element of each row, 1 of a row of zeros."""
+        return np.array([[size_of(row) or 1.0] for row in A])
+
+    def units(self, found: Evaluation) -> Array:
+        """Return how much of each column a metre or a radian is."""
+        sizes = np.ones(len(found.v))
+        for own in found.columns.values():
+            sizes[own.start : own.start + 3] = self.metre
+        return sizes
+
+    def _solution(self, found: Evaluation) -> Solution | None:
+        if found.M is not None:
+            return found.solution
+        # Without masses accelerations follow where nothing is left free.
+        solution = solve(np.eye(len(found.v)), found.C_q, found.gamma, 0 * found.v, 1e-7)
+        rank = len(found.C) - solution.free.shape[1]
+        return solution if rank == len(found.v) else None

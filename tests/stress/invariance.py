@@ -1,0 +1,211 @@
+"""The same motion in other words: what a change of words costs, in units of its own rounding."""
+
+from __future__ import annotations
+
+import random
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
+
+import numpy as np
+
+import kousoku as ks
+from kousoku.model import system_forces
+from kousoku.model.errors import KousokuError
+from tests.random_draft import UNITS
+from tests.random_geometry import product, turn
+from tests.random_scenes import random_scene
+from tests.stress import changes
+from tests.stress.changes import DoesNotApply, Scaled
+from tests.stress.comparing import size_of
+from tests.stress.kit import Fault, Outcome, Question, Size
+from tests.stress.scenes import END, SAMPLES, quick_to_compile, reason_of
+from tests.stress.smaller import smallest, text_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    Tree = dict[str, Any]
+
+BATCH = 3
+"""Random scenes of a case; each is compiled once for every change."""
+
+TOLERANCE = 1e-11
+"""Of all motions."""
+
+FAR = 1e6
+"""How far scenes are moved [m]."""
+
+UNIT = 1e-9
+"""The cost of a change that only rounds: steps that differ, within the tolerance [m, rad]."""
+
+LIMIT = 1e3
+"""The largest error, in units of what the change costs."""
+
+A = product(turn((1, 2, -3), 1.25), turn((0, 0, 1), -2.0))
+
+
+@dataclass(frozen=True)
+class Change:
+    """A scene in other words.
+
+    Parameters
+    ----------
+    of : callable
+        Returns the other scene.
+    length, time : float
+        What its lengths and times are multiplied by.
+    turn : (3, 3), optional
+        How its directions are turned.
+    offset : (3,)
+        How far it is moved, in the unit of the scene.
+    cost : float
+        What the change costs by itself, in metres or radians.
+    """
+
+    of: Callable[[Tree], Tree]
+    length: float = 1.0
+    time: float = 1.0
+    turn: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
+    offset: float = 0.0
+    cost: float = UNIT
+
+
+def _scaled(length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Change:
+    return Change(lambda tree: Scaled(tree, length, mass, time).tree, length, time)
+
+
+CHANGES: dict[str, Change] = {
+    "reordered": Change(changes.reordered),
+    "turned": Change(lambda tree: changes.turned(tree, A), turn=A),
+    "split by welds": Change(changes.split),
+    f"moved {FAR:g} m": Change(
+        lambda tree: changes.moved(tree, (FAR * UNITS[tree["unit"]], 0.0, 0.0)),
+        offset=FAR,
+        cost=UNIT + FAR * 2.0**-52,
+    ),
+    "metres times 1e9": _scaled(length=1e9),
+    "metres times 1e-9": _scaled(length=1e-9),
+    "kilograms times 1e9": _scaled(mass=1e9),
+    "kilograms times 1e-9": _scaled(mass=1e-9),
+    "seconds times 1e9": _scaled(time=1e9),
+    "seconds times 1e-9": _scaled(time=1e-9),
+}
+
+
+def cases(size: Size) -> Iterator[str]:
+    """Name a case for each batch of random scenes."""
+    for batch in range(-(-size.examples(3, 150) // BATCH)):
+        yield f"changed {size.seed} {batch}"
+
+
+def run(case: str) -> Outcome:
+    """Change the scenes of a case in all ways."""
+    _, seed, batch = case.split()
+    outcome = Outcome()
+    with quick_to_compile():
+        for k in range(BATCH):
+            tree = random_scene(random.Random(f"{seed} {batch} {k}"))
+            ask(tree, outcome, f"scene {seed} {batch} {k}")
+    return outcome
+
+
+def ask(tree: Tree, outcome: Outcome, place: str) -> None:
+    """Compare a scene with all that it is in other words."""
+    outcome.count("scenes")
+    try:
+        mechanism = ks.load(tree, target="c")
+        motion: Any = mechanism.simulate(END, samples=SAMPLES, tolerance=TOLERANCE)
+    except KousokuError as error:
+        outcome.count(f"refused: {reason_of(error)}")
+        return
+    for name, change in CHANGES.items():
+        try:
+            units, details = off(tree, motion, change)
+        except DoesNotApply as reason:
+            outcome.count(f"{name} does not apply: {reason}")
+            continue
+        if not details:
+            outcome.measure(f"{name} (units)", units, place)
+        if details or not units <= LIMIT:
+            title = f"{name}: {details.partition(';')[0] or 'another motion'}"
+
+            def is_there(smaller: Tree, change: Change = change, details: str = details) -> bool:
+                own = ks.load(smaller, target="c")
+                moved = own.simulate(END, samples=SAMPLES, tolerance=TOLERANCE)
+                other = off(smaller, moved, change)
+                if details:
+                    return other[1].partition(";")[0] == details.partition(";")[0]
+                return not other[0] <= LIMIT and not other[1]
+
+            small = smallest(tree, is_there)
+            command = f"kousoku simulate scene.toml --end {END} --tolerance {TOLERANCE:g}"
+            files = {"scene__toml": text_of(small), "changed__toml": text_of(change.of(small))}
+            outcome.find(title, f"{units:.3g} units; {details}; {place}", command, **files)
+    if changes.can_be_reversed(tree):
+        there_and_back(mechanism, outcome, place)
+
+
+def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
+    """Return how far the motion of a changed scene is off in units, or what refuses it."""
+    other_tree = change.of(tree)
+    try:
+        other: Any = ks.load(other_tree, target="c").simulate(
+            END * change.time, samples=SAMPLES, tolerance=TOLERANCE
+        )
+    except KousokuError as error:
+        return np.inf, f"is refused: {reason_of(error)}; {error}"
+    if not other.ledger.trust.is_trusted and motion.ledger.trust.is_trusted:
+        return np.inf, f"is not trusted; {other.ledger.trust}"
+    metre = UNITS[tree["unit"]]
+    turning = np.array(change.turn, dtype=float)
+    worst = 0.0
+    for name, r in motion.position.items():
+        there = other.position[name] / change.length
+        there = there - np.array([change.offset * metre, 0, 0])
+        worst = max(worst, size_of(there - r @ turning.T) / metre)
+    for name, rate in motion.angular_velocity.items():
+        there = other.angular_velocity[name] * change.time
+        worst = max(worst, size_of(there - rate) / (1 + size_of(rate)))
+    return worst / change.cost, ""
+
+
+def there_and_back(mechanism: Any, outcome: Outcome, place: str) -> None:
+    """Run a motion, and back from its end with the opposite velocities."""
+    motion = mechanism.simulate(END, samples=2, tolerance=TOLERANCE)
+    _, q, v = motion.state(-1)
+    try:
+        back = mechanism.simulate(END, samples=2, tolerance=TOLERANCE, q0=q, v0=-v)
+    except KousokuError as error:
+        outcome.find(f"time reversed: is refused: {reason_of(error)}", f"{error}; {place}")
+        return
+    metre = UNITS[mechanism.unit]
+    worst = 0.0
+    for name, r in motion.position.items():
+        worst = max(worst, size_of(back.position[name][-1] - r[0]) / metre)
+    outcome.measure("time reversed (units)", worst / UNIT, place, LIMIT)
+
+
+@contextmanager
+def upright() -> Iterator[None]:
+    """Let gravity pull along the last axis of frame O, whatever the scene says."""
+    right = system_forces.gravity_of
+
+    def wrong(scene: Any, unit: Any) -> Any:
+        x, y, z = right(scene, unit)
+        return (0.0, 0.0, -float(np.hypot(np.hypot(x, y), z)))
+
+    with patch("kousoku.model.system.gravity_of", wrong):
+        yield
+
+
+QUESTION = Question(
+    asks="the same motion in other words, moved by 1e6 m, turned, reordered, split by welds, in"
+    " other units of length, mass and time, and backwards: how far is it from itself, in units of"
+    " what the change costs?",
+    cases=cases,
+    run=run,
+    faults=(Fault("gravity that does not turn with the scene", upright, "changed 1 0"),),
+    seconds=1200.0,
+)

@@ -1,0 +1,114 @@
+"""The tree of a scene as a file, and smaller trees that a finding is still in."""
+
+from __future__ import annotations
+
+import copy
+import json
+import re
+import time
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    Tree = dict[str, Any]
+
+#: Seconds that a finding is made smaller for.
+MOST_SECONDS = 30.0
+
+
+def text_of(tree: Tree) -> str:
+    """Return a tree as TOML, right or wrong as a scene: one line an element."""
+    own = [f"{key} = {_value(value)}\n" for key, value in tree.items() if not _is_table(value)]
+    tables = [
+        f"\n[{key}]\n" + "".join(f"{name} = {_value(one)}\n" for name, one in value.items())
+        for key, value in tree.items()
+        if _is_table(value)
+    ]
+    return "".join(own + tables)
+
+
+def _is_table(value: Any) -> bool:
+    return isinstance(value, dict)
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{key} = {_value(one)}" for key, one in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
+
+
+def smallest(tree: Tree, is_found: Callable[[Tree], bool], seconds: float = MOST_SECONDS) -> Tree:
+    """Return a smaller tree of which the same is true, found by leaving out parts in turn.
+
+    Parameters
+    ----------
+    tree : dict
+        A scene.
+    is_found : callable
+        Whether what was found is found in a smaller one; what it raises means no.
+    seconds : float
+        After which no more is tried.
+    """
+    last, found = time.monotonic() + seconds, True
+    while found:
+        found = False
+        for smaller in _smaller(tree):
+            if time.monotonic() > last:
+                return tree
+            try:
+                found = is_found(smaller)
+            except Exception:
+                found = False
+            if found:
+                tree = smaller
+                break
+    return tree
+
+
+def _smaller(tree: Tree) -> Iterator[Tree]:
+    """Yield trees with one part less: first elements with all that names them, then keys."""
+    for table in ("events", "forces", "inputs", "drivers", "bodies", "joints", "coordinates"):
+        for name in tree.get(table, {}):
+            yield without(tree, {name})
+    for key in ("gravity", "divisions", "parameters", "closure_tolerance"):
+        if key in tree:
+            yield {one: value for one, value in tree.items() if one != key}
+    for output in tree.get("outputs", ()):
+        yield tree | {"outputs": [one for one in tree["outputs"] if one != output]}
+    for table, key in ((t, k) for t, v in tree.items() if _is_table(v) for k in v):
+        element = tree[table][key]
+        for part in element if _is_table(element) else ():
+            smaller = copy.deepcopy(tree)
+            del smaller[table][key][part]
+            yield smaller
+
+
+def without(tree: Tree, names: set[str]) -> Tree:
+    """Return a tree without some elements, and without all that refers to them."""
+    left = {}
+    for table, elements in tree.items():
+        if not _is_table(elements) or table == "parameters":
+            left[table] = elements
+            continue
+        kept = {
+            name: one
+            for name, one in elements.items()
+            if name not in names and not _refers(one, names)
+        }
+        if kept:
+            left[table] = kept
+        if gone := elements.keys() - kept.keys() - names:
+            return without(tree, names | gone)
+    return left
+
+
+def _refers(one: Any, names: set[str]) -> bool:
+    if isinstance(one, dict):
+        return any(_refers(value, names) for value in one.values())
+    if isinstance(one, list | tuple):
+        return any(_refers(value, names) for value in one)
+    words = re.findall(r"\w+", one) if isinstance(one, str) else []
+    return any(word.removesuffix("_dot") in names for word in words)
