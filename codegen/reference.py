@@ -92,7 +92,7 @@ def _kernels(
     kernels: list[dict[str, object]] = []
     for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
         points = _points(function, tape, list(zip(functions, tapes, strict=True)), is_thorough)
-        found = [(point, _values(kernel, function, tape, point)) for point in points]
+        found = [(point, values_at(kernel, function, tape, point)) for point in points]
         known = [(point, values) for point, values in found if values is not None]
         if not any(_is_finite(point) for point, _ in known):
             raise DerivationError(
@@ -116,7 +116,7 @@ def _known(kernel: Kernel, function: Function, tape: Tape, error: KnownError) ->
         It is further off than is known.
     """
     point = Point("known to be off", error.inputs)
-    values: dict[str, Any] | None = _values(kernel, function, tape, point)
+    values: dict[str, Any] | None = values_at(kernel, function, tape, point)
     assert values is not None
     found = units_off(kernel, error.output, error.inputs, values["outputs"][error.output])
     if not found <= error.units:
@@ -178,7 +178,7 @@ def _solution(
     return None
 
 
-def _values(
+def values_at(
     kernel: Kernel, function: Function, tape: Tape, point: Point
 ) -> dict[str, object] | None:
     """Return one point with its references; None where it happens to be no number."""

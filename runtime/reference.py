@@ -121,12 +121,14 @@ def read_references(
         points = {kernel["name"]: kernel["points"] for kernel in data["kernels"]}
         if not all(points[k.name] for k in manifest.kernels):
             raise VerifyError(f"{path}: a kernel has no points: nothing to verify")
-        return {k.name: _reference(k, points[k.name]) for k in manifest.kernels}
+        return {k.name: reference_of(k, points[k.name]) for k in manifest.kernels}
     except (ValueError, KeyError, TypeError, IndexError) as error:
         raise VerifyError(f"{path} does not fit the manifest beside it: {error!r}") from None
 
 
-def _reference(kernel: KernelManifest, points: list[dict[str, Any]]) -> Reference:
+def reference_of(kernel: KernelManifest, points: list[dict[str, Any]]) -> Reference:
+    """Return points of a kernel as the reference file has them, as arrays."""
+
     def stack(q: Quantity) -> Floats:
         rows = [[float(x) for x in point["inputs"][q.name]] for point in points]
         return np.array(rows, dtype=np.float64).reshape((len(points), *q.shape))

@@ -78,7 +78,7 @@ def verify(
             for way in ways(library.target)
             for evaluation in evaluate(library[kernel.name], reference, way)
         ]
-        found = list(_rows(kernel, reference, evaluations))
+        found = list(rows_of(kernel, reference, evaluations))
         wrong = [str(row) for row in found if not row.ok]
         rows += found
         problems += wrong
@@ -116,7 +116,7 @@ def _libraries(
             yield library
 
 
-def _rows(
+def rows_of(
     kernel: KernelManifest, reference: Reference, evaluations: Sequence[Evaluation]
 ) -> Iterator[Row]:
     """Yield the worst error of each output in each way of calling."""

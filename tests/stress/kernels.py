@@ -1,0 +1,414 @@
+"""Kernels of kinds at random points, in states of machines, at the edges of doubles, and climbing.
+
+The values come from the scalar formulas of the derivation, the units are those of ``verify``. A
+climb changes exponents, signs, zeros and directions, and keeps what makes the error larger.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import tempfile
+from dataclasses import dataclass, replace
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Literal
+from unittest.mock import patch
+
+import numpy as np
+
+from kousoku.codegen.emit import emit
+from kousoku.codegen.freeze import freeze
+from kousoku.codegen.generate import package_of, write_tree
+from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.codegen.points import (
+    Point,
+    finite_points,
+    infinite_points,
+    is_euler_parameters,
+    ordinary,
+)
+from kousoku.codegen.reference import WORKING_DIGITS, values_at
+from kousoku.codegen.states import coincident_points, motion_points
+from kousoku.codegen.store import load_frozen
+from kousoku.codegen.stream import Stream
+from kousoku.codegen.tape import record
+from kousoku.codegen.unit import SMALLEST_SUBNORMAL
+from kousoku.model.errors import NoCompilerError
+from kousoku.runtime import load, toolchain
+from kousoku.runtime.evaluate import different_bits, evaluate, ways
+from kousoku.runtime.reference import reference_of
+from kousoku.runtime.report import LIMIT
+from kousoku.runtime.verify import rows_of
+from kousoku.symbolic import derive, length
+from kousoku.symbolic.joints import half_square_curvature
+from kousoku.symbolic.kinds import KINDS
+from kousoku.symbolic.matrices import Divisor, add, mul, neg, transpose
+from kousoku.symbolic.spring import RELATIVE, D, L
+from tests.stress import wide
+from tests.stress.kit import Fault, Outcome, Question, Size
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+    from contextlib import AbstractContextManager
+
+    from kousoku.codegen import kernel as frozen
+    from kousoku.codegen.tape import Tape
+    from kousoku.runtime.kernel import Kernel
+    from kousoku.symbolic.derivation import Function
+    from kousoku.symbolic.matrices import Matrix
+
+#: Points of a climb that go on, and steps that each tries at a time.
+CLIMBERS, TRIES = 12, 16
+#: Ordinary magnitudes end here, as those of reference points where kernels were far off.
+LARGEST = 64.0
+ROUNDING = 2.0**-53
+#: Where a value vanishes with its derivatives, roundings of roundings are left: of what terms of
+#: both signs add up to, a climb asks for no more than this part, as ``verify`` of solvers does.
+FLOOR = 2.0**-40 * ROUNDING
+#: Scales from 1e-150 to 1e150.
+LARGEST_EXPONENT = 498
+CLIMBING = "climbing over ordinary magnitudes"
+#: Outputs whose forms lose a digit or two at points that a climb finds, and none in states that
+#: machines are in.
+BESIDE = {
+    **dict.fromkeys(("n1", "n2", "p2_x", "p2_y", "p2_z"), ("gamma", "reaction")),
+    "length": ("gamma", "reaction", "reaction_q"),
+    "spring_damper": ("l_dot", "force"),
+}
+KNOWN = {
+    f"{output} of {kind} is up to {most} units off: {CLIMBING}": "A form that keeps all digits"
+    " there loses them at points that machines pass through. One that is further off is found."
+    for kind, outputs in BESIDE.items()
+    for output in outputs
+    for most in (10, 100, 1000)
+}
+#: Kinds that are asked at points of all sorts also when there is little time: with roots and poles.
+SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
+#: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
+SORTS = (
+    {"sorts": 1, "states": 30, "scales": 30},
+    {"sorts": 1, "states": 500, "scales": 500, "climb": 200},
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """A kernel, and the formulas that it must give.
+
+    Parameters
+    ----------
+    function : Function
+        The derivation, all outputs.
+    tape : Tape
+        Its formulas.
+    graph : codegen.kernel.Kernel
+        The frozen kernel; it says which elements are identically zero.
+    kernels : tuple of (str, Kernel)
+        By target: compiled, where a compiler is in reach, and of NumPy.
+    places : dict of str to list of int
+        Where the elements of each input stand in a point, a row of numbers.
+    """
+
+    function: Function
+    tape: Tape
+    graph: frozen.Kernel
+    kernels: tuple[tuple[Literal["c", "numpy"], Kernel], ...]
+    places: dict[str, list[int]]
+
+    def row(self, inputs: Mapping[str, Sequence[float]]) -> list[float]:
+        """Return a point as a row of numbers."""
+        return [inputs[name][index] for name, index in self.tape.inputs]
+
+    def inputs(self, row: Any) -> dict[str, tuple[float, ...]]:
+        """Return what :meth:`row` made a row of."""
+        return {name: tuple(row[places].tolist()) for name, places in self.places.items()}
+
+    def values(self, rows: Any) -> Any:
+        """Return what the first kernel gives at points: (n, elements)."""
+        _, kernel = self.kernels[0]
+        quantities = kernel.manifest.inputs
+        inputs = (rows[:, self.places[q.name]].reshape((-1, *q.shape)) for q in quantities)
+        with np.errstate(all="ignore"):
+            found = kernel(*inputs)
+        return np.concatenate([np.reshape(x, (len(rows), -1)) for x in found], axis=1)
+
+    def errors(self, rows: Any, *, has_floor: bool = False) -> dict[str, Any]:
+        """Return for each output the units that its worst element is off at points, nearly.
+
+        Where a value, or a number on the way to it, is none that doubles have, it is NaN.
+        """
+        got = self.values(rows)
+        errors = np.zeros(got.shape)
+        with np.errstate(all="ignore"):
+            values, is_double = wide.run(self.tape, rows)
+            for k, (value, size, whole) in enumerate(values):
+                floor = FLOOR * whole if has_floor else SMALLEST_SUBNORMAL
+                unit = np.maximum(ROUNDING * (abs(value.high) + size), floor)
+                found = abs((got[:, k] - value.high) - value.low)
+                errors[:, k] = np.where(found == 0, 0, found / unit)
+        errors[~(np.isfinite(errors) & is_double[:, None])] = math.nan
+        ends = np.cumsum([0] + [len(found) for _, found in self.tape.outputs])
+        return {
+            name: errors[:, start:end].max(axis=1)
+            for (name, _), start, end in zip(self.tape.outputs, ends, ends[1:], strict=False)
+        }
+
+
+def folder_of(package: str) -> Path:
+    """Return the folder of the kernels that are shipped."""
+    return Path(str(resources.files("kousoku.generated").joinpath("kinds", package)))
+
+
+def subjects(kind: str) -> tuple[Subject, ...]:
+    """Return the kernels of a kind, or of a choice of its rows."""
+    package = package_of(kind)
+    choice = kind.removeprefix(package)
+    libraries = [load(folder_of(package), target="numpy")]
+    with contextlib.suppress(NoCompilerError):
+        libraries.insert(0, load(folder_of(package), target="c"))
+    graphs = {kernel.name: kernel for kernel in load_frozen(package).kernels}
+    found = []
+    for function in derive(kind).functions:
+        name, tape = function.name + choice, record(function)
+        places: dict[str, list[int]] = {}
+        for place, (array, _) in enumerate(tape.inputs):
+            places.setdefault(array, []).append(place)
+        kernels = tuple((library.target, library[name]) for library in libraries)
+        found.append(Subject(function, tape, graphs[name], kernels, places))
+    return tuple(found)
+
+
+def check(outcome: Outcome, kind: str, subject: Subject, points: Sequence[Point], sort: str) -> Any:
+    """Measure a kernel at points as ``verify`` does: every way of calling, every output.
+
+    Returns
+    -------
+    dict of str to float
+        For each output the worst error, in units.
+    """
+    with HIGH_CONTEXT.workdps(WORKING_DIGITS):
+        known = [values_at(subject.graph, subject.function, subject.tape, x) for x in points]
+    found = [raised(subject, x) if sort == CLIMBING else x for x in known if x is not None]
+    outcome.count("points", len(found))
+    worst: dict[str, float] = {}
+    if not found:
+        return worst
+    every = []
+    for target, kernel in subject.kernels:
+        manifest = replace(kernel.manifest, known=())
+        reference = reference_of(manifest, found)
+        for way in ways(target):
+            every += list(evaluate(kernel, reference, way))
+    for row in rows_of(manifest, reference, every):
+        worst[row.output] = max(worst.get(row.output, 0.0), row.worst)
+        figure = f"{row.output} of {kind}"
+        of_manifest = dict(subject.kernels[0][1].manifest.known).get(row.output, LIMIT)
+        outcome.measure(f"{sort} (units)", row.worst, f"{figure}, {row.label}")
+        if row.worst > of_manifest:
+            outcome.find(f"{figure} is {rounded_up(row.worst)} off: {sort}", str(row))
+    if manifest.is_exact and all(x <= LIMIT for x in worst.values()):
+        for message in different_bits(manifest, reference, every):
+            outcome.find(f"{kind}: bits differ by the way of calling", message)
+    return worst
+
+
+def raised(subject: Subject, point: dict[str, Any]) -> dict[str, Any]:
+    """Return a point with units that are at least the floor of a climb."""
+    values, _ = wide.run(subject.tape, np.array([subject.row(point["inputs"])]))
+    floors = iter([float(FLOOR * whole[0]) for *_, whole in values])
+    outputs = {}
+    for k, (name, elements) in enumerate(subject.tape.outputs):
+        own = [next(floors) for _ in elements]
+        chosen = [own[element] for element in subject.graph.nonzero(k)]
+        columns = point["outputs"][name]
+        unit = [max(x, floor) for x, floor in zip(columns["unit"], chosen, strict=True)]
+        outputs[name] = columns | {"unit": unit}
+    return point | {"outputs": outputs}
+
+
+def rounded_up(units: float) -> str:
+    """Return how many units are lost, as the title of a finding has them."""
+    if not math.isfinite(units):
+        return "beyond all units"
+    return f"up to {10 ** math.ceil(math.log10(units)):g} units"
+
+
+def of_all_sorts(outcome: Outcome, kind: str, name: str, turn: int) -> None:
+    """Ask at points like those of ``verify``, with other numbers: also not finite, and poles."""
+    for subject in subjects(kind):
+        inputs, stream = subject.function.inputs, Stream(f"{name} {subject.function.name}")
+        points = finite_points(subject.tape, inputs, stream, turn)
+        points += infinite_points(subject.tape, inputs, stream)
+        points += motion_points(inputs, stream, turn)
+        if all(output.at_pole is not None for output in subject.function.outputs):
+            points += coincident_points(inputs, stream)
+        check(outcome, kind, subject, points, "points of all sorts")
+
+
+def at_all_scales(outcome: Outcome, kind: str, name: str, number: int) -> None:
+    """Ask where each array has a scale of its own from 1e-150 to 1e150."""
+    rng = np.random.default_rng([*name.encode()])
+    for subject in subjects(kind):
+        rows = starts(subject, f"{name} {subject.function.name}", number)
+        for quantity in subject.function.inputs:
+            if not is_euler_parameters(quantity):
+                exponents = rng.integers(-LARGEST_EXPONENT, LARGEST_EXPONENT + 1, (number, 1))
+                places = subject.places[quantity.name]
+                rows[:, places] = np.ldexp(rows[:, places], exponents)
+        check_worst(outcome, kind, subject, rows, "scales of 1e-150 to 1e150")
+
+
+def in_states(outcome: Outcome, kind: str, name: str, number: int) -> None:
+    """Ask in random states that machines are in."""
+    for subject in subjects(kind):
+        rows = starts(subject, f"{name} {subject.function.name}", number)
+        check_worst(outcome, kind, subject, rows, "states that machines are in")
+
+
+def check_worst(
+    outcome: Outcome, kind: str, subject: Subject, rows: Any, sort: str
+) -> dict[str, float]:
+    """Measure the worst of many points, for each output one.
+
+    Where a product overflows, the result is not finite and says so by itself.
+    """
+    outcome.count("points looked at", len(rows))
+    is_finite = np.isfinite(subject.values(rows)).all(axis=1)
+    outcome.count(
+        "points at which products overflow, and the result is not finite", int(sum(~is_finite))
+    )
+    rows = rows[is_finite]
+    every = [x for x in subject.errors(rows).values() if not np.isnan(x).all()]
+    worst = {int(np.nanargmax(errors)) for errors in every}
+    points = [Point(sort, subject.inputs(rows[k])) for k in sorted(worst)]
+    return dict(check(outcome, kind, subject, points, sort))
+
+
+def starts(subject: Subject, name: str, number: int) -> Any:
+    """Return ordinary points, and states that machines are in, as rows."""
+    inputs, rows = subject.function.inputs, list[list[float]]()
+    stream = Stream(name)
+    for turn in range(number):
+        states = motion_points(inputs, stream, turn)[: number - len(rows)]
+        rows += [subject.row(state.inputs) for state in states]
+        if len(rows) < number:
+            rows.append(subject.row(ordinary(inputs, stream)))
+    return np.array(rows[:number])
+
+
+def climb(outcome: Outcome, kind: str, name: str, rounds: int) -> None:
+    """Climb to the worst point of each output that ordinary magnitudes have."""
+    for subject in subjects(kind):
+        for output, _ in subject.tape.outputs:
+            rng = np.random.default_rng([*f"{name} {output}".encode()])
+            rows = starts(subject, f"{name} {output}", CLIMBERS * TRIES)
+            errors = np.nan_to_num(subject.errors(rows, has_floor=True)[output])
+            best = np.argsort(-errors)[:CLIMBERS]
+            rows, errors = rows[best], errors[best]
+            for _ in range(rounds):
+                tried = changed(subject, rng, np.repeat(rows, TRIES, axis=0))
+                found = subject.errors(tried, has_floor=True)[output]
+                found = np.nan_to_num(found).reshape((CLIMBERS, TRIES))
+                chosen = np.argmax(found, axis=1)
+                is_worse = found.max(axis=1) > errors
+                steps = tried.reshape((CLIMBERS, TRIES, -1))[range(CLIMBERS), chosen]
+                rows = np.where(is_worse[:, None], steps, rows)
+                errors = np.maximum(errors, found.max(axis=1))
+            outcome.count("points looked at", CLIMBERS * TRIES * (rounds + 1))
+            point = Point("climbing", subject.inputs(rows[int(np.argmax(errors))]))
+            check(outcome, kind, subject, [point], CLIMBING)
+
+
+def changed(subject: Subject, rng: np.random.Generator, rows: Any) -> Any:
+    """Return points beside others: another exponent, sign, zero, direction, or a shared array."""
+    rows, names = rows.copy(), list(subject.places)
+    for row, step in zip(rows, rng.integers(6, size=len(rows)), strict=True):
+        places = subject.places[names[rng.integers(len(names))]]
+        others = subject.places[names[rng.integers(len(names))]]
+        place = rng.integers(len(row))
+        by = 2.0 ** -rng.integers(45)
+        if step == 0:
+            row[place] *= 2.0 ** rng.normal(scale=3)
+        elif step == 1:
+            row[place] = (0, 1, -1, -row[place])[rng.integers(4)]
+        elif step == 2:
+            row[places] += by * abs(row[places]).max() * rng.normal(size=len(places))
+        elif step == 3 and len(places) == len(others):
+            row[places] = row[others]
+        elif step == 4:
+            row[places] = rows[rng.integers(len(rows)), places]
+        else:
+            row[place] *= 1 + by * rng.normal()
+    for quantity in subject.function.inputs:
+        places = subject.places[quantity.name]
+        chosen = rows[:, places]
+        if is_euler_parameters(quantity):
+            chosen[~chosen.any(axis=1), 0] = 1
+            rows[:, places] = chosen / np.linalg.norm(chosen, axis=1, keepdims=True)
+        else:
+            rows[:, places] = np.clip(chosen, -LARGEST, LARGEST)
+    return rows
+
+
+def cases(size: Size) -> Iterator[str]:
+    """Name a case for each kind, sort of points and batch."""
+    every = [name for kind in KINDS.values() for name in kind.packages]
+    for batch in range(size.examples(1, 40)):
+        for kind in every if size.is_full else [kind.packages[0] for kind in KINDS.values()]:
+            for sort, number in SORTS[size.is_full].items():
+                if sort == "sorts" and not size.is_full and kind not in SINGULAR:
+                    continue
+                yield f"{sort} {kind} {number} {size.seed} {batch}"
+
+
+def run(case: str) -> Outcome:
+    """Ask a kind at points of one sort."""
+    outcome = Outcome()
+    sort, kind, number, _, batch = case.split()
+    if sort == "sorts":
+        of_all_sorts(outcome, kind, case, int(batch))
+    else:
+        {"scales": at_all_scales, "states": in_states, "climb": climb}[sort](
+            outcome, kind, case, int(number)
+        )
+    return outcome
+
+
+@contextlib.contextmanager
+def cancelling() -> Iterator[None]:
+    """Emit γ of ``length`` as the difference of what d·ḋ and its rate hold of what is along d."""
+
+    def plain(by_points: Matrix) -> Matrix:
+        whole = add(mul(transpose(D), RELATIVE["v"]), by_points)
+        along = mul(1 / Divisor(L), whole)
+        rest = add(mul(along, along), neg(half_square_curvature()))
+        return mul(1 / Divisor(L), rest)
+
+    with patch.object(length, "_gamma", plain):
+        functions = length.derive("length").functions
+    package = load_frozen("length")
+    kernels = [freeze(x) for x in functions]
+    with tempfile.TemporaryDirectory() as folder:
+        write_tree(Path(folder), emit(replace(package, kernels=tuple(kernels)), {}))
+        with patch(f"{__name__}.folder_of", lambda _: Path(folder)):
+            yield
+
+
+def contracting() -> AbstractContextManager[object]:
+    """Compile products and sums into single instructions, which round once."""
+    flags = [flag.replace("contract=off", "contract=fast") for flag in toolchain.FLAGS]
+    return patch.object(toolchain, "FLAGS", tuple(flags))
+
+
+QUESTION = Question(
+    asks="kernels at and near each singular condition, at all scales, in states that machines are"
+    " in, and where a climb leads: by how many units is the worst output off?",
+    cases=cases,
+    run=run,
+    faults=(
+        Fault("γ of a length in a form whose terms cancel", cancelling, "states length 200 1 0"),
+        Fault("a compiler that rounds products and sums once", contracting, "states n1 20 1 0"),
+    ),
+    known=KNOWN,
+)

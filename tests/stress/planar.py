@@ -1,0 +1,305 @@
+"""Planar bodies on hinges and springs: accelerations and forces in 60 digits, by hand.
+
+Nothing here is kousoku's: a body has the angle φ of its frame, each hinge two rows, and the
+equations M a + C_qᵀ λ = f, C_q a = γ are solved as one dense system.
+"""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    Pair = Sequence[float]
+
+MP = mpmath.mp.clone()
+MP.dps = 60
+GROUND = "ground"
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """A body: where it is drawn, its mass, its centre in its own frame, its moment about that."""
+
+    at: Pair
+    mass: float
+    center: Pair
+    moment: float
+    angle: float = 0.0
+    omega: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Hinge:
+    """Two bodies and the point that they share, in the frame of each."""
+
+    i: str
+    j: str
+    s_i: Pair
+    s_j: Pair
+
+
+@dataclass(frozen=True, slots=True)
+class Spring:
+    """A spring between points of two bodies, with its stiffness and its free length."""
+
+    i: str
+    j: str
+    s_i: Pair
+    s_j: Pair
+    stiffness: float
+    free: float
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A body's origin, angle, and their rates."""
+
+    r: Sequence[Any]
+    angle: Any
+    v: Sequence[Any]
+    omega: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Scene:
+    """Bodies, hinges and springs in the plane, under gravity along −y."""
+
+    bars: Mapping[str, Bar]
+    hinges: Mapping[str, Hinge]
+    springs: Mapping[str, Spring] = field(default_factory=dict)
+    gravity: float = 9.81
+    lean: float = 0.0
+
+    def text(self) -> str:
+        """Return the scene as kousoku reads it; the last hinge's axis leans."""
+        lines = ['name = "planar"', 'unit = "m"', f"gravity = [0, {-self.gravity!r}, 0]"]
+        lines += ['outputs = ["accelerations", "reactions", "energies"]']
+        for name, bar in self.bars.items():
+            inertia = f"{{ xx = {bar.moment!r}, yy = {bar.moment!r}, zz = {bar.moment!r} }}"
+            lines += [
+                f"[bodies.{name}]",
+                f"position = [{bar.at[0]!r}, {bar.at[1]!r}, 0]",
+                f"orientation = {{ axis = [0, 0, 1], angle = {bar.angle!r} }}",
+                f"mass = {bar.mass!r}",
+                f"center = [{bar.center[0]!r}, {bar.center[1]!r}, 0]",
+                f"inertia = {inertia}",
+                f"angular_velocity = [0, 0, {bar.omega!r}]",
+            ]
+        for name, hinge in self.hinges.items():
+            lean = self.lean if name == [*self.hinges][-1] else 0.0
+            lines += [
+                f"[joints.{name}]",
+                'type = "hinge"',
+                f'bodies = ["{hinge.i}", "{hinge.j}"]',
+                f"points = [{_triple(hinge.s_i)}, {_triple(hinge.s_j)}]",
+                f"axis = [{lean!r}, 0, 1]",
+            ]
+        for name, spring in self.springs.items():
+            lines += [
+                f"[forces.{name}]",
+                'type = "spring_damper"',
+                f'bodies = ["{spring.i}", "{spring.j}"]',
+                f"points = [{_triple(spring.s_i)}, {_triple(spring.s_j)}]",
+                f"stiffness = {spring.stiffness!r}",
+                f"free_length = {spring.free!r}",
+            ]
+        return "\n".join(lines) + "\n"
+
+
+def _triple(point: Pair) -> str:
+    return f"[{point[0]!r}, {point[1]!r}, 0]"
+
+
+@dataclass(frozen=True, slots=True)
+class Solution:
+    """What the equations give.
+
+    Parameters
+    ----------
+    accelerations : dict of str to tuple
+        Of each body's origin along x and y, and of its angle.
+    forces : dict of str to tuple
+        Of each hinge on body j, along x and y.
+    """
+
+    accelerations: dict[str, tuple[Any, Any, Any]]
+    forces: dict[str, tuple[Any, Any]]
+
+    def numbers(self) -> dict[str, Any]:
+        """Return all numbers by name."""
+        found = {}
+        for name, values in self.accelerations.items():
+            found |= {f"{name}.{k}": x for k, x in zip(("ax", "ay", "alpha"), values, strict=True)}
+        for name, values in self.forces.items():
+            found |= {f"{name}.{k}": x for k, x in zip(("fx", "fy"), values, strict=True)}
+        return found
+
+
+Factor = Callable[[], Any]
+
+
+def _once() -> Any:
+    return MP.one
+
+
+def solution(
+    scene: Scene, states: Mapping[str, State], gravity: Any = None, factor: Factor = _once
+) -> Solution:
+    """Return accelerations and forces at a state, in 60 digits.
+
+    Parameters
+    ----------
+    scene : Scene
+        Whose numbers are taken as the doubles that they are.
+    states : mapping of str to State
+        Of each body.
+    gravity : mpf, optional
+        Instead of the scene's.
+    factor : callable
+        By what each number is multiplied as it is read: 1, or 1 ± u to see what rounding costs.
+
+    Raises
+    ------
+    ZeroDivisionError
+        The rows are dependent.
+    """
+    names = [*scene.bars]
+    motions = {name: _motion(states[name], factor) for name in names}
+    motions[GROUND] = _motion(State((0, 0), 0, (0, 0), 0), _once)
+    n, m = 3 * len(names), 2 * len(scene.hinges)
+    matrix, right = MP.zeros(n + m, n + m), MP.zeros(n + m, 1)
+    fall = MP.mpf(scene.gravity if gravity is None else gravity) * factor()
+    centers = {}
+    for k, (name, bar) in enumerate(scene.bars.items()):
+        mass, moment = MP.mpf(bar.mass) * factor(), MP.mpf(bar.moment) * factor()
+        for row, x in enumerate((mass, mass, moment)):
+            matrix[3 * k + row, 3 * k + row] = x
+        right[3 * k + 1] = -mass * fall
+        centers[name] = _read(bar.center, factor)
+    centers[GROUND] = (MP.zero, MP.zero)
+    for spring in scene.springs.values():
+        _pull(scene, spring, motions, centers, right, factor)
+    for h, hinge in enumerate(scene.hinges.values()):
+        for sign, name, point in ((-1, hinge.i, hinge.s_i), (1, hinge.j, hinge.s_j)):
+            s = _read(point, factor)
+            if name == GROUND:
+                continue
+            k, motion = names.index(name), motions[name]
+            arm = motion.turned((s[0] - centers[name][0], s[1] - centers[name][1]))
+            for axis, lever in enumerate((-arm[1], arm[0])):
+                row = n + 2 * h + axis
+                for column, x in ((3 * k + axis, MP.one), (3 * k + 2, lever)):
+                    matrix[row, column] += sign * x
+                    matrix[column, row] += sign * x
+                right[row] += sign * motion.omega**2 * arm[axis]
+    found = MP.lu_solve(matrix, right)
+    accelerations, forces = {}, {}
+    for k, name in enumerate(names):
+        x, y, alpha = (found[3 * k + j] for j in range(3))
+        c, rate = motions[name].turned(centers[name]), motions[name].omega
+        accelerations[name] = (
+            x + alpha * c[1] + rate**2 * c[0],
+            y - alpha * c[0] + rate**2 * c[1],
+            alpha,
+        )
+    for h, name in enumerate(scene.hinges):
+        forces[name] = (-found[n + 2 * h], -found[n + 2 * h + 1])
+    return Solution(accelerations, forces)
+
+
+@dataclass(frozen=True, slots=True)
+class _Motion:
+    r: tuple[Any, ...]
+    v: tuple[Any, ...]
+    cos: Any
+    sin: Any
+    omega: Any
+
+    def turned(self, s: Sequence[Any]) -> tuple[Any, Any]:
+        return self.cos * s[0] - self.sin * s[1], self.sin * s[0] + self.cos * s[1]
+
+    def point(self, s: Sequence[Any]) -> tuple[Any, Any]:
+        x, y = self.turned(s)
+        return self.r[0] + x, self.r[1] + y
+
+
+def _read(numbers: Sequence[Any], factor: Factor) -> tuple[Any, ...]:
+    return tuple(MP.mpf(x) * factor() for x in numbers)
+
+
+def _motion(state: State, factor: Factor) -> _Motion:
+    angle = MP.mpf(state.angle) + (factor() - 1)
+    (omega,) = _read((state.omega,), factor)
+    return _Motion(
+        _read(state.r, factor), _read(state.v, factor), MP.cos(angle), MP.sin(angle), omega
+    )
+
+
+def _pull(
+    scene: Scene,
+    spring: Spring,
+    motions: Mapping[str, _Motion],
+    centers: Mapping[str, Sequence[Any]],
+    right: Any,
+    factor: Factor,
+) -> None:
+    """Add what a spring does to its bodies."""
+    ends = [(spring.i, _read(spring.s_i, factor)), (spring.j, _read(spring.s_j, factor))]
+    (a, b), (c, d) = (motions[name].point(s) for name, s in ends)
+    line = (c - a, d - b)
+    size = MP.hypot(*line)
+    stiffness, free = _read((spring.stiffness, spring.free), factor)
+    tension = stiffness * (size - free)
+    for sign, (name, s) in zip((1, -1), ends, strict=True):
+        if name == GROUND or size == 0:
+            continue
+        k = [*scene.bars].index(name)
+        center = centers[name]
+        arm = motions[name].turned((s[0] - center[0], s[1] - center[1]))
+        fx, fy = (sign * tension * x / size for x in line)
+        right[3 * k] += fx
+        right[3 * k + 1] += fy
+        right[3 * k + 2] += arm[0] * fy - arm[1] * fx
+
+
+def left(scene: Scene, states: Mapping[str, State]) -> tuple[float, float]:
+    """Return by how much the worst hinge is open [m], and how fast it opens [m/s]."""
+    motions = {name: _motion(state, _once) for name, state in states.items()}
+    motions[GROUND] = _motion(State((0, 0), 0, (0, 0), 0), _once)
+    gaps, rates = [MP.zero], [MP.zero]
+    for hinge in scene.hinges.values():
+        points, speeds = [], []
+        for name, s in ((hinge.i, hinge.s_i), (hinge.j, hinge.s_j)):
+            motion, own = motions[name], _read(s, _once)
+            x, y = motion.turned(own)
+            points.append(motion.point(own))
+            speeds.append((motion.v[0] - motion.omega * y, motion.v[1] + motion.omega * x))
+        gaps += [abs(a - b) for a, b in zip(*points, strict=True)]
+        rates += [abs(a - b) for a, b in zip(*speeds, strict=True)]
+    return float(max(gaps)), float(max(rates))
+
+
+def units(scene: Scene, states: Mapping[str, State], seed: int, samples: int = 6) -> dict[str, Any]:
+    """Return for each number what rounding all that is given can change of it, about.
+
+    Changes of ±u of each number, of random sign, are tried; the largest is taken, twice.
+    """
+    draw = random.Random(seed)
+
+    def rounded() -> Any:
+        return 1 + draw.choice((-1, 1)) * MP.mpf(2) ** -53
+
+    exact = solution(scene, states).numbers()
+    found = {name: abs(x) * MP.mpf(2) ** -53 for name, x in exact.items()}
+    for _ in range(samples):
+        other = solution(scene, states, factor=rounded).numbers()
+        for name, x in other.items():
+            found[name] = max(found[name], 2 * abs(x - exact[name]))
+    return found
