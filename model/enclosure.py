@@ -129,7 +129,9 @@ def _most(*terms: Expression) -> Expression:
 
 
 def _product(a: Bounds, b: Bounds) -> Bounds:
-    products = [mul(x, y) for x in dict.fromkeys(a) for y in dict.fromkeys(b)]
+    # The ends are not hashed: parts are shared, and a tree has many times as many.
+    sides = [(one.least,) if one.is_one else one for one in (a, b)]
+    products = [mul(x, y) for x in sides[0] for y in sides[1]]
     return Bounds(_least(*products), _most(*products))
 
 

@@ -8,6 +8,9 @@ from kousoku.model.decode import dotted
 from kousoku.model.errors import Problem
 from kousoku.model.lines import twice_given
 
+LONGEST = 60
+"""Marks of a value that a message shows."""
+
 _AT = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
 _TWICE = ("Cannot overwrite", "Cannot declare", "Cannot mutate", "Duplicate inline table key")
 _VALUE = re.compile(r"[^,\]}#]*")
@@ -49,4 +52,5 @@ def _of_value(line: str, column: int) -> str:
         return f"; wanted {value.lower()}, in small letters"
     if not _FORMULA.fullmatch(value) or not re.search("[A-Za-z*/^(]", value):
         return ""
-    return f'; a formula, and a name, stands in quotes: "{value}"'
+    shown = value if len(value) <= LONGEST else f"{value[:LONGEST]}…"
+    return f'; a formula, and a name, stands in quotes: "{shown}"'

@@ -13,6 +13,8 @@ from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from kousoku.model.errors import LoadError
+
 if TYPE_CHECKING:
     import types
     from collections.abc import Mapping, Sequence
@@ -72,8 +74,8 @@ def import_source(folder: Path, files: Mapping[str, bytes], name: str) -> types.
 
     Raises
     ------
-    ImportError
-        The folder lacks a module.
+    LoadError
+        The folder lacks a module, or its manifest does not list it.
     """
     sources = {path: data for path, data in files.items() if path.endswith(".py")}
     total = hashlib.sha256()
@@ -90,4 +92,12 @@ def import_source(folder: Path, files: Mapping[str, bytes], name: str) -> types.
     _VERIFIED.sources.update(found)
     if _VERIFIED not in sys.meta_path:
         sys.meta_path.insert(0, _VERIFIED)
-    return import_module(".".join((top, *name.removesuffix(".py").split("/"))))
+    try:
+        return import_module(".".join((top, *name.removesuffix(".py").split("/"))))
+    except ModuleNotFoundError as error:
+        own, _, missed = (error.name or "").partition(".")
+        if own != top:
+            raise
+        raise LoadError(
+            f"{folder}: {missed.replace('.', '/')}.py is wanted, and its manifest does not list it"
+        ) from None

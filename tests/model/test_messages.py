@@ -27,6 +27,7 @@ QUATERNION = '{ quaternion = [1, 0, 0, 0], order = "wxyz" }'
         ('[drivers]\nm = { joint = "a", value = speed*t }', 'stands in quotes: "speed*t"'),
         ('[drivers]\nm = { joint = "a", value = 2*t }', 'stands in quotes: "2*t"'),
         ("[drivers.m]\nvalue = -(2 - t)", 'stands in quotes: "-(2 - t)"'),
+        ("[drivers.m]\nvalue = " + "(" * 9000, f'stands in quotes: "{"(" * 60}…"'),
         ("[joints.a]\naxis = [r, 0, 1]", 'stands in quotes: "r"'),
         ("[bodies.bar]\npoint = True", "wanted true, in small letters"),
         (BAR + "mass = 2\n", "line 6: bodies.bar.mass: stands in line 5, too; give each key once"),

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from kousoku.model.errors import LoadError
 from kousoku.runtime.importing import import_source
 
 if TYPE_CHECKING:
@@ -54,5 +55,10 @@ def test_a_module_that_fails_is_not_kept_and_its_lines_are_shown(tmp_path: Path)
 
 def test_a_module_that_is_missing_is_told(tmp_path: Path) -> None:
     files = {name: data for name, data in FILES.items() if name != "inner/deep.py"}
-    with pytest.raises(ModuleNotFoundError, match=r"inner\.deep"):
+    with pytest.raises(LoadError, match=r"inner/deep\.py is wanted, and its manifest does not"):
         import_source(tmp_path, files, "solver.py")
+
+
+def test_a_module_of_others_that_is_missing_keeps_its_own_error(tmp_path: Path) -> None:
+    with pytest.raises(ModuleNotFoundError, match="nowhere_to_be_found"):
+        import_source(tmp_path, {"solver.py": b"import nowhere_to_be_found\n"}, "solver.py")
