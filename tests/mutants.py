@@ -83,13 +83,25 @@ class Mutant:
 
 def mutants_of(path: Path) -> Iterator[Mutant]:
     """Return all mistakes that the rules find in a file."""
+    return filter(is_possible, candidates_of(path))
+
+
+def one_of(path: Path, draw: random.Random) -> Mutant | None:
+    """Return one mistake of a file, or None if there is none."""
+    candidates = [*candidates_of(path)]
+    draw.shuffle(candidates)
+    return next(filter(is_possible, candidates), None)
+
+
+def candidates_of(path: Path) -> Iterator[Mutant]:
+    """Return what the rules find in a file, with what is no Python any more."""
     text = (ROOT / path).read_text(encoding="utf-8")
     # As long as the text, so that places are the same; line ends stay for what takes whole lines.
     code = NO_CODE.sub(lambda found: re.sub(r"[^\n]", "\0", found[0]), text)
     for start, end, new in [*changes(code), *(dropped(text) if path.suffix == ".py" else ())]:
         line = text.count("\n", 0, start) + 1
         mutant = Mutant(path, start, end, new, line, text[start:end])
-        if "\0" not in code[start:end] and (path.suffix != ".py" or is_python(mutant.of(text))):
+        if "\0" not in code[start:end]:
             yield mutant
 
 
@@ -121,10 +133,11 @@ def dropped(text: str) -> Iterator[tuple[int, int, str]]:
                 yield line + node.col_offset, line + (node.end_col_offset or 0), "pass"
 
 
-def is_python(text: str) -> bool:
-    """Return whether a text can be parsed."""
+def is_possible(mutant: Mutant) -> bool:
+    """Return whether a file of Python can still be parsed."""
     try:
-        ast.parse(text)
+        if mutant.path.suffix == ".py":
+            ast.parse(mutant.of((ROOT / mutant.path).read_text(encoding="utf-8")))
     except SyntaxError:
         return False
     return True
