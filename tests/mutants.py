@@ -144,11 +144,14 @@ def is_possible(mutant: Mutant) -> bool:
 
 
 def copied(folder: Path) -> Path:
-    """Return a copy of all files of the checkout that git knows or would add."""
+    """Return a copy of all files of the checkout that git knows or would add.
+
+    What the folder has of them already is written anew.
+    """
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for name in filter(None, listed.split("\0")):
-        if (ROOT / name).exists():
+        if (ROOT / name).exists() and not (folder / name).is_symlink():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
     return folder
