@@ -84,13 +84,25 @@ class Mutant:
 
 def mutants_of(path: Path) -> Iterator[Mutant]:
     """Return all mistakes that the rules find in a file."""
+    return filter(is_possible, candidates_of(path))
+
+
+def one_of(path: Path, draw: random.Random) -> Mutant | None:
+    """Return one mistake of a file, or None if there is none."""
+    candidates = [*candidates_of(path)]
+    draw.shuffle(candidates)
+    return next(filter(is_possible, candidates), None)
+
+
+def candidates_of(path: Path) -> Iterator[Mutant]:
+    """Return what the rules find in a file, with what is no Python any more."""
     text = (ROOT / path).read_text(encoding="utf-8")
     # As long as the text, so that places are the same; line ends stay for what takes whole lines.
     code = NO_CODE.sub(lambda found: re.sub(r"[^\n]", "\0", found[0]), text)
     for start, end, new in [*changes(code), *(dropped(text) if path.suffix == ".py" else ())]:
         line = text.count("\n", 0, start) + 1
         mutant = Mutant(path, start, end, new, line, text[start:end])
-        if "\0" not in code[start:end] and (path.suffix != ".py" or is_python(mutant.of(text))):
+        if "\0" not in code[start:end]:
             yield mutant
 
 
@@ -122,21 +134,25 @@ def dropped(text: str) -> Iterator[tuple[int, int, str]]:
                 yield line + node.col_offset, line + (node.end_col_offset or 0), "pass"
 
 
-def is_python(text: str) -> bool:
-    """Return whether a text can be parsed."""
+def is_possible(mutant: Mutant) -> bool:
+    """Return whether a file of Python can still be parsed."""
     try:
-        ast.parse(text)
+        if mutant.path.suffix == ".py":
+            ast.parse(mutant.of((ROOT / mutant.path).read_text(encoding="utf-8")))
     except SyntaxError:
         return False
     return True
 
 
 def copied(folder: Path) -> Path:
-    """Return a copy of all files of the checkout that git knows or would add."""
+    """Return a copy of all files of the checkout that git knows or would add.
+
+    What the folder has of them already is written anew.
+    """
     command = ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"]
     listed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
     for name in filter(None, listed.split("\0")):
-        if (ROOT / name).exists():
+        if (ROOT / name).exists() and not (folder / name).is_symlink():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy2(ROOT / name, folder / name, follow_symlinks=False)
     return folder

@@ -153,3 +153,58 @@ def test_jumps_of_a_force_are_met(solver_of: Callable[..., Any]) -> None:
     run = solver_of(hit).simulate(END, parameters={"t0": math.e})
     speed = END - 2.0 * math.e + 6.0 + 1.0 - math.cos(END - 3.0 * math.pi)
     assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-9)
+
+
+#: A cart that meets what depends on where it is, and how fast.
+CART = """
+name = "cart"
+unit = "m"
+outputs = ["energies"]
+parameters = { stiffness = 15.95028699963824, friction = 0.005839955841779911, width = 0.01 }
+[bodies.cart]
+position = [0, 0, 0]
+velocity = [10, 0, 0]
+mass = 1
+inertia = { xx = 1, yy = 1, zz = 1 }
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+[coordinates]
+x = { joint = "rail" }
+[forces]
+law = { type = "along", coordinate = "x", force = "LAW" }
+"""
+
+
+@pytest.mark.parametrize("tolerance", [1e-9, 1e-12])
+def test_dry_friction_is_met_where_rounding_hides_how_positions_bend(
+    solver_of: Callable[..., Any], tolerance: float
+) -> None:
+    solver = solver_of(CART.replace("LAW", "-stiffness*x - friction*sign(x_dot)"))
+    stiffness, friction = (solver.parameters[0][1], solver.parameters[1][1])
+    rate, shift = math.sqrt(stiffness), friction / stiffness
+    reach = math.hypot(10.0 / rate, shift)
+    turns = 1 + math.floor((END - math.acos(shift / reach) / rate) * rate / math.pi)
+    run = solver.simulate(END, method="dop853", tolerance=tolerance, most_steps=5000)
+    x, v = run.position["cart"][-1, 0], run.velocity["cart"][-1, 0]
+    about = math.copysign(shift, -v)  # each half of a swing goes about one shift
+    left = reach - 2.0 * turns * shift
+    assert math.hypot(x - about, v / rate) == pytest.approx(left, rel=2e-8)
+    assert run.ledger.steps < 1500
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_fixed_steps_do_not_pass_over_narrow_forces_without_a_word(
+    solver_of: Callable[..., Any], method: str
+) -> None:
+    pulse = PULSE[: PULSE.index("force = [")]
+    hit = solver_of(pulse + 'force = ["10*exp(-((t - t0)/width)^2) + 0*rise", "0", "0"]\n')
+    wall = solver_of(CART.replace("LAW", "-3e4*exp(-((x - 83.2)/width)^2) + 0*stiffness*friction"))
+    for width in (1e-3, 1e-2, 0.1):
+        run = hit.simulate(END, parameters={"width": width}, method=method, step=0.37)
+        speed = 10.0 * width * math.sqrt(math.pi)
+        assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=0.3)
+        is_right = run.velocity["block"][-1, 0] == pytest.approx(speed)
+        assert is_right or not run.ledger.trust.is_trusted
+        run = wall.simulate(END, parameters={"width": width}, method=method, step=0.37)
+        is_right = run.velocity["cart"][-1, 0] == pytest.approx(-10.0)
+        assert is_right or not run.ledger.trust.is_trusted

@@ -1,81 +1,152 @@
 """Forces of time and place that act for a moment, at random places and of random widths.
 
-Each has a closed form: the momentum that a pulse gives, the speed that a wall gives back.
+Each has a closed form: the momentum that a pulse gives, the speed that a wall gives back, the work
+of a load while its driver bumps. What is wrong without a word is found; what is told is counted.
 """
 
 from __future__ import annotations
 
 import random
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
 import kousoku as ks
+from kousoku.model.errors import MotionError
+from kousoku.model.switching import seen_of
+from tests.stress.force_laws import END, FORMS, Form
 from tests.stress.kit import Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
     from contextlib import AbstractContextManager
 
-END = 10.0
-BATCH = 50
-"""Random pulses of a case: they share the compiled scene."""
+    from tests.stress.force_laws import Wanted
 
-WAYS: tuple[dict[str, Any], ...] = (
+BATCH = 50
+"""Random runs of a case: they share the compiled scene."""
+QUICK, OF_NUMPY = 30, 20
+"""Runs of a form in the quick size, and in NumPy, which is a hundred times slower, in the full."""
+MOST_STEPS = 20_000
+EXACT = 1e3
+"""Error that is right, in tolerances: ten times what the verdict lets a healthy run lose. Below a
+tolerance of 1e-11 rounding of places in units of their widths is no less."""
+MISSED = 0.01
+"""A force is missed of which this part is missing, told or not."""
+
+Way = dict[str, Any]
+CONTROLLED: tuple[Way, ...] = (
     {"method": "dopri5"},
     {"method": "dop853"},
-    {"method": "dopri5", "step": 0.37},
+    {"method": "dop853", "tolerance": 1e-12},
+    {"method": "dopri5", "tolerance": 1e-6},
 )
-
-#: A force of 10 N on 1 kg that rises and falls by a part of its width.
-PULSE = """
-name = "pulse"
-unit = "m"
-outputs = ["energies"]
-parameters = { start = 5.0, width = 1.0, rise = 0.01 }
-[bodies.block]
-point = true
-position = [0, 0, 0]
-mass = 1
-[forces.hit]
-type = "force"
-body = "block"
-force = ["10*max(0, min(1, (t - start)/(rise*width), (start + width - t)/(rise*width)))", "0", "0"]
-"""
+FIXED: tuple[Way, ...] = ({"method": "dopri5", "step": 0.37}, {"method": "dop853", "step": 0.37})
+LED: tuple[Way, ...] = ({"method": "kinematics"}, {"method": "kinematics", "tolerance": 1e-6})
+ROWS = (2, 11, 101)
+OFTEN = ("two", "gauss_wall")
+"""Forms that are also made in NumPy in the quick size."""
 
 
 def cases(size: Size) -> Iterator[str]:
-    """Name a case for each batch of random pulses."""
-    for batch in range(-(-size.examples(50, 1000) // BATCH)):
-        yield f"pulse {size.seed} {batch}"
+    """Name a case for each batch of a form, and a few in NumPy for the full size."""
+    for name, form in FORMS.items():
+        numbers = {"c": size.examples(QUICK, form.number), "numpy": OF_NUMPY * size.is_full}
+        if name in OFTEN:
+            numbers["numpy"] = max(numbers["numpy"], 2)
+        for target, number in numbers.items():
+            for batch in range(-(-number // BATCH)):
+                yield f"{name} {target} {size.seed} {batch} {min(BATCH, number - batch * BATCH)}"
 
 
 def run(case: str) -> Outcome:
-    """Run the pulses of a case."""
-    draw, outcome = random.Random(case), Outcome()
-    scene = ks.load(PULSE)
-    for number in range(BATCH):
-        width = END * 10 ** draw.uniform(-6, -0.5)
-        start, rise = draw.uniform(0, END - width), draw.choice([0.01, 0.3, 1e-4])
-        way = WAYS[number % len(WAYS)]
-        parameters = {"start": start, "width": width, "rise": rise}
-        motion = scene.simulate(END, parameters=parameters, samples=draw.choice([2, 101]), **way)
-        speed = float(motion.body("block").velocity[-1][0])
-        wanted = 10 * width * (1 - rise)
-        outcome.count("pulses")
-        if abs(speed - wanted) > 0.01 * wanted:
-            outcome.find(
-                "a pulse is missed",
-                f"{speed:g} m/s, wanted {wanted:g}; {parameters} {way}",
-                f"kousoku simulate pulse.toml --end {END:g}",
-                pulse__toml=PULSE,
-            )
-        outcome.measure("momentum that a pulse gives (relative)", abs(speed / wanted - 1), str(way))
+    """Make the runs of a case."""
+    name, target, seed, batch, number = case.split()
+    form, outcome = FORMS[name], Outcome()
+    scene = ks.load(form.text, target=target)
+    for k in range(int(number)):
+        draw = random.Random(f"{name} {seed} {batch} {k}")
+        parameters, wanted = form.draw(draw)
+        ways = LED if form.is_led else (*CONTROLLED, *FIXED * form.may_be_fixed)
+        way = ways[k % len(ways)]
+        Asked(name, form, parameters, way, draw.choice(ROWS)).judge(scene, wanted, outcome)
     return outcome
 
 
-def leap() -> AbstractContextManager[object]:
-    """Make pulses shorter than their formula says."""
-    return patch(f"{__name__}.PULSE", PULSE.replace("t - start", "t - start - width/2"))
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A run: its form, parameters, how it is made, and how many rows it has."""
+
+    name: str
+    form: Form
+    parameters: dict[str, float]
+    way: Way
+    rows: int
+
+    def judge(self, scene: ks.Mechanism, wanted: Wanted, outcome: Outcome) -> None:
+        """Make the run, and compare it with its closed form."""
+        outcome.count(f"{self.form.kind}: runs")
+        options = {"most_steps": MOST_STEPS, "parameters": self.parameters, **self.way}
+        is_fixed = "step" in self.way
+        try:
+            result = scene.simulate(END, samples=self.rows, **options)
+        except MotionError as error:
+            outcome.count(f"{self.form.kind}: stopped and told")
+            if not is_fixed:
+                self.tell(outcome, "stops", str(error))
+            return
+        worst, where = 0.0, ""
+        for what, (column, value, allowed) in wanted(result).items():
+            off = abs(column - value) / allowed
+            if not off <= worst:
+                worst, where = off, f"{what} {column:.9g}, wanted {value:.9g}"
+        is_told = not result.ledger.trust.is_trusted
+        tolerance = max(self.way.get("tolerance", 1e-9), 1e-11)
+        if worst > MISSED and not (is_fixed and is_told):
+            self.tell(outcome, "is missed", where)
+        elif is_fixed:
+            outcome.count(
+                "fixed steps: off by more than a hundredth, and told", int(worst > MISSED)
+            )
+        elif worst <= EXACT * tolerance:
+            outcome.count(f"{self.form.kind}: right, but not trusted", int(is_told))
+        elif is_told:
+            outcome.count(f"{self.form.kind}: less exact, and told")
+        else:
+            self.tell(outcome, "is less exact than tolerances, and nothing is told", where)
+        if not is_told and not is_fixed:
+            outcome.measure(
+                f"{self.form.kind}: error (tolerances)", worst / tolerance, self.name + self.how
+            )
+
+    @property
+    def how(self) -> str:
+        """Parameters and options in words."""
+        numbers = ", ".join(f"{name} = {value!r}" for name, value in self.parameters.items())
+        return f" {numbers}; {self.way}, {self.rows} rows"
+
+    def tell(self, outcome: Outcome, what: str, details: str) -> None:
+        """Add a finding with the scene and a command."""
+        file, options = f"{self.name}.toml", [f"--end {END:g}", f"--samples {self.rows}"]
+        options += [f"--set {name}={value!r}" for name, value in self.parameters.items()]
+        options += [f"--{name} {value}" for name, value in self.way.items()]
+        control = "fixed steps" if "step" in self.way else "steps by tolerance"
+        outcome.find(
+            f"{self.name} {what}, {control}",
+            details + ";" + self.how,
+            f"kousoku simulate {file} {' '.join(options)}",
+            **{file.replace(".", "__"): self.form.text},
+        )
+
+
+def blind(*names: str) -> AbstractContextManager[object]:
+    """Compose solvers that do not know some of the functions at which steps end."""
+    nothing: dict[str, Any] = dict.fromkeys(names, ())
+    return patch(
+        "kousoku.codegen.dynamics.composition.switching.seen_of",
+        lambda system: replace(seen_of(system), **nothing),
+    )
 
 
 QUESTION = Question(
@@ -83,5 +154,21 @@ QUESTION = Question(
     " span: is one missed?",
     cases=cases,
     run=run,
-    faults=(Fault("a pulse that is shorter than its formula says", leap, "pulse 1 0"),),
+    faults=(
+        Fault(
+            "no step ends where formulas of time switch, or is shorter where they vary",
+            partial(blind, "switches", "features"),
+            "two c 1 0 30",
+        ),
+        Fault(
+            "steps leap over kinks of the state",
+            partial(blind, "crossings"),
+            "triangle_wall c 1 0 30",
+        ),
+        Fault(
+            "steps leap over narrow hills of the state",
+            partial(blind, "narrow"),
+            "gauss_wall c 1 0 30",
+        ),
+    ),
 )

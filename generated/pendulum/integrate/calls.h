@@ -91,8 +91,9 @@ static int advance(
         return driven_step(settings, target, s, work);
     }
     if (s->step_size == 0.0 && !is_fixed) status = first_step(m, settings, end, s, work);
-    if (status == GOOD && !is_fixed) {
-        const double h = smaller(s->step_size, settings->largest_step);
+    if (status == GOOD) {
+        const double h = is_fixed ? settings->fixed_step
+                                  : smaller(s->step_size, settings->largest_step);
         target = resolved_step(h, 1.0, target, s, work);
     }
     if (status == GOOD) status = step(m, settings, asked, target, s, work);

@@ -130,7 +130,9 @@ static void bound_seen(const Node *a, const Node *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        const double bend = fabs(3.0 * (p[1] + q[1]) - 6.0 * (q[0] - p[0]) / h) / h;
+        const double rounding = 6.0 * SMALLEST * (fabs(p[0]) + fabs(q[0])) / h;
+        const double off = fabs(3.0 * (p[1] + q[1]) - 6.0 * (q[0] - p[0]) / h);
+        const double bend = larger(0.0, off - rounding) / h;
         own[4] = mean - DOUBT * bend;
         own[5] = mean + DOUBT * bend;
         reach_between(p[1], q[1], own[4], own[5], h, own + 2);

@@ -186,7 +186,9 @@ def bound_seen(a: Node, b: Node, look: Look) -> Array:
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
     mean = (u - v) / h
-    bend = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h) / h
+    rounding = 6.0 * SMALLEST * (np.abs(x) + np.abs(y)) / h
+    off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
+    bend = largest(np.zeros_like(off), off - rounding) / h
     own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
     reach_between(v, u, own[:, 4], own[:, 5], h, own[:, 2:4])
     reach_between(x, y, own[:, 2], own[:, 3], h, own[:, :2])

@@ -239,8 +239,8 @@ class Solver:
         is_fixed = settings.fixed_step > 0.0
         if s.step_size == 0.0 and not is_fixed:
             status = first_step(m, settings, end, s, work)
-        if status == Status.GOOD and not is_fixed:
-            h = smaller(s.step_size, settings.largest_step)
+        if status == Status.GOOD:
+            h = settings.fixed_step if is_fixed else smaller(s.step_size, settings.largest_step)
             target = resolved_step(h, 1.0, target, s, work)
         if status == Status.GOOD:
             status = step(m, settings, asked, target, s, work)

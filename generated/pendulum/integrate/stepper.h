@@ -224,7 +224,7 @@ static int step(
             look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
             look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
             double to = last;
-            if (N_NARROW > 0 && is_kept && !is_fixed && shorter++ < MOST_SHORTER) {
+            if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
                 to = told_end(last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
@@ -241,6 +241,7 @@ static int step(
             }
             if (to < last && (is_kept || to == look.cut)) {
                 is_guessed = 1;
+                if (is_fixed) end = to;
                 s->rejected += 1;
                 const double shorter_h = is_kept ? h : by_error * h;
                 s->step_size = to == look.cut ? larger(shorter_h, to - s->time) : to - s->time;

@@ -293,7 +293,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
             look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
             to = last
-            if work.scene.has_narrow and is_kept and not is_fixed and shorter < MOST_SHORTER:
+            if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
                 to, shorter = told_end(last, look), shorter + 1
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
@@ -308,6 +308,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                     continue
             if to < last and (is_kept or to == look.cut):
                 is_guessed = True
+                if is_fixed:
+                    end = to
                 state.rejected += 1
                 shorter_h = trial.h if is_kept else by_error * trial.h
                 to_there = to - state.time
