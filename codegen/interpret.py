@@ -136,35 +136,32 @@ def node_values(
     kernel: Kernel, inputs: Mapping[str, Sequence[Number]], arithmetic: Arithmetic[Number]
 ) -> list[Number]:
     """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
-    values: list[Number] = []
+    values: list[Any] = []
     for node in kernel.nodes:
-        values.append(_apply(node, values, inputs, arithmetic))
+        op, args = node.op, node.args
+        # This runs a million times where a scene is looked at: names of members are looked up once.
+        if op is _MUL:
+            value = values[args[0]] * values[args[1]]
+        elif op is _ADD:
+            value = values[args[0]] + values[args[1]]
+        elif op is _SUB:
+            value = values[args[0]] - values[args[1]]
+        elif op is _NEG:
+            value = -values[args[0]]
+        elif node.symbol is not None:
+            value = inputs[node.symbol[0]][node.symbol[1]]
+        else:
+            value = _rare(node, [values[arg] for arg in args], arithmetic)
+        values.append(value)
     return values
 
 
-def _apply(
-    node: Node,
-    values: Sequence[Any],
-    inputs: Mapping[str, Sequence[Any]],
-    arithmetic: Arithmetic[Any],
-) -> Any:
-    args = [values[arg] for arg in node.args]
-    match node.op:
-        case Op.CONST:
-            return arithmetic.number(node.value or Fraction(0))
-        case Op.INPUT:
-            assert node.symbol is not None
-            name, index = node.symbol
-            return inputs[name][index]
-        case Op.ADD:
-            return args[0] + args[1]
-        case Op.SUB:
-            return args[0] - args[1]
-        case Op.MUL:
-            return args[0] * args[1]
-        case Op.DIV:
-            return args[0] / args[1]
-        case Op.NEG:
-            return -args[0]
-        case _:
-            return getattr(arithmetic, node.op.value)(*args)
+_ADD, _SUB, _MUL, _NEG = Op.ADD, Op.SUB, Op.MUL, Op.NEG
+
+
+def _rare(node: Node, args: Sequence[Any], arithmetic: Arithmetic[Any]) -> Any:
+    if node.op is Op.CONST:
+        return arithmetic.number(node.value or Fraction(0))
+    if node.op is Op.DIV:
+        return args[0] / args[1]
+    return getattr(arithmetic, node.op.value)(*args)

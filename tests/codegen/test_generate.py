@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+import kousoku.generated
 from kousoku.codegen.emit import sha256
 from kousoku.codegen.generate import (
     check_tree,
@@ -34,6 +35,7 @@ FILES = {
     "reference.json.gz",
 }
 
+COMMITTED = Path(kousoku.generated.__path__[0]) / "kinds"
 EDITED = "it was edited after it was generated"
 
 
@@ -44,7 +46,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_kind_becomes_a_folder_whose_manifest_lists_it(cache: Path) -> None:
-    tree = generate_kind("n1")
+    tree = generate_kind("n1", COMMITTED)
     assert set(tree) == FILES
     assert list(tree)[-1] == "manifest.json"
     manifest = Manifest.from_json(tree["manifest.json"])
@@ -117,7 +119,7 @@ def test_what_an_older_version_wrote_is_a_difference_and_a_users_file_is_not(
 @pytest.fixture
 def written(cache: Path, tmp_path: Path) -> dict[str, str]:
     """Return the package n1, which lies in the folder ``n1``."""
-    tree = generate_kind("n1")
+    tree = generate_kind("n1", COMMITTED)
     write_tree(tmp_path / "n1", tree)
     return tree
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +19,7 @@ from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.jacobian import Jacobian
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
+from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION
 
@@ -139,6 +141,7 @@ class Residuals:
                 self._offsets[first] = precise.number(instance.offset) - law.value
                 self.sizes[first] = abs(instance.offset) + abs(float(law.value))
                 self.nu[first] = zero if self.is_left_out[first] else law.rate
+        self._offsets_in_doubles = np.array([float(x) for x in self._offsets])
         for piece in self._pieces:
             if piece.coordinate >= 0:
                 self.sizes[piece.first] += abs(piece.factor * self.near[piece.coordinate])
@@ -224,32 +227,44 @@ class Residuals:
             Elements of one place, as a combination of two coordinates of one body has them, are
             added by who asks.
         """
-        c = np.array([float(x) for x in self._offsets])
+        results = [evaluate(stack.kernel, stack.inputs(r, p), ARRAY) for stack in self._stacks]
+        c = self._summed([result["C"] for result in results], near)
         rows, columns, found = [], [], []
-        for stack in self._stacks:
-            result = evaluate(stack.kernel, stack.inputs(r, p), ARRAY)
-            for row, value in enumerate(result["C"]):
-                counted = stack.counted(value, self.near if near is None else near)
-                np.add.at(c, stack.first + row, stack.factors * counted)
-            for at, value in enumerate(result["C_q"]):
-                row, k = divmod(at, WIDTH)
-                values = stack.factors * np.asarray(value)
-                there = (values != 0) & (stack.columns[k] >= 0)
-                there &= ~self.is_left_out[stack.first + row]
-                rows.append((stack.first + row)[there])
-                columns.append(stack.columns[k][there])
-                found.append(values[there])
-        c[self.is_left_out] = 0.0
+        for stack, result in zip(self._stacks, results, strict=True):
+            elements = result["C_q"]
+            shape = (len(elements), len(stack.first))
+            values = stack.factors * np.array([np.broadcast_to(x, shape[1:]) for x in elements])
+            at = np.broadcast_to(np.arange(len(elements))[:, np.newaxis], shape)
+            row, column = stack.first + at // WIDTH, np.resize(stack.columns, shape)
+            there = (values != 0) & (column >= 0) & ~self.is_left_out[row]
+            rows.append(row[there])
+            columns.append(column[there])
+            found.append(values[there])
         if not found:
             return c, np.zeros(0, int), np.zeros(0, int), np.zeros(0)
         return c, np.concatenate(rows), np.concatenate(columns), np.concatenate(found)
+
+    def residuals(self, r: Array, p: Array, near: Array | None = None) -> Array:
+        """Return C alone, in doubles; arguments as :meth:`elements` takes them."""
+        stacks = ((stack.residual, stack.inputs(r, p)) for stack in self._stacks)
+        return self._summed([evaluate(*stack, ARRAY)["C"] for stack in stacks], near)
+
+    def _summed(self, results: Sequence[Sequence[Array]], near: Array | None) -> Array:
+        """Return C from what the kernels of all stacks give."""
+        c = self._offsets_in_doubles.copy()
+        for stack, result in zip(self._stacks, results, strict=True):
+            for row, value in enumerate(result):
+                counted = stack.counted(value, self.near if near is None else near)
+                np.add.at(c, stack.first + row, stack.factors * counted)
+        c[self.is_left_out] = 0.0
+        return c
 
     def angles(self, r: Array, p: Array, near: Array) -> Array:
         """Return all coordinates that count turns, counted on from those that they had."""
         found = near.copy()
         for stack in self._stacks:
             if stack.is_angle:
-                (value,) = evaluate(stack.kernel, stack.inputs(r, p), ARRAY)["C"]
+                (value,) = evaluate(stack.residual, stack.inputs(r, p), ARRAY)["C"]
                 found[stack.coordinates] = stack.counted(value, near)
         return found
 
@@ -258,6 +273,7 @@ class Residuals:
         constants = [dict(source.constants) for source in sources]
         return _Stack(
             kernel=frozen(sources[0].kind, "constraint"),
+            residual=_residual_of(sources[0].kind),
             is_angle=pieces[0].coordinate >= 0 and sources[0].kind == "angle",
             constants={name: np.array([own[name] for own in constants]).T for name in constants[0]},
             bodies={end: np.array([getattr(source, end) for source in sources]) for end in "ij"},
@@ -276,8 +292,8 @@ class _Stack:
 
     Parameters
     ----------
-    kernel : Kernel
-        The constraint.
+    kernel, residual : Kernel
+        The constraint, and what C alone takes of it.
     is_angle : bool
         Whether it gives angles of coordinates, which count turns.
     constants : dict of str to array
@@ -291,6 +307,7 @@ class _Stack:
     """
 
     kernel: Kernel
+    residual: Kernel
     is_angle: bool
     constants: Mapping[str, Array]
     bodies: Mapping[str, Places]
@@ -312,6 +329,13 @@ class _Stack:
             return value
         turns: Array = np.round((near[self.coordinates] - value) / math.tau)
         return value + math.tau * turns
+
+
+@cache
+def _residual_of(kind: str) -> Kernel:
+    """Return what C alone, the first output, takes of the constraint of a kind."""
+    kernel = frozen(kind, "constraint")
+    return drop_dead(replace(kernel, outputs=kernel.outputs[:1], results=kernel.results[:1]))
 
 
 def _size(instance: Instance) -> int:

@@ -119,7 +119,7 @@ class RoughSearch:
 
     def missing(self, place: Place, wanted: Array | float = 0.0) -> Array:
         """Return wanted − C as lengths."""
-        missing: Array = wanted - self._rows.elements(place.r, place.p, place.near)[0]
+        missing: Array = wanted - self._rows.residuals(place.r, place.p, place.near)
         return missing * self._lengths
 
     def restored(

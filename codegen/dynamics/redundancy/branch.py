@@ -220,7 +220,7 @@ class Branch:
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
         for _ in range(MOST_STEPS):
-            c = self._residuals.elements(r * self._length, p, here.near)[0][self._rows]
+            c = self._residuals.residuals(r * self._length, p, here.near)[self._rows]
             c = c * self._rows_by
             size = float(np.abs(c).max(initial=0))
             if size <= HOLDS:
