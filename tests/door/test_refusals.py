@@ -77,9 +77,9 @@ def test_parameters_of_a_picture_are_those_of_the_scene(
 
 def test_what_is_no_name_is_no_kind_and_no_equation() -> None:
     wrong: Any = 3.5
-    with pytest.raises(ks.KousokuError, match="unknown kind 3.5; known are rotation"):
+    with pytest.raises(ks.KousokuError, match=r"unknown kind 3\.5; known are rotation"):
         ks.derive(wrong)
-    with pytest.raises(ks.KousokuError, match="no equation 3.5 in the ledger"):
+    with pytest.raises(ks.KousokuError, match=r"no equation 3\.5 in the ledger"):
         ks.ledger.find(wrong)
 
 
