@@ -244,7 +244,10 @@ def causes(folder: Path, tree: Mapping[str, str]) -> Callable[[str, str], str]:
         for key, label in (("version", "the version of kousoku"), ("abi", "the ABI"))
         if old.get(key) != new.get(key)
     ]
-    changed += [INPUTS[name] for name in wanted if listed.get(name) != wanted[name]]
+    differs = [name for name in wanted if listed.get(name) != wanted[name]]
+    if "scene" in differs:  # how it is composed follows from it
+        differs = [name for name in differs if name != "composition"]
+    changed += [INPUTS[name] for name in differs]
     made = "changed: " + ", ".join(changed) if changed else "changed: what emits it (codegen/)"
     digests = dict(old.get("files", ()))
 

@@ -70,7 +70,7 @@ def find(key: str) -> Entry:
     LedgerError
         There is none; the message names keys that are near.
     """
-    wanted = key.strip().removeprefix("(").removesuffix(")")
+    wanted = str(key).strip().removeprefix("(").removesuffix(")")
     known = keys()
     if wanted in known:
         return known[wanted]

@@ -100,7 +100,7 @@ def packages_of(name: str) -> tuple[str, ...]:
     DerivationError
         No kind has this name.
     """
-    plain = _plain(name)
+    plain = _plain(str(name))
     for kind, entry in KINDS.items():
         if plain in {_plain(kind), *map(_plain, entry.aliases)}:
             return entry.packages

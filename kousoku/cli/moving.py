@@ -309,7 +309,8 @@ def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | st
         except ValueError:
             name = ""
         if not name:
-            raise SolveError(f"{option} {text}: wanted a name, = and a number: k=3.0")
+            example = "angle=0.5, or 'angle=30 deg'" if option == "--initial" else "k=3.0"
+            raise SolveError(f"{option} {text}: wanted a name, = and a number: {example}")
         values[name] = f"{value!r} deg" if degrees else value
     return values
 

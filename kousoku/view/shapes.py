@@ -222,8 +222,9 @@ def with_values(scene: Scene, parameters: Mapping[str, float]) -> Scene:
     from kousoku.model.design_numbers import changed_scene
     from kousoku.model.expression import parse_expression
     from kousoku.model.values import value_of
+    from kousoku.runtime.integrate.given import values_of
 
-    values = {**scene.parameters, **parameters}
+    values = values_of(scene.name, scene.parameters, parameters)
 
     def number(given: Any, _: str) -> float:
         return value_of(parse_expression(given.text, values), values)

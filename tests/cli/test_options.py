@@ -49,7 +49,7 @@ def test_a_run_starts_where_it_is_told(rows: Callable[..., Any], given: str) -> 
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ("crank_angle", "--initial crank_angle: wanted a name, = and a number"),
+        ("crank_angle", "--initial crank_angle: wanted a name, = and a number: angle=0.5, or"),
         ("crank_angle=deg", "wanted a name, = and a number"),
         ("crank_angle=30 degrees", "wanted a name, = and a number"),
         ("=3", "--initial =3: wanted a name, = and a number"),

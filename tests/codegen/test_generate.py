@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import kousoku.generated
+from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.emit import sha256
 from kousoku.codegen.generate import (
     check_tree,
@@ -20,6 +21,7 @@ from kousoku.codegen.generate import (
 from kousoku.codegen.store import parse
 from kousoku.model.errors import DerivationError
 from kousoku.model.manifest import Manifest
+from kousoku.model.read import scene_from_toml
 
 FILES = {
     "batch_numpy.py",
@@ -36,6 +38,7 @@ FILES = {
 }
 
 COMMITTED = Path(kousoku.generated.__path__[0]) / "kinds"
+SCENES = Path(__file__).parents[2] / "scenes"
 EDITED = "it was edited after it was generated"
 
 
@@ -150,6 +153,15 @@ def test_a_difference_names_the_input_that_changed(
     header, _ = check_tree(tmp_path / "n1", written)
     assert "kernels.h differs from line 1 on" in header
     assert header.endswith(cause)
+
+
+def test_a_scene_that_changed_is_named_and_not_what_follows_from_it(tmp_path: Path) -> None:
+    text = (SCENES / "pendulum.toml").read_text(encoding="utf-8")
+    write_tree(tmp_path, generate_dynamics(scene_from_toml(text)))
+    changed = text.replace("9.81", "9.80")
+    assert changed != text
+    for problem in check_tree(tmp_path, generate_dynamics(scene_from_toml(changed))):
+        assert problem.endswith("; changed: the scene")
 
 
 def test_a_difference_names_the_runtime_file_that_changed(

@@ -32,6 +32,9 @@ def run() -> ks.Result:
         (lambda run: run.body("rod"), "no body 'rod': there are crank, coupler, rocker"),
         (lambda run: run.node("O1"), r"no node 'O1': the result has \.body"),
         (lambda run: run.columns_of("rod"), "no column 'rod'"),
+        (lambda run: run[["rocking"]], r"no column \['rocking'\]: there are time, crank.x"),
+        (lambda run: run.columns_of(["rocking"]), r"no column \['rocking'\]"),
+        (lambda run: run.position[["rod"]], r"no position of bodies, none of \['rod'\]"),
         (lambda run: run.position["rod"], "no position of bodies, none of 'rod'"),
         (lambda run: run.parameters["length"], "no parameter, none of 'length': there are mass"),
         (lambda run: ks.catalog()["joints"]["revolut"], "did you mean 'revolute'"),
@@ -52,6 +55,32 @@ def test_an_option_of_a_page_that_there_is_not_names_all(run: ks.Result) -> None
     wrong: dict[str, Any] = {"foo": 1}
     with pytest.raises(ks.KousokuError, match="no option 'foo': there are path, paths_of, forces"):
         run.animate(**wrong)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ({"length": 3}, "no parameter 'length': its formulas have mass"),
+        ({"mass": "2 kg"}, "parameter mass is '2 kg', wanted a finite number"),
+    ],
+)
+def test_parameters_of_a_picture_are_those_of_the_scene(
+    run: ks.Result, given: dict[str, Any], says: str
+) -> None:
+    pytest.importorskip("matplotlib")
+    with pytest.raises(ks.SolveError, match=f"^loop_free: {says}"):
+        run.mechanism.plot(given)
+    with pytest.raises(ks.SolveError, match=f"^loop_free: {says}"):
+        run.animate(parameters=given)
+    assert run.mechanism.plot({"mass": 2.0}).axes
+
+
+def test_what_is_no_name_is_no_kind_and_no_equation() -> None:
+    wrong: Any = 3.5
+    with pytest.raises(ks.KousokuError, match=r"unknown kind 3\.5; known are rotation"):
+        ks.derive(wrong)
+    with pytest.raises(ks.KousokuError, match=r"no equation 3\.5 in the ledger"):
+        ks.ledger.find(wrong)
 
 
 def test_a_target_that_there_is_not_is_refused() -> None:

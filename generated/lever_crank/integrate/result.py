@@ -55,7 +55,7 @@ class Named(Mapping[str, Value]):
         self._values, self._missing, self._advice = dict(values), missing, advice
 
     def __getitem__(self, name: str) -> Value:
-        if name in self._values:
+        if isinstance(name, str) and name in self._values:
             return self._values[name]
         what = f"{self._missing}, none of {shown(name)}: there are {listed([*self])}"
         raise missing(self._advice or what)
@@ -227,7 +227,7 @@ class Result:
 
     def __getitem__(self, name: str) -> Array:
         """Return a column."""
-        if name not in self.places:
+        if name not in self:
             raise missing(f"{self.name}: {self._no_column(name)}")
         table, owner, component, _ = self.places[name]
         values: Array = getattr(self, table)[owner] if owner else getattr(self, table)
@@ -238,7 +238,7 @@ class Result:
         return f"no column {shown(name)}: there are {listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
-        return name in self.places
+        return isinstance(name, str) and name in self.places
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.places)
@@ -255,7 +255,7 @@ class Result:
         KeyError
             There is none; where kousoku is installed it is a ``NotInResultError``, too.
         """
-        if name in self.places:
+        if name in self:
             return [name]
         own = [column for column, place in self.places.items() if place.owner == name]
         if not own:
