@@ -104,8 +104,9 @@ class RunLedger:
         Smallest ratio of the smallest to the largest pivot of a factorisation, and when that was:
         it is near zero where the rank drops.
     unresolved, unresolved_time : int, float or None [s]
-        Steps over times where bounds do not tell how formulas of time vary, as near a quotient that
-        is 0/0, and when the last of them was: what acts for a moment there may be passed over.
+        Steps over which bounds do not tell how formulas vary, as near a quotient that is 0/0 or
+        where fixed steps are long beside a narrow hill, and when the last of them was: what acts
+        for a moment there may be passed over.
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, or as good as that, and when
         the last of them is: the polynomial between the states before and after tells their
@@ -276,9 +277,9 @@ class RunLedger:
         lines += self._of_constraints()
         if self.unresolved:
             lines.append(
-                f"{self.unresolved} steps where bounds do not tell how formulas of time vary, the"
+                f"{self.unresolved} steps over which bounds do not tell how formulas vary, the"
                 f" last at t = {self.unresolved_time:.6g} s: what acts for a moment there may be"
-                " passed over"
+                f" passed over{'; a smaller step tells more' * (self.fixed_step is not None)}"
             )
         if self.fallbacks:
             lines.append(

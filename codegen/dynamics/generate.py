@@ -226,7 +226,10 @@ def with_reactions(wanted: Sequence[str], outline: Independent) -> Independent:
         twice = held_twice(fixed_system(system), found.program)
         found = found._replace(program=replace(found.program, not_unique=twice))
     others = tuple(name for name in found.program.not_unique if name not in in_plane)
-    named = replace(found.program, not_unique=tuple(in_plane), unique_in_plane=others)
+    own = tuple(one for one in found.freedom.undetermined if one[0] in in_plane)
+    named = replace(
+        found.program, not_unique=tuple(in_plane), undetermined=own, unique_in_plane=others
+    )
     return found._replace(program=named)
 
 
@@ -241,7 +244,11 @@ def _in_space(system: System, wanted: Sequence[str]) -> Independent | None:
 
 
 def _not_unique(program: Program, freedom: Freedom) -> Program:
-    return replace(program, not_unique=(*freedom.not_unique, *freedom.unknown))
+    return replace(
+        program,
+        not_unique=(*freedom.not_unique, *freedom.unknown),
+        undetermined=freedom.undetermined,
+    )
 
 
 def _is_regular(program: Program) -> bool:

@@ -153,6 +153,7 @@ class Freedom(TypedDict):
     drivers: int
     idle: list[DroppedRow]
     closed: list[ClosedRow]
+    undetermined: list[tuple[str, list[str]]]
     degrees: int
     not_unique: list[str]
 
@@ -358,6 +359,7 @@ class MovedBodies(TypedDict):
     stopped_by: str
     events: dict[str, Event]
     not_unique: list[str]
+    undetermined: dict[str, list[str]]
     reaction_length: Number
     notes: list[str]
     trust: Trust

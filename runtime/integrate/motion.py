@@ -101,6 +101,8 @@ class Layout:
         Where the forces of joints and drivers stand.
     not_unique : tuple of str
         Joints whose forces the motion does not determine.
+    undetermined : tuple of (str, tuple of str)
+        Of these the components that it does not determine, all of those left out here.
     checked : tuple of str
         All joints, and drivers with ``drivers.`` before their names.
     coordinates : tuple of (str, bool, list of int)
@@ -140,6 +142,7 @@ class Layout:
     duration: float | None = None
     jumps: tuple[str, ...] = ()
     events: tuple[tuple[str, str], ...] = ()
+    undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -155,6 +158,7 @@ class Layout:
                 for one in data["reactions"]
             ),
             not_unique=tuple(data["not_unique"]),
+            undetermined=tuple((name, tuple(own)) for name, own in data["undetermined"]),
             checked=tuple(data["checked"]),
             coordinates=tuple(
                 (one["name"], one["is_length"], one["columns"]) for one in data["coordinates"]
@@ -388,6 +392,12 @@ class Motion(Result):
         return self.layout.not_unique
 
     @property
+    def undetermined(self) -> dict[str, tuple[str, ...]]:
+        """Columns of force and torque that the motion does not determine, by such joints."""
+        known, every = dict(self.layout.undetermined), (*JOINT["force"], *JOINT["torque"])
+        return {name: known.get(name, every) for name in self.not_unique}
+
+    @property
     def reaction_length(self) -> float:
         """ℓ, a length of the scene, in its unit."""
         return self.layout.length / self.layout.unit
@@ -540,6 +550,7 @@ class Motion(Result):
                 for name, one in self.events.items()
             },
             "not_unique": list(self.not_unique),
+            "undetermined": {name: list(own) for name, own in self.undetermined.items()},
             "reaction_length": self.reaction_length,
             "notes": list(self.notes),
             "trust": self.ledger.trust.as_data(),
@@ -550,9 +561,15 @@ class Motion(Result):
         """Return the line on forces that are not unique, empty where all are."""
         if not self.not_unique:
             return ""
-        names = listed([key_of(name) for name in self.not_unique])
+        joints: dict[tuple[str, ...], list[str]] = {}
+        for name, own in self.undetermined.items():
+            joints.setdefault(own, []).append(key_of(name))
+        texts = [
+            f"{'force and torque' if len(own) == 6 else ', '.join(own)} of {listed(names)}"
+            for own, names in joints.items()
+        ]
         return (
-            f"not unique: force and torque of {names}; those with the least Σ|F|² + |M|²/ℓ² are"
+            f"not unique: {'; '.join(texts)}; those with the least Σ|F|² + |M|²/ℓ² are"
             f" given, ℓ = {self.reaction_length:.6g} in the unit of the scene"
         )
 

@@ -138,7 +138,7 @@ def test_hinges_of_a_door_share_its_weight_and_say_that_this_is_not_unique(
 
     assert motion.not_unique == ("hinge_0", "hinge_1", "hinge_2")
     assert motion.note().startswith(
-        "not unique: force and torque of joints.hinge_0, joints.hinge_1"
+        "not unique: fx, fy, fz, mx, my of joints.hinge_0, joints.hinge_1"
     )
     # of 1 m, the longest arm of a point of a joint in a body is 0.8 m
     assert motion.reaction_length == pytest.approx(0.8)
@@ -151,6 +151,33 @@ def test_hinges_of_a_door_share_its_weight_and_say_that_this_is_not_unique(
     assert torques[:, 1] == pytest.approx([m] * 3, rel=1e-12)
     assert forces[2, 0] == pytest.approx(0.8 * m / 0.64, rel=1e-12)
     assert forces[:, 0].sum() == pytest.approx(0.0, abs=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("types", "away", "one", "two"),
+    [
+        ("revolute revolute", (0, 0, 1), "fx fy fz mx my", "fx fy fz mx my"),
+        ("revolute cylindrical", (0, 0, 1), "fx fy mx my", "fx fy mx my"),
+        ("revolute spherical", (0, 0, 1), "fx fy fz mx my", "fx fy fz"),
+        ("spherical spherical", (0, 0, 1), "fz", "fz"),
+        ("spherical spherical", (0, 0.6, 0.8), "fy fz", "fy fz"),
+    ],
+)
+def test_only_components_that_two_joints_can_pull_against_each_other_are_not_unique(
+    mover: Callable[..., Any], types: str, away: Any, one: str, two: str
+) -> None:
+    tree: dict[str, Any] = {"name": "leaf", "unit": "m", "gravity": [1, 2, -9.81]}
+    tree["bodies"] = {"leaf": {"position": [0, 0, 0]}}
+    tree["bodies"]["leaf"]["boxes"] = [{"mass": 8, "size": [1, 0.1, 2], "at": [0.5, 0, 0]}]
+    tree["joints"] = {
+        name: {"type": kind, "bodies": ["ground", "leaf"], "at": at}
+        | ({} if kind == "spherical" else {"axis": away})
+        for name, kind, at in zip(("one", "two"), types.split(), ((0, 0, 0), away), strict=True)
+    }
+    motion = mover(scene_from_dict(tree), ("reactions",)).simulate(0.1, samples=2)
+
+    assert motion.undetermined == {"one": tuple(one.split()), "two": tuple(two.split())}
+    assert f"not unique: {', '.join(motion.undetermined['one'])} of joints.one" in motion.note()
 
 
 def test_forces_in_the_plane_are_unique_in_a_four_bar_and_its_joints_are_named_apart(

@@ -86,6 +86,7 @@ def motion_data(
         "parts": [[part, program.region(part).size] for part in parts],
         "reactions": _reactions(program, system) if "reactions" in parts else [],
         "not_unique": list(program.not_unique) if "reactions" in parts else [],
+        "undetermined": list(program.undetermined) if "reactions" in parts else [],
         "is_flat": is_flat(program, system),
         "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
         "kept": [

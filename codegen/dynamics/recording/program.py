@@ -211,6 +211,8 @@ class Program:
         Bodies whose centre of mass follows from all else where they are put onto a joint.
     not_unique : tuple of str
         Joints whose reactions are not unique.
+    undetermined : tuple of (str, tuple of str)
+        Of these the components of force and torque that are not unique, all of those left out here.
     unique_in_plane : tuple of str
         Joints of whose reactions only what leads out of the plane of the motion is not unique.
     is_weighed : bool
@@ -244,6 +246,7 @@ class Program:
     reduced: tuple[Row, ...] = ()
     placed: tuple[int, ...] = ()
     not_unique: tuple[str, ...] = ()
+    undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     unique_in_plane: tuple[str, ...] = ()
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()

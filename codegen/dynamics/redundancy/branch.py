@@ -118,7 +118,7 @@ class Branch:
         scales: Scales | None = None,
         tolerance: float = 0.0,
     ) -> None:
-        self._residuals, self._length, self._tolerance = residuals, length, tolerance
+        self._residuals, self.length, self._tolerance = residuals, length, tolerance
         self._rows, self._columns = list(rows), list(columns)
         scales = scales or Scales.of_length(residuals, length)
         self._all_by = scales.rows
@@ -148,7 +148,7 @@ class Branch:
 
     def _start(self, bodies: Sequence[MovingBody]) -> tuple[Array, Array, Array]:
         r, p = places_of(bodies)
-        return r / self._length, p, self._residuals.near
+        return r / self.length, p, self._residuals.near
 
     def clear(self, position: Position) -> int:
         """Return how many rows are independent beyond doubt at a position."""
@@ -161,7 +161,7 @@ class Branch:
 
     def with_others(self, position: Position, rows: Sequence[int]) -> Factors:
         """Return the factors at a position of more rows than those that hold there."""
-        _, matrix = self._residuals.doubles(position.r * self._length, position.p, position.near)
+        _, matrix = self._residuals.doubles(position.r * self.length, position.p, position.near)
         chosen = list(rows)
         matrix = matrix[np.ix_(chosen, self._columns)]
         scaled = matrix * self._all_by[chosen][:, None] * self._columns_by
@@ -186,12 +186,36 @@ class Branch:
         found: Array = scaled * self._missed_by[list(places)]
         return found
 
+    def pulls(self, position: Position, places: Sequence[int]) -> Array:
+        """Return force and torque on each body of rows whose multipliers move nothing.
+
+        Parameters
+        ----------
+        position : Position
+            Where they are.
+        places : sequence of int
+            The rows of joints that count, such as those of one joint.
+
+        Returns
+        -------
+        (dependences, bodies, 6) array
+            Force in frame O, times a length of the scene, and torque in the principal frame, for
+            each vector of an orthonormal basis of the multipliers that cancel each other.
+        """
+        _, matrix = self._residuals.doubles(position.r * self.length, position.p, position.near)
+        own = list(places)
+        factors = position.factors.dependences()[:, own] * self._rows_by[own]
+        total = (factors[:, :, None] * matrix[[self._rows[k] for k in own]]).sum(axis=1)
+        by_body: Array = total.reshape(len(factors), -1, COLUMNS)
+        by_body[:, :, :3] *= self.length
+        return by_body
+
     def _position(self, r: Array, p: Array, near: Array) -> Position:
         c, matrix = self._at(r, p, near)
         return Position(r, p, near, c, factorise(matrix, self._tolerance or None))
 
     def _at(self, r: Array, p: Array, near: Array) -> tuple[Array, Array]:
-        c, matrix = self._residuals.doubles(r * self._length, p, near)
+        c, matrix = self._residuals.doubles(r * self.length, p, near)
         matrix = matrix[np.ix_(self._rows, self._columns)]
         scaled = matrix * self._rows_by[:, None] * self._columns_by
         return c[self._rows] * self._rows_by, scaled
@@ -207,7 +231,7 @@ class Branch:
             for settle in (self._settled, self._settled_damped):
                 found = settle(here, step * direction)
                 if found is not None and self._far(here, *found) > MOVED * step:
-                    near = self._residuals.angles(found[0] * self._length, found[1], here.near)
+                    near = self._residuals.angles(found[0] * self.length, found[1], here.near)
                     return self._position(*found, near)
         return None
 
@@ -220,7 +244,7 @@ class Branch:
         r, p = self._moved(here.r, here.p, step)
         before = np.inf
         for _ in range(MOST_STEPS):
-            c = self._residuals.residuals(r * self._length, p, here.near)[self._rows]
+            c = self._residuals.residuals(r * self.length, p, here.near)[self._rows]
             c = c * self._rows_by
             size = float(np.abs(c).max(initial=0))
             if size <= HOLDS:

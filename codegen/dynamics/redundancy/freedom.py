@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.redundancy.closure import closed_rows, near_branch
 from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
+from kousoku.codegen.dynamics.redundancy.undetermined import undetermined
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.runtime.integrate.settings import CLEARLY
 
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import Part
     from kousoku.codegen.dynamics.redundancy.rank import Factors
+    from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
     from kousoku.model.mechanism import System
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
@@ -95,6 +97,9 @@ class Freedom:
     closed : tuple of Closed
         Of the rows that are left out those that others imply but for less than the closure
         tolerance, and not to rounding.
+    undetermined : tuple of (str, tuple of str)
+        Of joints whose rows depend on each other the components of force and torque, ``"fx"`` to
+        ``"mz"``, that are not unique.
     """
 
     columns: int
@@ -108,6 +113,7 @@ class Freedom:
     drivers: int = 0
     idle: tuple[Row, ...] = ()
     closed: tuple[Closed, ...] = ()
+    undetermined: Undetermined = ()
 
     @property
     def degrees(self) -> int:
@@ -153,6 +159,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
             drivers=total.drivers + found.drivers,
             idle=total.idle + found.idle,
             closed=total.closed + found.closed,
+            undetermined=total.undetermined + found.undetermined,
         )
     return total
 
@@ -207,8 +214,8 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
                 break
         return positions, drivers
 
-    found = None
-    near = near_branch(
+    found, takes_part = None, TAKES_PART
+    branch = near = near_branch(
         residuals,
         chosen,
         columns,
@@ -220,13 +227,22 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
         positions, drivers = looked(near)
         require_gap(system, near, joints, positions)
         if near.is_redundant(positions, few):
-            found = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
+            takes_part = CLEARLY * system.closure_tolerance
+            found = _dependences(joints, positions, takes_part)
             found = replace(found, closed=closed_rows(near, joints, found.dropped, positions))
     if found is None or not found.closed:
-        positions, drivers = looked(Branch(residuals, chosen, columns, length))
+        branch, takes_part = Branch(residuals, chosen, columns, length), TAKES_PART
+        positions, drivers = looked(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < few
         found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
     drivers.require_free()
+    if found.not_unique and branch is not None:
+        regular = [one for one in positions if one.factors.rank == found.rank]
+        joined = found.not_unique
+        own = undetermined(
+            system, part, branch, joints, regular, joints=joined, takes_part=takes_part
+        )
+        found = replace(found, undetermined=own)
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 

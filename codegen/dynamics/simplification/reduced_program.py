@@ -54,6 +54,7 @@ def reduced(
     return replace(
         found,
         not_unique=program.not_unique,
+        undetermined=program.undetermined,
         unique_in_plane=program.unique_in_plane,
         is_weighed=program.is_weighed,
     )

@@ -24,7 +24,7 @@ from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import fastest, usual_energy, usual_rate
+from .stepper import note_motion, usual_energy, usual_rate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -225,7 +225,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
-    state.fastest = fastest(state, work)
+    note_motion(h, state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
     state.f[:] = last.f

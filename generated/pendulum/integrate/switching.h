@@ -141,8 +141,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
     const double start = s->time, whole = smaller(h, end - start);
     s->longest = larger(FORGETTING * s->longest, whole);
     if (s->short_steps > MOST_SHORT && whole < LONG * s->longest) {
-        s->unresolved += 1;
-        s->unresolved_time = start;
+        note_unresolved(start, s);
         return end;
     }
     double first = start, allowed = whole, width = whole / part;

@@ -13,7 +13,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .crossing import EXPLAINED, FINEST, NOTHING, SMALLEST, largest, smallest, stays_positive
+from .crossing import (
+    EXPLAINED,
+    FINEST,
+    NOTHING,
+    SMALLEST,
+    largest,
+    note_unresolved,
+    smallest,
+    stays_positive,
+)
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
@@ -142,8 +151,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     allowed = whole = smaller(h, end - start)
     state.longest = larger(FORGETTING * state.longest, whole)
     if state.short_steps > MOST_SHORT and whole < LONG * state.longest:
-        state.unresolved += 1
-        state.unresolved_time = start
+        note_unresolved(start, state)
         return end
     width = whole / part
     for _ in range(MOST_INTERVALS):

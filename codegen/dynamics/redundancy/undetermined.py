@@ -1,0 +1,110 @@
+"""Which components of force and torque of joints the motion does not determine.
+
+Rows that depend on each other have multipliers that cancel each other on all bodies, and can be
+added to any others. What such multipliers do at a joint is what is not known of it; a component of
+its force and torque that is zero for all of them is unique, though rows of the joint take part.
+"""
+
+from __future__ import annotations
+
+from itertools import chain
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.composition.least_norm import points_of
+from kousoku.codegen.dynamics.composition.reactions import ends_of
+from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.runtime.integrate.body_tables import crossed, rotated
+from kousoku.runtime.integrate.motion import JOINT
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.redundancy.branch import Branch, Position
+    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.rank import Array
+    from kousoku.model.mechanism import System
+
+    #: Joints, and the columns of their force and torque that are not unique.
+    Undetermined = tuple[tuple[str, tuple[str, ...]], ...]
+
+#: Names of the components of force and torque.
+COLUMNS = tuple(chain.from_iterable(JOINT.values()))
+#: Positions that are looked at: where a scene starts, directions may be special.
+POSITIONS = 3
+
+
+def undetermined(
+    system: System,
+    part: Part,
+    branch: Branch,
+    rows: Sequence[Row],
+    positions: Sequence[Position],
+    *,
+    joints: Collection[str],
+    takes_part: float,
+) -> Undetermined:
+    """Return the components of joints that are not unique at some of the positions.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    part : Part
+        The loops in it.
+    branch : Branch
+        On which they move.
+    rows : sequence of Row
+        Its rows of joints.
+    positions : sequence of Position
+        Where these depend on each other.
+    joints : collection of str
+        Those whose rows take part.
+    takes_part : float
+        What is smaller, in lengths of the scene and radians, is none.
+
+    Returns
+    -------
+    tuple of (str, tuple of str)
+        Joints with columns such as ``"fx"`` and ``"mz"``: force and torque at the joint's point in
+        frame O, as results have them.
+    """
+    points, length = points_of(system), branch.length
+    steps = range(0, len(positions), max(1, (len(positions) - 1) // (POSITIONS - 1)))
+    found: dict[str, tuple[str, ...]] = {}
+    for joint in joints:
+        places = [k for k, row in enumerate(rows) if row.joint == joint]
+        instances = [system.constraints[rows[k].instance] for k in places]
+        bodies = tuple(dict.fromkeys(body for one in instances for body in one.bodies))
+        point = np.array(points.get(joint, (0.0, 0.0, 0.0))) / length
+        most = np.zeros(len(COLUMNS))
+        for position in (positions[k] for k in steps):
+            pulls = branch.pulls(position, places)
+            for end in ends_of(bodies):
+                at = end if len(bodies) > 2 else bodies[1]
+                arm = np.array(system.bodies[end].origin_b) / length if len(bodies) > 2 else point
+                own = part.bodies.index(end)
+                there = arm if at == GROUND_INDEX else _place(position, part.bodies.index(at), arm)
+                wrench = _at(position, own, pulls[:, own], there)
+                most = np.maximum(most, np.abs(wrench).max(axis=0, initial=0.0))
+        found[joint] = tuple(
+            name for name, size in zip(COLUMNS, most.tolist(), strict=True) if size > takes_part
+        )
+    return tuple(found.items())
+
+
+def _place(position: Position, body: int, arm: Array) -> Array:
+    """Return where a point of a body is."""
+    place: Array = position.r[body] + rotated(position.p[body], arm)
+    return place
+
+
+def _at(position: Position, body: int, pulls: Array, point: Array) -> Array:
+    """Return force and torque at a point in frame O, of those at the centre of mass of a body."""
+    force, own = pulls[:, :3].T, pulls[:, 3:].T
+    p = position.p[body][:, np.newaxis]
+    arm = (position.r[body] - point)[:, np.newaxis]
+    torque = rotated(p, own) + crossed(np.broadcast_to(arm, force.shape), force)
+    return np.concatenate([force, torque]).T
