@@ -72,7 +72,8 @@ def test_a_pendulum_falls_as_its_formula_says(real: Any) -> None:
     angle, rate = 0.7, 1.3
     p = [math.cos(angle / 2), 0, math.sin(angle / 2), 0]
     with mpmath.workdps(30):
-        found = Evaluator(tree, real=real).evaluate(0, {"b": at(STILL, p, STILL, [0, rate, 0])})
+        evaluator = Evaluator(tree, real=real)
+        found = evaluator.evaluate(0, evaluator.state_of([*STILL, *p], [*STILL, 0, rate, 0]))
         turn = 2 * mpmath.asin(real(p[2]) / mpmath.sqrt(real(p[0]) ** 2 + real(p[2]) ** 2))
         moment = mpmath.mpf(2) + 2 * mpmath.mpf("0.25")
         wanted = -2 * real(9.81) * 0.5 * mpmath.sin(turn) / moment
