@@ -66,6 +66,9 @@ class BodyFrame:
         return to_vector(precise.scale(unit, arm), unit * size)
 
 
+OPPOSITE = 1e-6
+"""Axes whose 1 + cos of the angle between them is less point against each other."""
+
 GROUND_FRAME = BodyFrame(GROUND_INDEX, ZERO, IDENTITY, ZERO, IDENTITY, is_point=False)
 """Frame O."""
 
@@ -129,14 +132,16 @@ def _across(
 ) -> Triple:
     """Return the direction across the axis of j that the one of i is turned into.
 
-    The turn is the one about the normal of both axes that takes the axis of i to that of j.
+    The turn is the one about the normal of both axes that takes the axis of i to that of j. Axes
+    that point against each other have no normal but that of their rounding: then it is the half
+    turn about the direction itself.
     """
     first, second = ends
     seen, axis = (second.from_ground(first.to_ground(vector)) for vector in (across_i, axis_i))
     along = precise.dot(seen, axis_j)
     cosine = precise.dot(axis, axis_j)
     is_level = not isinstance(along, Traced) and abs(along) <= NOISE
-    if is_level or 1 + cosine < NOISE:
+    if is_level or 1 + cosine < OPPOSITE:
         turned = precise.without(seen, axis_j)
     else:
         middle = precise.scale(along / (1 + cosine), precise.add(axis, axis_j))

@@ -14,6 +14,7 @@ from kousoku.model.joints import ANGLE, leaves_of
 from tests.random_draft import Draft
 from tests.random_geometry import DIRECTIONS
 from tests.random_mechanisms import DETERMINED, JOINT_NAMES, MECHANISMS
+from tests.random_more import add_more
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -237,6 +238,8 @@ def random_scene(draw: random.Random, number: int | None = None) -> Tree:
     draft = Draft(draw, number)
     wanted = list(draft.pick("outputs", WANTED))
     _build(draft, wanted)
+    if number is None and draft.kind != "driven":  # the numbered ones stay what they are
+        add_more(draft)
     has_more = draft.tree.keys() & {"forces", "drivers", "inputs"}
     if any(gravity := draft.draw.choice(GRAVITIES if has_more else GRAVITIES[1:])):
         draft.tree["gravity"] = [draft.design(draft.metre * g) for g in gravity]

@@ -124,6 +124,19 @@ def test_a_linear_coupling_adds_lengths_in_the_unit_of_the_scene_and_angles_in_r
     assert (terms(system, row), row.unit) == ({"turn": 3}, "rad")
 
 
+@pytest.mark.parametrize("size", [1e-12, 1e-6, 1e7])
+def test_a_linear_coupling_has_rows_of_the_size_of_others_whatever_its_factors(size: float) -> None:
+    joints = {"pinion": on_ground("revolute", "b"), "rack": on_ground("prismatic", "a")}
+    sums = {"type": "coupler", "coordinates": ["way", "turn"], "factors": [2 * size, 3 * size]}
+    tree = two_bodies(sums=sums, **joints)
+    tree["coordinates"] = {"turn": {"joint": "pinion"}, "way": {"joint": "rack"}}
+    system, row = coupling(tree)
+    found = terms(system, row)
+    assert 1 <= found["way"] < 2
+    assert found["turn"] / found["way"] == pytest.approx(0.015, rel=1e-15)
+    assert found["way"] == pytest.approx(row.scale * 2 * size, rel=1e-15)
+
+
 @pytest.mark.parametrize("bend", [0.0, 0.4, 2.0, 3.0])
 def test_a_constant_velocity_joint_holds_at_any_bend_and_turns_about_the_line_between(
     bend: float,

@@ -69,6 +69,16 @@ def test_without_zero_an_angle_is_zero_as_the_orientations_are_written() -> None
     assert value(system, system.coordinates[0]) == pytest.approx(0, abs=1e-16)
 
 
+@pytest.mark.parametrize("off", [0.0, 1e-16, 3e-9, 1e-5])
+def test_axes_that_point_against_each_other_have_the_same_zero(off: float) -> None:
+    """The normal of both axes, about which one is turned into the other, is that of rounding."""
+    tree = arm(0.25, coordinates={"turn": {"joint": "axle", "of": "angle"}})
+    del tree["joints"]["axle"]["zero"]
+    tree["joints"]["axle"]["axes"] = [[0, 0, 2], [off, -2 * off, -1]]
+    system = system_of(scene_from_dict(tree))
+    assert value(system, system.coordinates[0]) == pytest.approx(0, abs=2 * off)
+
+
 @pytest.mark.parametrize("given", [True, False])
 def test_the_angles_of_a_universal_joint_are_those_of_its_cross(given: bool) -> None:
     """The body is turned about the arm of the ground, x, and then about its own arm, y."""

@@ -173,7 +173,8 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
     v = [x + y for x, y in zip(given, change, strict=True)]
     torn = [x - y for x, y in zip(jacobian.times(change), wanted, strict=True)]
     prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)
-    _check_velocities(system, rows, torn, max(metric.norm(given), prescribed), pose)
+    speed = max(metric.norm(given), prescribed) / metric.size
+    _check_velocities(system, rows, torn, (float(speed), metric.size), pose)
     return v
 
 
@@ -197,17 +198,21 @@ def _check_velocities(
     system: System,
     rows: Residuals,
     missing: Sequence[High],
-    speed: High,
+    sizes: tuple[float, float],
     pose: Pose,
 ) -> None:
-    """Refuse velocities that tear joints, or that bodies hold against each other."""
+    """Refuse velocities that tear joints, or that bodies hold against each other.
+
+    The sizes are the speed in lengths of the system per second, and this length.
+    """
+    speed, length = sizes
     torn: dict[str, list[float]] = {}
     for instance, first, end in zip(rows.constraints, rows.first, rows.first[1:], strict=False):
         worst = torn.setdefault(key_of(instance), [0.0, 0.0])
         for row in range(first, end):
             unit = 0 if rows.in_metres[row] else 1
             worst[unit] = max(worst[unit], abs(float(missing[row])))
-    if named := worst_first(torn, CLOSED * float(speed)):
+    if named := worst_first(torn, CLOSED * speed, length):
         is_driven = any(one.is_driver and key_of(one) in named for one in system.constraints)
         advice = (
             "the joints, or other drivers, do not allow what drivers prescribe, or it stands at a"

@@ -73,10 +73,10 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
     search = _Search(rows, metric)
     written = Place.of(start)
     pose = search.restored(search.rough.restored(written).pose())
-    open_joints = violations(rows, pose, CLOSED * metric.size)
+    open_joints = violations(rows, pose, CLOSED, metric.size)
     if open_joints and (driven := _driven(written, system, search)):
         pose = search.restored(driven.pose())
-        open_joints = violations(rows, pose, CLOSED * metric.size)
+        open_joints = violations(rows, pose, CLOSED, metric.size)
     if open_joints:
         excess = excess_of_drivers(system, start)
         raise AssemblyError(

@@ -23,7 +23,9 @@ WORTH_NAMING = 1e-6
 """A violation below this part of the worst is not named."""
 
 
-def violations(rows: Residuals, pose: Pose, at_least: float) -> dict[str, tuple[float, float]]:
+def violations(
+    rows: Residuals, pose: Pose, at_least: float, length: float
+) -> dict[str, tuple[float, float]]:
     """Return by key the largest violation in metres and in radians, the worst first.
 
     Parameters
@@ -33,7 +35,9 @@ def violations(rows: Residuals, pose: Pose, at_least: float) -> dict[str, tuple[
     pose : Pose
         Where the bodies are.
     at_least : float
-        Joints below it are left out.
+        Joints below it, as a part of the length or in radians, are left out.
+    length : float [m]
+        A length of the system.
     """
     found: dict[str, list[float]] = {}
     values, _ = rows.at(pose)
@@ -45,7 +49,7 @@ def violations(rows: Residuals, pose: Pose, at_least: float) -> dict[str, tuple[
             size, unit = _size(instance, pose)
         worst = found.setdefault(key_of(instance), [0.0, 0.0])
         worst[unit] = max(worst[unit], float(size))
-    return worst_first(found, at_least)
+    return worst_first(found, at_least, length)
 
 
 def key_of(instance: Instance) -> str:
@@ -56,12 +60,16 @@ def key_of(instance: Instance) -> str:
 
 
 def worst_first(
-    sizes: Mapping[str, Sequence[float]], at_least: float
+    sizes: Mapping[str, Sequence[float]], at_least: float, length: float
 ) -> dict[str, tuple[float, float]]:
-    """Return the joints whose larger size is above a limit and worth naming, the worst first."""
-    limit = max(at_least, WORTH_NAMING * max(map(max, sizes.values()), default=0.0))
-    found = [(name, (m, rad)) for name, (m, rad) in sizes.items() if max(m, rad) > limit]
-    return dict(sorted(found, key=lambda item: -max(item[1])))
+    """Return the joints whose larger size is above a limit and worth naming, the worst first.
+
+    Metres are compared with radians by a length, so that it is no matter how large a mechanism is.
+    """
+    parts = {name: max(m / length, rad) for name, (m, rad) in sizes.items()}
+    limit = max(at_least, WORTH_NAMING * max(parts.values(), default=0.0))
+    names = sorted((name for name in sizes if parts[name] > limit), key=lambda name: -parts[name])
+    return {name: (sizes[name][0], sizes[name][1]) for name in names}
 
 
 def _size(instance: Instance, pose: Pose) -> tuple[High, int]:

@@ -39,12 +39,14 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.redundancy.loops import Part
     from kousoku.codegen.dynamics.redundancy.rank import Factors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
-    from kousoku.model.mechanism import System
+    from kousoku.model.mechanism import Coordinate, Instance, System, Vector
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
 MOST_ROWS = 700
 #: Positions that are looked at, where they are cheap, and rows times positions where not.
 POSITIONS, ROWS_AND_POSITIONS = 24, 6000
+#: From so many lengths of the system on its bodies are far from the origin of frame O.
+FAR = 1e4
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +139,7 @@ def freedom_of(system: System, program: Program) -> Freedom:
     program : Program
         What it was composed to; which rows and columns are there is taken from it.
     """
+    system = near_origin(system)
     columns = program.region("v").size
     total = Freedom(columns, len(program.rows), len(program.rows))
     by_instance: dict[int, list[Row]] = {}
@@ -162,6 +165,36 @@ def freedom_of(system: System, program: Program) -> Freedom:
             undetermined=total.undetermined + found.undetermined,
         )
     return total
+
+
+def near_origin(system: System) -> System:
+    """Return a system with the origin of frame O among its bodies, if that lies far from them.
+
+    Freedoms do not depend on where that is, but coordinates of a million lengths have lost the
+    digits that tell which rows depend on others.
+    """
+    origin = system.bodies[0].r if system.bodies else (0.0, 0.0, 0.0)
+    if max(map(abs, origin)) <= FAR * Metric(system).size:
+        return system
+
+    def seen(one: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+        ends = {f"s_{k}_b" for k, body in (("i", one.i), ("j", one.j)) if body == GROUND_INDEX}
+        return tuple(
+            (name, _less(value, origin) if name in ends else value)
+            for name, value in one.constants
+        )
+
+    return replace(
+        system,
+        bodies=tuple(replace(body, r=_less(body.r, origin)) for body in system.bodies),
+        constraints=tuple(replace(one, constants=seen(one)) for one in system.constraints),
+        coordinates=tuple(replace(one, constants=seen(one)) for one in system.coordinates),
+    )
+
+
+def _less(place: Sequence[float], origin: Vector) -> Vector:
+    x, y, z = (a - b for a, b in zip(place, origin, strict=True))
+    return x, y, z
 
 
 def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]:

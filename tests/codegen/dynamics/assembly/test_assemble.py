@@ -322,6 +322,20 @@ def test_velocities_that_are_held_against_a_joint_are_named() -> None:
     assert sorted(caught.value.keys) == ["bodies.b.hold", "joints.rod"]
 
 
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_velocities_are_found_and_refused_by_turns_whatever_the_size(size: float) -> None:
+    """Two parallel axes, and a spin that both allow but for 1e-6 of it."""
+    bodies = {"b": {"position": [0, 0, 0], "mass": 1, "center": [size, 0, 0]}}
+    bodies["b"]["angular_velocity"] = [0.1, 0.2, 1]
+    guide = {"type": "revolute", "bodies": ["ground", "b"], "at": [0, 0, size], "axis": [1, 2, 9]}
+    again = {**guide, "at": [size, 2 * size, 10 * size]}
+    assemble(built(bodies, {"guide": guide, "again": again}))
+    held: Tree = {"b": {**bodies["b"], "hold": ["angular_velocity"]}}
+    held["b"]["angular_velocity"] = [1, 2, 9 + 1e-6]
+    with pytest.raises(AssemblyError, match="rad/s"):
+        assemble(built(held, {"guide": guide}))
+
+
 def test_a_large_system_that_does_not_fit_is_refused_at_once() -> None:
     system = system_of(chain(1300))
     moved = replace(system.bodies[7], r=(9.0, 9.0, 9.0))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -226,3 +227,24 @@ def test_no_row_is_left_out_where_bars_in_line_hold_each_other(
     assert not any(one.is_everywhere for one in freedom.dependent)
     assert {one.joints for one in freedom.dependent} == {("a", "b", "c")}
     assert sum(one.dimension for one in freedom.dependent) == dimension
+
+
+@pytest.mark.parametrize("far", [1e3, 1e6, 1e7])
+def test_dependent_rows_are_found_wherever_a_loop_is(made: SimpleNamespace, far: float) -> None:
+    """At a million lengths coordinates have lost the digits that tell which rows depend."""
+    here = turned_bar(made)
+    move = np.array([far, -far / 2, 0.0])
+    bodies = tuple(replace(body, r=tuple(move + body.r)) for body in here.bodies)
+    constraints = tuple(
+        replace(
+            one,
+            constants=tuple(
+                (name, tuple(move + value) if body < 0 and name[0] == "s" else value)
+                for name, value in one.constants
+                for body in [one.i if "_i_" in name else one.j]
+            ),
+        )
+        for one in here.constraints
+    )
+    there = replace(here, bodies=bodies, constraints=constraints)
+    assert len(of(there).dropped) == len(of(here).dropped) == 3
