@@ -88,7 +88,9 @@ def four_bar(
 def heavy_loop(draw: random.Random) -> Scene:
     """Return a four-bar of masses that differ by up to 1e12."""
     masses = [10 ** draw.choice((0, draw.uniform(-6, 6), -6, 6)) for _ in range(3)]
-    return four_bar((1.0, 3.0, 2.0, 3.0), draw.uniform(0.5, 2.5), draw.uniform(-1, 1), tuple(masses))
+    return four_bar(
+        (1.0, 3.0, 2.0, 3.0), draw.uniform(0.5, 2.5), draw.uniform(-1, 1), tuple(masses)
+    )
 
 
 def change_point(draw: random.Random) -> Scene:
