@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -335,6 +336,20 @@ def test_a_light_body_between_heavy_ones_costs_no_digits(
         exact = in_fifty_digits(q, v, scene)
         assert worst(v_dot, exact["v_dot"]) < 1e-13
         assert worst(reactions, exact["reactions"]) < 1e-12
+
+
+def test_a_chain_that_rests_before_a_force_begins_is_refined_too(
+    backend: str, bodies_folder: Callable[..., Path]
+) -> None:
+    text = re.sub(r"angular_velocity = \[.*?\]", "velocity = [0, 0, 0]", uneven_chain(1.0, 1e-12))
+    text = text.replace("gravity = [0.5, -0.3, -9.81]", "gravity = [0, 0, 0]")
+    late = '[forces]\nlate = { type = "force", body = "b2", force = ["9*t", "-7*t", "8*t"] }\n'
+    solver = load_dynamics(
+        bodies_folder(scene_from_toml(text + late), OUTPUTS), target=cast("Any", backend)
+    )
+    ledger = solver.begin([0.0, 0.1, 0.2]).finish().ledger
+    assert ledger.refinements > 50
+    assert max(ledger.worst("acceleration")) < 1e-14
 
 
 @pytest.mark.usefixtures("compiler", "numpy_solver", "shipped_flags")

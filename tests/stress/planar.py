@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import mpmath
@@ -69,16 +69,34 @@ class State:
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Bodies, hinges and springs in the plane, under gravity along −y."""
+    """Bodies, hinges and springs in the plane, under gravity along −y.
+
+    Parameters
+    ----------
+    bars, hinges, springs : mapping
+        By name.
+    gravity : float
+        In m/s².
+    nearly : float
+        By how much rows are not redundant that are so without it, in metres or radians.
+    leans : bool
+        Whether that is how far the axis of the last hinge leans.
+    """
 
     bars: Mapping[str, Bar]
     hinges: Mapping[str, Hinge]
     springs: Mapping[str, Spring] = field(default_factory=dict)
     gravity: float = 9.81
-    lean: float = 0.0
+    nearly: float = 0.0
+    leans: bool = False
+
+    def without(self, hinge: str) -> Scene:
+        """Return the scene without a hinge."""
+        kept = {name: x for name, x in self.hinges.items() if name != hinge}
+        return replace(self, hinges=kept)
 
     def text(self) -> str:
-        """Return the scene as kousoku reads it; the last hinge's axis leans."""
+        """Return the scene as kousoku reads it; the axis of the last hinge leans, where one does."""
         lines = ['name = "planar"', 'unit = "m"', f"gravity = [0, {-self.gravity!r}, 0]"]
         lines += ['outputs = ["accelerations", "reactions", "energies"]']
         for name, bar in self.bars.items():
@@ -93,7 +111,7 @@ class Scene:
                 f"angular_velocity = [0, 0, {bar.omega!r}]",
             ]
         for name, hinge in self.hinges.items():
-            lean = self.lean if name == [*self.hinges][-1] else 0.0
+            lean = self.nearly if self.leans and name == [*self.hinges][-1] else 0.0
             lines += [
                 f"[joints.{name}]",
                 'type = "hinge"',
@@ -297,7 +315,18 @@ def units(scene: Scene, states: Mapping[str, State], seed: int, samples: int = 6
         return 1 + draw.choice((-1, 1)) * MP.mpf(2) ** -53
 
     exact = solution(scene, states).numbers()
-    found = {name: abs(x) * MP.mpf(2) ** -53 for name, x in exact.items()}
+    parts = {name: x for name, x in exact.items()}
+    for name in exact:
+        owner, component = name.split(".")
+        if component in {"ax", "ay"}:
+            # The centre's acceleration less what the body turns: parts that may cancel.
+            parts[name] = abs(exact[f"{owner}.alpha"]) * max(map(abs, scene.bars[owner].center))
+            parts[name] += MP.mpf(states[owner].omega) ** 2 + MP.hypot(
+                exact[f"{owner}.ax"], exact[f"{owner}.ay"]
+            )
+        elif component in {"fx", "fy"}:
+            parts[name] = MP.hypot(exact[f"{owner}.fx"], exact[f"{owner}.fy"])
+    found = {name: abs(x) * MP.mpf(2) ** -53 for name, x in parts.items()}
     for _ in range(samples):
         other = solution(scene, states, factor=rounded).numbers()
         for name, x in other.items():
