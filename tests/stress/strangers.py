@@ -32,6 +32,7 @@ from kousoku.model.manifest import Manifest
 from kousoku.model.read import scene_from_dict, scene_from_toml
 from kousoku.model.terms import Number
 from tests.stress import strange_inputs as strange
+from tests.stress.forces import PULSE
 from tests.stress.kit import ROOT, Disagreement, Fault, Outcome, Question, falsify
 from tests.stress.watched import SECONDS, warm, watched
 
@@ -57,6 +58,7 @@ SIZES = {
     "runs": (100, 1000),
     "resumed": (60, 500),
     "options": (60, 500),
+    "arguments": (60, 1000),
     "names": (4, 60),
 }
 """Sorts of files: how many a case reads, quick and full."""
@@ -485,6 +487,61 @@ def try_options(case: str) -> Outcome:
     return Tried("options").each(some, check, case)
 
 
+def try_arguments(case: str) -> Outcome:
+    """Try what programs hand to runs: a run is made, or an error of kousoku says what is wrong."""
+    scene = ks.load(ROOT / "scenes" / "bouncing_ball.toml", target="numpy")
+    run = scene.simulate(0.01, samples=2, tolerance=1e-3)
+    some = strange.values()
+    numbers = st.sampled_from([0.01, 2, np.float64(0.02), np.array([0.0, 0.01]), [0.0, 0.01], (0,)])
+    mapping = st.dictionaries(
+        st.sampled_from(["stiffness", "z", "z_dot", 3, None, ""]), some | numbers, max_size=2
+    )
+    options = {
+        "end": some | numbers,
+        "times": some | numbers,
+        "samples": some | numbers,
+        "tolerance": some | st.sampled_from([1e-3, 1e-300, 2.0]),
+        "method": some | st.sampled_from(["dopri5", "dop853", "kinematics"]),
+        "step": some | numbers,
+        "largest_step": some | numbers,
+        "most_steps": some | numbers,
+        "parameters": mapping | some,
+        "initial": mapping | some,
+        "strict": some,
+        "checks": some,
+    }
+    given = st.fixed_dictionaries({}, optional=options) | st.dictionaries(
+        st.sampled_from(["q0", "v0", "limit", "x"]), some, max_size=1
+    )
+    calls = (
+        *(lambda v: run[str(v)], lambda v: run.columns_of(str(v)), lambda v: run.body(str(v))),
+        *(lambda v: str(v) in run, lambda v: run.events[str(v)], run.plot, run.save),
+        *(lambda v: run.animate(speed=v), lambda v: ks.load(PULSE, outputs=v, target="numpy")),
+        *(lambda v: ks.load(PULSE, target=v), ks.load, ks.open_run, ks.verify, ks.explain),
+        *(lambda v: scene.resume(v), lambda v: scene.matrices(v, v, v), lambda v: scene.plot(v)),
+    )
+
+    def check(of: tuple[dict[str, Any], int, Any]) -> bool:
+        words, which, value = of
+        full = {"end": 0.01, "samples": 2, "tolerance": 1e-3, "most_steps": 50} | words
+        if "times" in words:
+            del full["end"], full["samples"]
+        try:
+            with watched(Path(tempfile.gettempdir())):
+                if words:
+                    scene.simulate(**full)
+                elif not isinstance(value, str) or len(value) < 200:
+                    calls[which](value)
+        except KousokuError as error:
+            refused_well(error)
+            return False
+        return True
+
+    return Tried("arguments").each(
+        st.tuples(given, st.integers(0, len(calls) - 1), some), check, case
+    )
+
+
 #: A scene with parts of all sorts that have names.
 NAMED = """
 name = "SCENE"
@@ -557,6 +614,7 @@ SORTS: dict[str, Callable[[str], Outcome]] = {
     "runs": try_runs,
     "resumed": try_resumed,
     "options": try_options,
+    "arguments": try_arguments,
     "names": try_names,
 }
 
