@@ -164,7 +164,9 @@ OLD = b"what was there before\n"
 def _of_tree(folder: Path) -> str:
     """Return the digest of all files of a folder but those that begin with a dot."""
     names = sorted(p for p in folder.rglob("*") if p.is_file() and not p.name.startswith("."))
-    return _digest(b"".join(p.relative_to(folder).as_posix().encode() + p.read_bytes() for p in names))
+    return _digest(
+        b"".join(p.relative_to(folder).as_posix().encode() + p.read_bytes() for p in names)
+    )
 
 
 def _command_line(*words: str) -> None:
@@ -280,16 +282,22 @@ def _broken(case: str) -> Outcome:
             outcome.count(f"{kind} while at work: {end.how}")
             where = f"{name}, {words}: {end.how} {end.text} {end.said}"[:900]
             if end.how == "foreign" or (end.how == "good" and end.text != wanted):
-                outcome.find(f"{name}: {kind}: {end.how}: {_short(end.text)}", where, _command(case))
+                outcome.find(
+                    f"{name}: {kind}: {end.how}: {_short(end.text)}", where, _command(case)
+                )
             if end.how != "killed":
                 for path in _left_over(place):
                     outcome.find(f"{name}: {kind}: leaves a part of a file", f"{path}; {where}")
             if end.how == "killed":
-                outcome.count("parts of files that killed processes leave", len([*_left_over(place)]))
+                outcome.count(
+                    "parts of files that killed processes leave", len([*_left_over(place)])
+                )
             elif len(end.said) > 3000:
                 outcome.find(f"{name}: {kind}: says too much", where, _command(case))
             if not _is_whole(work, place, before, after):
-                outcome.find(f"{name}: {kind}: leaves half of what it writes", where, _command(case))
+                outcome.find(
+                    f"{name}: {kind}: leaves half of what it writes", where, _command(case)
+                )
             again = children.alone(partial(work.do, place))
             if (again.how, again.text) != ("good", wanted):
                 outcome.find(
@@ -438,9 +446,7 @@ def _resumed(case: str) -> Outcome:
     made, end, options = found
     times = np.sort(np.append(np.linspace(0.0, end, 12), draw.uniform(0.0, end)))
     try:
-        whole = {
-            name: _told(_finished(one.begin(times, **options))) for name, one in made.items()
-        }
+        whole = {name: _told(_finished(one.begin(times, **options))) for name, one in made.items()}
     except KousokuError:
         outcome.count("runs: a random scene cannot start")
         return outcome

@@ -32,16 +32,83 @@ NAMES = (
     *("a", "b", "t", "x", "ground", "q", "pi", "deg", "sin", "self", "np", "kousoku", "main"),
     *("__class__", "__import__", "_", "a_", "a__b", "A", "int", "register", "y0", "EOF", "errno"),
     *("lambda", "None", "True", "match", "type", "print", "open", "name", "time", "con", "nul"),
-    *("../x", "/etc/passwd", "a/b", "a.b", "a b", "a-b", "", ".", "..", "\0", "a\nb", "ä", "x" * 31),
-    *("x" * 32, "x" * 10_000, "%s%n", "{{7*7}}", "*/", "//", '"', "'", "\\", "`", "\u202e", "\ud800"),
-    *("DIGEST", "NAN", "INFINITY", "I", "M_PI", "_Bool", "state", "rows", "values", "steps", "work"),
+    *(
+        "../x",
+        "/etc/passwd",
+        "a/b",
+        "a.b",
+        "a b",
+        "a-b",
+        "",
+        ".",
+        "..",
+        "\0",
+        "a\nb",
+        "ä",
+        "x" * 31,
+    ),
+    *(
+        "x" * 32,
+        "x" * 10_000,
+        "%s%n",
+        "{{7*7}}",
+        "*/",
+        "//",
+        '"',
+        "'",
+        "\\",
+        "`",
+        "\u202e",
+        "\ud800",
+    ),
+    *(
+        "DIGEST",
+        "NAN",
+        "INFINITY",
+        "I",
+        "M_PI",
+        "_Bool",
+        "state",
+        "rows",
+        "values",
+        "steps",
+        "work",
+    ),
 )
 """Names that mean something to Python, C, a file system, a template, or a terminal."""
 
-FUNCTIONS = ("sin", "cos", "sqrt", "exp", "log", "abs", "min", "max", "atan2", "sign", "tan", "tanh")
+FUNCTIONS = (
+    "sin",
+    "cos",
+    "sqrt",
+    "exp",
+    "log",
+    "abs",
+    "min",
+    "max",
+    "atan2",
+    "sign",
+    "tan",
+    "tanh",
+)
 NUMBERS = (
     *("0", "1", "2.5", "-1", "1e-3", "1e50", "1e99", "1e400", "1e-400", "1e999999999", "9" * 50),
-    *("0.1.2", "1e", ".", "1.", ".5", "0x10", "1_000", "1j", "inf", "nan", "30 deg", "٣", "１", "1e+"),
+    *(
+        "0.1.2",
+        "1e",
+        ".",
+        "1.",
+        ".5",
+        "0x10",
+        "1_000",
+        "1j",
+        "inf",
+        "nan",
+        "30 deg",
+        "٣",
+        "１",
+        "1e+",
+    ),
 )
 WORDS = ("t", "t", "k", "k", "pi", "deg", "x", "v", "t.real", "k.__class__", "().__class__", *NAMES)
 MARKS = ("+", "-", "*", "/", "^", "**", "//", "%", "@", "<", "==", ":=", ";", ",", "&", "|", " if ")
@@ -119,7 +186,8 @@ def values() -> SearchStrategy[Any]:
         st.recursive(
             leaves,
             lambda inner: (
-                st.lists(inner, max_size=4) | st.dictionaries(st.sampled_from(NAMES), inner, max_size=3)
+                st.lists(inner, max_size=4)
+                | st.dictionaries(st.sampled_from(NAMES), inner, max_size=3)
             ),
             max_leaves=6,
         )
@@ -143,15 +211,19 @@ def trees() -> list[Tree]:
         for path in sorted((ROOT / folder).glob("*.toml"))
     ]
     texts = [path.read_text(encoding="utf-8") for path in paths]
-    texts += [
-        to_toml(scene_from_dict(random_scene(random.Random(k), k))) for k in range(0, 50, 3)
-    ]
+    texts += [to_toml(scene_from_dict(random_scene(random.Random(k), k))) for k in range(0, 50, 3)]
     return [tomllib.loads(text) for text in sorted(texts, key=len)]
 
 
 def places(tree: object, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     """Return the paths to all values of a tree."""
-    pairs = tree.items() if isinstance(tree, dict) else enumerate(tree) if isinstance(tree, list) else ()
+    pairs = (
+        tree.items()
+        if isinstance(tree, dict)
+        else enumerate(tree)
+        if isinstance(tree, list)
+        else ()
+    )
     inner = [place for key, value in pairs for place in places(value, (*path, key))]
     return [path, *inner] if path else inner
 
@@ -227,7 +299,9 @@ def edited_texts(draw: DrawFn) -> str:
         size = draw(st.integers(0, 8))
         put = draw(
             st.text(max_size=4)
-            | st.sampled_from(["nan", "[[", "]]", '"""', "=", "\0", "\r", "#", "[a.b.c]\n", "{", "}"])
+            | st.sampled_from(
+                ["nan", "[[", "]]", '"""', "=", "\0", "\r", "#", "[a.b.c]\n", "{", "}"]
+            )
             | st.sampled_from(["[" * 3000, "{a=" * 3000, "a." * 3000 + "b=1\n", "\ufeff", "inf"])
             | formulas()
         )

@@ -491,6 +491,7 @@ def try_arguments(case: str) -> Outcome:
     """Try what programs hand to runs: a run is made, or an error of kousoku says what is wrong."""
     scene = ks.load(ROOT / "scenes" / "bouncing_ball.toml", target="numpy")
     run = scene.simulate(0.01, samples=2, tolerance=1e-3)
+    run.plot()
     some = strange.values()
     numbers = st.sampled_from([0.01, 2, np.float64(0.02), np.array([0.0, 0.01]), [0.0, 0.01], (0,)])
     mapping = st.dictionaries(
@@ -523,12 +524,13 @@ def try_arguments(case: str) -> Outcome:
 
     def check(of: tuple[dict[str, Any], int, Any]) -> bool:
         words, which, value = of
+        which -= len(calls)
         full = {"end": 0.01, "samples": 2, "tolerance": 1e-3, "most_steps": 50} | words
         if "times" in words:
             del full["end"], full["samples"]
         try:
             with watched(Path(tempfile.gettempdir())):
-                if words:
+                if which < 0:
                     scene.simulate(**full)
                 elif not isinstance(value, str) or len(value) < 200:
                     calls[which](value)
@@ -538,7 +540,7 @@ def try_arguments(case: str) -> Outcome:
         return True
 
     return Tried("arguments").each(
-        st.tuples(given, st.integers(0, len(calls) - 1), some), check, case
+        st.tuples(given, st.integers(0, 2 * len(calls) - 1), some), check, case
     )
 
 
