@@ -6,7 +6,7 @@ import hashlib
 import json
 import os
 import tempfile
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
@@ -202,6 +202,8 @@ def solver_folder(
     ------
     SceneError, AssemblyError
         As of :func:`load`; the message names the file.
+    CacheError
+        Neither the cache nor a temporary folder can be written.
     """
     options = json.dumps([outputs, references])
     by_bytes = key_of(given.data, options)
@@ -224,9 +226,18 @@ def solver_folder(
         return
     try:
         folder = _written(cache_folder() / "scenes" / key, scene.name, text, tree)
-    except OSError:  # a full or read-only cache: the folder is needed only until it is loaded
-        with tempfile.TemporaryDirectory() as place:
-            yield _written(Path(place), scene.name, text, tree)
+    except OSError as error:  # a full or read-only cache: it is needed only until it is loaded
+        with ExitStack() as stack:
+            try:
+                place = stack.enter_context(tempfile.TemporaryDirectory())
+                folder = _written(Path(place), scene.name, text, tree)
+            except OSError as other:
+                raise CacheError(
+                    f"{scene.name}: cannot write the cache: {error}; nor a temporary folder:"
+                    f" {other.strerror or other}; free some space or set KOUSOKU_CACHE to a folder"
+                    " that can be written"
+                ) from None
+            yield folder
             return
     _note_found(by_bytes, key)
     yield folder

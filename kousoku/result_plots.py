@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import matplotlib as mpl
 import numpy as np
 
-from kousoku.model.errors import NotInResultError
+from kousoku.model.errors import NotInResultError, SolveError
 from kousoku.plots import STYLE, Drawing, draw_linkage, save
 from kousoku.runtime.integrate.motion import BODY, COORDINATE, JOINT, Motion
+from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -85,7 +86,12 @@ def plot(result: Result, *columns: str) -> Figure:
     ------
     NotInResultError
         There is no such column.
+    SolveError
+        What is given is no name, such as a list of them.
     """
+    for name in columns:
+        if not isinstance(name, str):
+            raise SolveError(f"{result.name}: no column {shown(name)}; wanted names, one by one")
     main = (x for x in result.main_columns() if result.places[x].table != "inputs")
     names = list(columns) or [*main, *_efforts(result)]
     return _figure(

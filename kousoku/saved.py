@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from kousoku.model.errors import SolveError
+from kousoku.model.errors import SolveError, printable
 from kousoku.runtime.integrate.events import Told
 from kousoku.runtime.integrate.motion import Layout, Motion
-from kousoku.runtime.integrate.result import Named, not_generated
+from kousoku.runtime.integrate.result import Named, not_generated, shown
 from kousoku.runtime.kinematics.trajectory import LINK, NODE, Trajectory
 
 if TYPE_CHECKING:
@@ -255,6 +255,7 @@ def open_run(path: str | Path) -> Result:
     SolveError
         There is no such file, or no run was saved in it.
     """
+    name = printable(str(path)) if isinstance(path, str | Path) else shown(path)
     try:
         arrays = _arrays_in(Path(path))
         text = str(arrays["about"])
@@ -266,11 +267,11 @@ def open_run(path: str | Path) -> Result:
             return _motion(about, arrays)
         return _trajectory(about, arrays)
     except OSError as error:
-        raise SolveError(f"{path}: cannot be read: {error.strerror or error}") from None
+        raise SolveError(f"{name}: cannot be read: {error.strerror or error}") from None
     except Exception as error:  # a damaged file makes its readers raise whatever there is
         reason = " ".join(f"{type(error).__name__}: {error}".split())[:LONGEST]
         raise SolveError(
-            f'{path}: holds no run ({reason}); wanted a file that run.save("….npz") wrote'
+            f'{name}: holds no run ({reason}); wanted a file that run.save("….npz") wrote'
         ) from None
 
 
@@ -281,6 +282,8 @@ def _arrays_in(path: Path) -> dict[str, Any]:
         for entry in archive.namelist():
             name = entry.removesuffix(".npy")
             if name.startswith(OWN):
+                if archive.getinfo(entry).compress_type != zipfile.ZIP_STORED:
+                    raise ValueError("it is compressed, and may be larger than any memory")
                 with archive.open(entry) as file:
                     values = np.lib.format.read_array(file, allow_pickle=False)
                 values.flags.writeable = False  # nobody can write to what others read

@@ -12,7 +12,7 @@ from kousoku.model.design import Formula
 from kousoku.model.errors import ExpressionError
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME, WORD, state_names, used_names
-from kousoku.model.terms import Number
+from kousoku.model.terms import names_of
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
@@ -96,7 +96,7 @@ def _value(text: str, parameters: Mapping[str, float], exact: Mapping[str, Any])
     if not abs(value) <= LARGEST or not isfinite(value_of(expression, parameters)):
         problem = "has no finite value with the parameters of the scene"
         raise ExpressionError(f"{problem}; wanted at most {LARGEST:g}", column=1)
-    return value if isinstance(expression, Number) else Formula(text, value)
+    return Formula(text, value) if names_of(expression) else value
 
 
 def changed_scene(scene: Scene, change: Callable[[Formula, str], float]) -> Scene:

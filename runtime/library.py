@@ -14,6 +14,7 @@ from kousoku.model.manifest import Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.choice import choose
 from kousoku.runtime.given import folder_of
+from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.notice import say_once
 from kousoku.runtime.sources import Sources
@@ -167,8 +168,10 @@ def read_manifest(folder: Path) -> Manifest:
         is_as_written = manifest.to_json() == text and manifest.stated() == manifest.digest
     except OSError as error:
         raise LoadError(f"{folder} is not a generated package: {error}") from None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise LoadError(f"{path} is not a manifest of this version of kousoku: {error!r}") from None
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+        raise LoadError(
+            f"{path} is not a manifest of this version of kousoku: {shown(error)}"
+        ) from None
     if not is_as_written:
         raise LoadError(
             f"{path} was edited: its digest is not over what it says\n"

@@ -77,6 +77,9 @@ def test_columns_parts_and_pictures_are_chosen(loop: Result, tmp_path: Path) -> 
         assert file.read_bytes().startswith(begins)
     with pytest.raises(KeyError, match="did you mean 'rocking'"):
         loop.plot("rockin")
+    a_list: Any = ["rocking", "motor"]
+    with pytest.raises(ks.SolveError, match="no column .*; wanted names, one by one"):
+        loop.plot(a_list)
 
 
 def test_many_bodies_are_not_all_drawn_unless_one_is_named() -> None:

@@ -248,8 +248,9 @@ class Animation:
         Raises
         ------
         SolveError
-            The suffix is another one.
+            The suffix is another one, or the file cannot be written.
         """
+        from kousoku.model.cache import write_atomically
         from kousoku.model.errors import SolveError
 
         place = Path(path)
@@ -262,7 +263,11 @@ class Animation:
                 text = moving_svg(self._picture)
             case _:
                 raise SolveError(f"{place}: wanted a file *.html or *.svg")
-        write_text(place, text)
+        try:
+            write_atomically(place, text.encode())
+        except (OSError, ValueError) as error:  # a null character
+            reason = getattr(error, "strerror", None) or error
+            raise SolveError(f"{str(place)!r}: cannot be written: {reason}") from error
         return place
 
     def still(self, time: float | None = None) -> str:
@@ -297,13 +302,3 @@ class Animation:
     def _repr_svg_(self) -> str | None:
         """Return a still, for notebooks whose outputs are kept: ``KOUSOKU_STILLS=1``."""
         return self.still() if os.environ.get("KOUSOKU_STILLS") else None
-
-
-def write_text(path: Path, text: str) -> None:
-    """Write a file at once: who reads it finds the old one or the new one."""
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
-        part.write_text(text, encoding="utf-8", newline="\n")
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)

@@ -124,7 +124,7 @@ def picture_at_rest(scene: Scene, parameters: Mapping[str, float] | None = None)
         from kousoku.view.linkages import linkage_at_rest
 
         return linkage_at_rest(scene)
-    scene = with_values(scene, parameters or {})
+    scene = with_values(scene, parameters)
     position, turn = written_poses(scene)
     shapes = spatial_shapes(scene, (position, turn))
     return Picture(
@@ -156,7 +156,11 @@ def picture_of(
 ) -> Picture:
     """Return the picture of a run, see :func:`kousoku.view.animate`."""
     from kousoku.model.errors import SolveError
+    from kousoku.runtime.integrate.given import require_numbers
 
+    numbers = {"fps": fps, "speed": speed, "start": start, "end": end}
+    given_numbers = {name: one for name, one in numbers.items() if one is not None}
+    require_numbers(scene.name, **given_numbers)
     if not fps > 0.0 or not isfinite(fps) or (speed is not None and not 0.0 < speed < np.inf):
         given = f"fps={fps!r}, speed={speed!r}"
         raise SolveError(f"{scene.name}: {given}: wanted positive numbers")
@@ -169,7 +173,7 @@ def picture_of(
         table: dict[str, Array] = {}
     else:
         given_values = parameters if parameters is not None else getattr(result, "parameters", {})
-        scene = with_values(scene, dict(given_values or {}))
+        scene = with_values(scene, given_values)
         time, rows = np.asarray(result.time, dtype=np.float64), len(result)
         position = _stacked(result.position, scene, rows, 3)
         turn = _stacked(result.orientation, scene, rows, 4)

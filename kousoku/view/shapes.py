@@ -215,8 +215,14 @@ def spatial_shapes(scene: Scene, poses: tuple[Array, Array] | None = None) -> Sh
     return _SpatialShapes(scene, poses).shapes()
 
 
-def with_values(scene: Scene, parameters: Mapping[str, float]) -> Scene:
-    """Return a scene whose numbers are those that parameters give them; the rest are its own."""
+def with_values(scene: Scene, parameters: Mapping[str, float] | None) -> Scene:
+    """Return a scene whose numbers are those that parameters give them; the rest are its own.
+
+    Raises
+    ------
+    SolveError
+        A parameter is not of the scene, or is no finite number.
+    """
     from msgspec import structs
 
     from kousoku.model.design_numbers import changed_scene

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import errno
 import multiprocessing
 import os
 import pickle
@@ -17,6 +18,7 @@ import kousoku as ks
 from kousoku import loading
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.cache import cache_folder, clear, entries, shrink
+from kousoku.model.errors import CacheError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -209,3 +211,16 @@ def test_a_path_may_have_an_equals_sign(tmp_path: Path) -> None:
         ks.load("length=3.toml")
     with pytest.raises(ks.SceneError, match="unit: is missing"):
         ks.load('name = "bar"')
+
+
+@pytest.mark.usefixtures("empty_cache")
+def test_without_room_anywhere_one_error_of_kousoku_says_so(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(loading, "_written", full)
+    words = "pendulum: cannot write the cache: .*; nor a temporary folder: No space left on device"
+    with pytest.raises(CacheError, match=words):
+        numpy_loaded(PENDULUM)

@@ -161,6 +161,16 @@ def test_what_is_no_file_of_a_run_is_refused_in_one_line(tmp_path: Path) -> None
         assert "holds no run" in refused(given) or "cannot be read" in refused(given)
 
 
+def test_a_file_that_is_compressed_is_refused_before_it_fills_the_memory(
+    lever: ks.Result, tmp_path: Path
+) -> None:
+    lever.save(tmp_path / "run.npz")
+    with np.load(tmp_path / "run.npz") as found:
+        np.savez_compressed(tmp_path / "small.npz", **dict(found))
+    with pytest.raises(ks.SolveError, match="it is compressed, and may be larger than any memory"):
+        ks.open_run(tmp_path / "small.npz")
+
+
 def test_a_file_that_was_cut_off_or_changed_is_refused(lever: ks.Result, tmp_path: Path) -> None:
     path = kept(lever, tmp_path)
     data = path.read_bytes()

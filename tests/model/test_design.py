@@ -51,6 +51,17 @@ def test_a_formula_has_its_value_and_its_text() -> None:
     assert with_numbers(scene_from_toml(SCENE)).bodies["bar"].center == (75.0, 0.0, 0.0)
 
 
+def test_a_formula_without_names_is_a_number_also_in_a_scene_without_parameters() -> None:
+    text = SCENE.replace("m = 2.0\nL = 150\n", "").replace('"m*L^2/12"', "100")
+    text = text.replace('"m"', '"sqrt(4)"').replace('"L/2"', '"75*cos(0)"')
+    text = text.replace("axes = [[0, ", 'axes = [["sin(0)", ') + "zero = [[1, 0, 0], [1, 0, 0]]\n"
+    scene = scene_from_toml(text)
+    assert type(scene.bodies["bar"].mass) is float
+    axes = scene.joints["hinge"].axes
+    assert axes is not None
+    assert type(axes[0][0]) is float
+
+
 def test_a_scene_with_formulas_is_written_and_read_back() -> None:
     scene = scene_from_toml(SCENE)
     assert scene_from_toml(to_toml(scene)) == scene

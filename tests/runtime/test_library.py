@@ -154,6 +154,16 @@ def test_what_is_no_package_is_refused(tmp_path: Path) -> None:
         load(tmp_path / "nowhere")
 
 
+@pytest.mark.parametrize("told", ["3", '["kernels.c"]', '["kernels.c", 3]', "[" * 90_000])
+def test_a_manifest_whose_files_are_no_pairs_of_texts_is_refused(tiny: Path, told: str) -> None:
+    """They are not under its digest."""
+    path = tiny / "manifest.json"
+    head, _, _ = path.read_text(encoding="utf-8").partition('"files":')
+    path.write_text(f'{head}"files":[{told}]}}', encoding="utf-8")
+    with pytest.raises(LoadError, match="is not a manifest of this version"):
+        load(tiny, target="numpy")
+
+
 def test_every_edit_of_a_manifest_is_caught(tiny: Path) -> None:
     """What it says is under its digest, what it lists under theirs; blanks that say nothing too."""
     path = tiny / "manifest.json"

@@ -119,6 +119,16 @@ def test_files_are_written_by_their_suffix(tmp_path: Path) -> None:
         animation.save(tmp_path / "arm.gif")
 
 
+@pytest.mark.parametrize("name", ["arm.html/in_a_file.html", "null\0.html"])
+def test_a_file_that_cannot_be_written_is_refused_in_our_own_words(
+    tmp_path: Path, name: str
+) -> None:
+    animation = animate(turning(), arm(), tmp_path / "arm.html")
+    with pytest.raises(SolveError, match="cannot be written"):
+        animation.save(tmp_path / name)
+    assert [path.name for path in tmp_path.iterdir()] == ["arm.html"]
+
+
 def test_a_still_is_an_svg_of_one_moment() -> None:
     animation = animate(turning(), structs.replace(arm(), title=HOSTILE))
     root = ET.fromstring(animation.still())

@@ -186,6 +186,9 @@ def test_a_linkage_moves_as_its_nodes_do() -> None:
         ({"forces": ["hing"]}, "arm: no joint 'hing': there are hinge; did you mean 'hinge'?"),
         ({"speed": 0.0}, "wanted positive numbers"),
         ({"fps": float("nan")}, "wanted positive numbers"),
+        ({"speed": "slow"}, "arm: speed 'slow'; wanted a number"),
+        ({"parameters": [2]}, "arm: parameters [2]; wanted a mapping of names to numbers"),
+        ({"parameters": {"thin": 2}}, "arm: no parameter 'thin'"),
         ({"start": 1.0, "end": 0.5}, "start=1.0 is not before end=0.5"),
     ],
 )
