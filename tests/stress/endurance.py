@@ -119,7 +119,8 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     where = f"{name}, {method} with {tolerance:g}, {result.ledger.steps} steps"
     # of the rows, not by the ledger: the solver's own sum is what is looked at
     energy = result.energy["total"]
-    moved = max(result.energy["kinetic"].max(), short.energy["kinetic"].max())
+    kinetic = result.energy["kinetic"]
+    moved = (kinetic + np.abs(energy - kinetic - (energy[0] - kinetic[0]))).max()
     lost = np.abs(energy - energy[0])
     made = result.ledger.steps * result.time / end
     allowed = (ALLOWED * tolerance + ROUNDING) * np.maximum(made, 1000.0) * moved
@@ -150,8 +151,8 @@ def driven(outcome: Outcome, method: str, turns: str) -> None:
     where = f"{number} turns, {method}"
     angle = 2.0 * math.pi * result.time
     unit = np.maximum(np.spacing(angle), np.spacing(1.0))
-    for name, wanted in (("turn", angle), ("wheel_turn", -angle / 3.0)):
-        off = np.abs(result[name] - wanted) / unit
+    for name, wanted in (("turn", angle), ("wheel_turn", -3.0 * angle)):
+        off = np.abs(result[name] - wanted) / np.maximum(np.spacing(np.abs(wanted)), unit)
         k = int(off.argmax())
         label = "angle that counts (units in the last place)"
         outcome.measure(label, off[k], f"{name}, turn {result.time[k]:.0f}, {where}", limit=16.0)
