@@ -82,9 +82,8 @@ def computed(sort: str, name: str) -> Iterator[np.ndarray[Any, Any]]:
 def main() -> None:
     """Print the digest."""
     if flag := os.environ.get(SPOILT):
-        toolchain.FLAGS = tuple(
-            flag if one == "-ffp-contract=off" else one for one in toolchain.FLAGS
-        )
+        flags = (flag if one == "-ffp-contract=off" else one for one in toolchain.FLAGS)
+        vars(toolchain)["FLAGS"] = tuple(flags)
     digest, count = hashlib.sha256(), 0
     try:
         for numbers in computed(*sys.argv[1:3]):

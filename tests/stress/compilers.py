@@ -24,7 +24,7 @@ from tests.stress.compiled import SPOILT, files_of
 from tests.stress.kit import ROOT, Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
     from contextlib import AbstractContextManager
 
 WANTED = ("gcc", "clang", "zig cc")
@@ -248,7 +248,7 @@ def fail(
     outcome.find(title, details, command.replace("{root}", "../../../.."))
 
 
-LOOKS = {
+LOOKS: dict[str, Callable[..., None]] = {
     "missing": missing,
     "bits": bits,
     "warnings": warnings,

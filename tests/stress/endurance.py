@@ -115,7 +115,7 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     short = scene.simulate(10.0, samples=2, **options)
     end = 10.0 * int(steps) / short.ledger.steps
     times = np.concatenate(([0.0], np.geomspace(1e-4 * end, end, ROWS)))
-    result = scene.simulate(times=times, most_steps=20 * int(steps), **options)
+    result: Any = scene.simulate(times=times, most_steps=20 * int(steps), **options)
     where = f"{name}, {method} with {tolerance:g}, {result.ledger.steps} steps"
     # of the rows, not by the ledger: the solver's own sum is what is looked at
     energy = result.energy["total"]
@@ -186,13 +186,9 @@ def chaotic(outcome: Outcome, end: str) -> None:
     times = np.linspace(0.0, float(end), 20 * int(end) + 1)
     means = []
     for number, (method, tolerance) in enumerate((*WAYS[:3], ("dopri5", 1e-11))):
-        result = scene.simulate(
-            times=times,
-            method=method,
-            tolerance=tolerance,
-            most_steps=10**9,
-            initial={"first": 2.0 + 1e-9 * number, "second": 0.3},
-        )
+        options: dict[str, Any] = {"method": method, "tolerance": tolerance}
+        options["initial"] = {"first": 2.0 + 1e-9 * number, "second": 0.3}
+        result: Any = scene.simulate(times=times, most_steps=10**9, **options)
         lost = np.abs(result.energy["total"] - result.energy["total"][0])
         allowed = (ALLOWED * tolerance + ROUNDING) * max(result.ledger.steps, 1000)
         where = f"{method} with {tolerance:g}, {result.ledger.steps} steps"

@@ -65,8 +65,9 @@ def cases(size: Size) -> Iterator[str]:
 def run(case: str) -> Outcome:
     """Make the runs of a case."""
     name, target, seed, batch, number = case.split()
+    chosen: dict[str, Any] = {"target": target}
     form, outcome = FORMS[name], Outcome()
-    scene = ks.load(form.text, target=target)
+    scene = ks.load(form.text, **chosen)
     for k in range(int(number)):
         draw = random.Random(f"{name} {seed} {batch} {k}")
         parameters, wanted = form.draw(draw)
