@@ -10,6 +10,7 @@ few steps: a scene without sines or logarithms must give the same bits.
 from __future__ import annotations
 
 import json
+import re
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -20,6 +21,7 @@ from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.result import key_of
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
+HEADER = "solver.h"
 FORMAT = 2
 NAMES: dict[str, str] = {"c": "C", "numpy": "NumPy"}
 #: Regions with one number for each constraint.
@@ -82,6 +85,7 @@ def verify_solver(
     problems += [str(row) for row in rows if not row.ok]
     if solvers:
         problems += table_problems(folder, files)
+    problems += _code_problems(folder, files)
     if data and data["is_smooth"] and solvers and solvers[0].target.name == "c":
         methods = import_source(folder, files, "integrate/methods.py").METHODS
         problems += shown_order_problems(solvers[0], methods, {})
@@ -124,6 +128,18 @@ def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
             f"{folder.name} is not compared with each body's own equations: no state near its start"
             " is away from places where rows become dependent"
         )
+
+
+def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
+    """Yield the codes of what a call returns that are others in C."""
+    if HEADER not in files:
+        return
+    text = files[HEADER].decode()
+    for status in Status:
+        found = re.search(rf"_{status.name} = (.*?),?\n", text)
+        if found is None or found[1] != str(int(status)):
+            got = "none" if found is None else found[1]
+            yield f"{folder / HEADER}: {status.name} is {got}, wanted {int(status)}"
 
 
 def _solvers(

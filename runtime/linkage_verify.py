@@ -95,6 +95,16 @@ def _problems(
         yield f"{where}: stops after {got.done} rows: {Status(got.status).message}"
     if not good:
         return
+    for k in good:
+        inputs = np.array(run.counted_inputs(run.first + rows[k]))
+        if not np.all(
+            np.abs(got.alpha[rows[k]] - inputs) <= LIMIT * np.maximum(np.abs(inputs), 1.0)
+        ):
+            yield (
+                f"{where}: inputs at division {rows[k]} of {run.divisions}: got"
+                f" {got.alpha[rows[k]].tolist()}, wanted {inputs.tolist()}"
+            )
+            break
     for name, wanted in exact.items():
         values = getattr(got, name)[[rows[k] for k in good]].reshape(len(good), -1)
         errors = np.nan_to_num(np.abs(values - wanted[good]), nan=np.inf)

@@ -184,6 +184,7 @@ def test_same_scene_gives_the_same_bytes() -> None:
         ("newton.h", "x[first + i] -= correction[i];", "x[first + i] += correction[i];"),
         ("solve.h", "run->start - run->start", "run->start + run->start"),
         ("continuation.h", "TWO_PI * ((double)(part", "-TWO_PI * ((double)(part"),
+        ("solve.py", "else run.counted_inputs(division)", "else way.position.alpha"),
     ],
 )
 def test_verify_finds_a_flipped_sign_in_the_solver(

@@ -131,6 +131,12 @@ def test_another_step_in_one_target_is_named(folder: Path) -> None:
     assert "C and NumPy differ after 2 steps" in problem
 
 
+def test_a_code_that_another_call_returns_is_named(folder: Path) -> None:
+    spoil(folder, "solver.h", lambda text: text.replace("PROJECTED = -2", "PROJECTED = -(2)"))
+    (problem,) = verify(folder, target="numpy").problems
+    assert problem.endswith("solver.h: NOT_PROJECTED is -(2), wanted -2")
+
+
 def test_a_stale_file_is_named(folder: Path) -> None:
     spoil(folder, "motion.json", lambda text: text.replace(" ", "", 1), honest=False)
     report = verify(folder, target="numpy")

@@ -23,6 +23,7 @@ from unittest.mock import patch
 from tests import mutants
 from tests.mutants import SUFFIXES, Mutant
 from tests.stress.kit import ROOT, Fault, Outcome, Question, Size
+from tests.stress.mutants_answered import ANSWERED
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -126,9 +127,9 @@ def run(case: str) -> Outcome:
     if not by:
         line = (ROOT / mutant.path).read_text(encoding="utf-8").splitlines()[mutant.line - 1]
         outcome.find(
-            f"{mutant.path.as_posix()}: {mutant.old.strip()!r} -> {mutant.new.strip()!r} in"
+            f"{mutant.path.name}: {mutant.old.strip()!r} -> {mutant.new.strip()!r} in"
             f" {line.strip()!r} is not noticed",
-            f"line {mutant.line}",
+            f"{mutant.path.as_posix()}, line {mutant.line}",
             f"python -m tests.stress mutants --case '{case}'",
         )
     return outcome
@@ -208,5 +209,6 @@ QUESTION = Question(
     faults=(
         Fault("`verify` takes every error", blinded, "verify generated/kinds/n1/expressions.h 1"),
     ),
+    known=ANSWERED,
     seconds=PATIENCE,
 )

@@ -1,0 +1,100 @@
+"""A process that computes one thing and prints a digest of all bits.
+
+``python -m tests.stress.compiled scene loop_free`` moves a committed scene; ``kind p2`` evaluates a
+package at its references, ``random 7`` moves a random scene. The environment says with which
+compiler.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import random
+import sys
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import kousoku as ks
+from kousoku.model.errors import KousokuError, MotionError
+from kousoku.runtime import toolchain
+from kousoku.runtime.evaluate import evaluate, ways
+from kousoku.runtime.library import load, read_files, read_manifest
+from kousoku.runtime.reference import read_references
+from tests.random_scenes import random_scene
+from tests.stress.kit import ROOT
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+SPOILT = "KOUSOKU_STRESS_FLAG"
+"""A flag that takes the place of the one that forbids contraction: a fault that is planted."""
+KINDS = ROOT / "generated" / "kinds"
+END, ROWS, STEPS = 2.0, 21, 4000
+
+
+def scene_of(sort: str, name: str) -> Any:
+    """Return a scene, committed or random."""
+    return (
+        ROOT / "scenes" / f"{name}.toml" if sort == "scene" else random_scene(random.Random(name))
+    )
+
+
+def files_of(thing: str) -> dict[str, str] | None:
+    """Return the C sources of a thing; None where its random scene is refused."""
+    sort, name = thing.split()
+    if sort == "kind":
+        folder = KINDS / name
+        files = read_files(folder, read_manifest(folder))
+        texts = {file: data.decode() for file, data in files.items()}
+        texts["lanes.h"] = (ROOT / "runtime" / "lanes.h").read_text(encoding="utf-8")
+    else:
+        try:
+            texts = ks.load(scene_of(sort, name)).files
+        except KousokuError:
+            return None
+    return {file: text for file, text in texts.items() if file.endswith((".c", ".h"))}
+
+
+def computed(sort: str, name: str) -> Iterator[np.ndarray[Any, Any]]:
+    """Yield all numbers of a thing."""
+    if sort == "kind":
+        folder = KINDS / name
+        library, manifest = load(folder, target="c"), read_manifest(folder)
+        references = read_references(folder, manifest, read_files(folder, manifest))
+        for kernel in manifest.kernels:
+            for way in ways("c"):
+                for one in evaluate(library[kernel.name], references[kernel.name], way):
+                    yield one.values
+        return
+    scene = ks.load(scene_of(sort, name), target="c")
+    options: dict[str, Any] = {}
+    if hasattr(scene.solver, "parameters"):
+        options = {"most_steps": STEPS, "method": None}
+    try:
+        result: Any = scene.simulate(END, samples=ROWS, **options) if options else scene.solve()
+    except MotionError as error:
+        result = error.result
+    for k in range(len(result)):
+        yield from (np.asarray(part) for part in result.state(k))
+
+
+def main() -> None:
+    """Print the digest."""
+    if flag := os.environ.get(SPOILT):
+        flags = (flag if one == "-ffp-contract=off" else one for one in toolchain.FLAGS)
+        vars(toolchain)["FLAGS"] = tuple(flags)
+    digest, count = hashlib.sha256(), 0
+    try:
+        for numbers in computed(*sys.argv[1:3]):
+            values = np.where(np.isnan(numbers), np.nan, numbers)  # which NaN does not count
+            digest.update(np.ascontiguousarray(values).tobytes())
+            count += values.size
+    except KousokuError as error:
+        print(f"refused: {type(error).__name__}")
+        return
+    print(f"{count} numbers, {digest.hexdigest()[:16]}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,244 @@
+"""Long motions: conservative ones, driven ones, and chaotic ones by their statistics.
+
+Where no force does work the energy stays. Each step may change it by its error, so that what is
+lost grows with the steps at most; what rounding loses grows with their root. A crank that is led is
+after 100,000 turns where it was after one.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
+
+import numpy as np
+
+import kousoku as ks
+from kousoku.runtime.options import Options
+from tests.stress.kit import ROOT, Fault, Outcome, Question, Size
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
+
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+#: Committed scenes where no force takes or gives energy.
+CONSERVATIVE = ("pendulum", "heavy_top", "n_four_bar", "bricard", "flipping_body")
+WAYS = (("dopri5", 1e-6), ("dop853", 1e-9), ("dop853", 1e-12), ("dop853", 1e-14))
+ALLOWED = 0.1
+"""Energy that a step may lose, in tolerances: what the verdict lets a healthy run lose."""
+ROUNDING = 4e-16
+"""What is lost by rounding in a step, relative to the energy that moves, where all add up."""
+ROWS = 400
+
+#: Two rods that swing freely: far beyond the energy at which they turn over, nothing repeats.
+DOUBLE = """
+name = "double_pendulum"
+unit = "m"
+gravity = [0, -9.81, 0]
+outputs = ["energies", "coordinates"]
+[bodies]
+upper = { position = [0, 0, 0], rods = [{ mass = 1, ends = [[0, 0, 0], [1, 0, 0]] }] }
+lower = { position = [1, 0, 0], rods = [{ mass = 1, ends = [[0, 0, 0], [1, 0, 0]] }] }
+[joints]
+top = { type = "revolute", bodies = ["ground", "upper"], at = [0, 0, 0], axis = [0, 0, 1] }
+middle = { type = "revolute", bodies = ["upper", "lower"], at = [1, 0, 0], axis = [0, 0, 1] }
+[coordinates]
+first = { joint = "top" }
+second = { joint = "middle" }
+"""
+#: A crank that leads a rod and a slider, one turn a second, and a wheel of three times its teeth.
+LED = """
+name = "led_crank"
+unit = "m"
+outputs = ["coordinates"]
+[bodies]
+crank = { position = [0, 0, 0], rods = [{ mass = 1, ends = [[0, 0, 0], [0.1, 0, 0]] }] }
+rod = { position = [0.1, 0, 0], rods = [{ mass = 1, ends = [[0, 0, 0], [0.3, 0, 0]] }] }
+slider = { position = [0.4, 0, 0], boxes = [{ mass = 1, size = [0.1, 0.1, 0.1] }] }
+wheel = { position = [0, 1, 0], boxes = [{ mass = 1, size = [0.3, 0.3, 0.1] }] }
+[joints]
+shaft = { type = "revolute", bodies = ["ground", "crank"], at = [0, 0, 0], axis = [0, 0, 1] }
+pin = { type = "revolute", bodies = ["crank", "rod"], at = [0.1, 0, 0], axis = [0, 0, 1] }
+gudgeon = { type = "revolute", bodies = ["rod", "slider"], at = [0.4, 0, 0], axis = [0, 0, 1] }
+guide = { type = "prismatic", bodies = ["ground", "slider"], at = [0.4, 0, 0], axis = [1, 0, 0] }
+axle = { type = "revolute", bodies = ["ground", "wheel"], at = [0, 1, 0], axis = [0, 0, 1] }
+mesh = { type = "gear", joints = ["shaft", "axle"], ratio = -3 }
+[coordinates]
+turn = { joint = "shaft" }
+wheel_turn = { joint = "axle" }
+place = { joint = "guide" }
+[drivers]
+motor = { coordinate = "turn", value = "2*pi*t" }
+"""
+
+
+def cases(size: Size) -> Iterator[str]:
+    """Name motions, how they are made, and how many steps or turns they have."""
+    steps = size.examples(20_000, 1_000_000)
+    for scene in CONSERVATIVE:
+        for way in range(len(WAYS)) if size.is_full else (1, 3):
+            yield f"conservative {scene} {way} {steps}"
+    turns = size.examples(300, 100_000)
+    for method in ("kinematics", "dop853"):
+        yield f"driven {method} {turns if method == 'kinematics' else turns // 10}"
+    yield f"linkage lever_crank {turns}"
+    yield f"chaotic {size.examples(500, 50_000)}"
+
+
+def run(case: str) -> Outcome:
+    """Make a motion and look at it."""
+    outcome = Outcome()
+    what, *words = case.split()
+    MOTIONS[what](outcome, *words)
+    return outcome
+
+
+def growth(time: Array, lost: Array) -> float:
+    """Return the exponent by which the largest value so far grows with time."""
+    largest = np.maximum.accumulate(lost)
+    is_late = (time > 0.01 * time[-1]) & (largest > 0.0)
+    if is_late.sum() < 3:
+        return 0.0
+    return float(np.polyfit(np.log(time[is_late]), np.log(largest[is_late]), 1)[0])
+
+
+def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
+    """Look at energy and constraints of a free motion, after so many steps."""
+    method, tolerance = WAYS[int(way)]
+    scene = ks.load(ROOT / "scenes" / f"{name}.toml", outputs=["energies"])
+    options: dict[str, Any] = {"method": method, "tolerance": tolerance}
+    short = scene.simulate(10.0, samples=2, **options)
+    end = 10.0 * int(steps) / short.ledger.steps
+    times = np.concatenate(([0.0], np.geomspace(1e-4 * end, end, ROWS)))
+    result: Any = scene.simulate(times=times, most_steps=20 * int(steps), **options)
+    where = f"{name}, {method} with {tolerance:g}, {result.ledger.steps} steps"
+    # of the rows, not by the ledger: the solver's own sum is what is looked at
+    energy = result.energy["total"]
+    kinetic = result.energy["kinetic"]
+    moved = (kinetic + np.abs(energy - kinetic - (energy[0] - kinetic[0]))).max()
+    lost = np.abs(energy - energy[0])
+    made = result.ledger.steps * result.time / end
+    allowed = (ALLOWED * tolerance + ROUNDING) * np.maximum(made, 1000.0) * moved
+    allowed += 1e-13 * np.abs(energy[0])
+    k = int(np.argmax(lost / allowed))
+    outcome.count("steps of conservative motions", result.ledger.steps)
+    outcome.count("motions that are not trusted", int(not result.ledger.trust.is_trusted))
+    label = "energy lost (of what steps and rounding may lose)"
+    outcome.measure(label, lost[k] / allowed[k], f"{where}, at {result.time[k]:.4g} s", limit=1.0)
+    steep = growth(result.time[1:], lost[1:] / moved)
+    outcome.measure("energy lost ~ time ^", steep, where, limit=1.3)
+    early = scene.simulate(times=times[times < 0.1 * end], **options, most_steps=20 * int(steps))
+    position = [one.ledger.worst("position")[0] for one in (early, result)]
+    outcome.measure("constraints at the end (m)", position[1], where, limit=1e-9)
+    first = max(position[0], 1e-15)
+    outcome.measure("constraints at the end (of a tenth)", position[1] / first, where, limit=30.0)
+
+
+def driven(outcome: Outcome, method: str, turns: str) -> None:
+    """Look at a crank that is led after many turns: angles count, and all is where it was."""
+    scene, number = ks.load(LED), int(turns)
+    rows = np.unique(np.geomspace(1, number, 40).round())
+    parts = np.array([0.0, 0.2, 0.55])
+    times = np.concatenate((parts, (rows[:, None] + parts).ravel()))
+    options: dict[str, Any] = {"method": method, "most_steps": 10**9}
+    result = scene.simulate(times=times, **options)
+    outcome.count(f"turns of a crank that is led, {method}", number)
+    where = f"{number} turns, {method}"
+    angle = 2.0 * math.pi * result.time
+    unit = np.maximum(np.spacing(angle), np.spacing(1.0))
+    for name, wanted in (("turn", angle), ("wheel_turn", -3.0 * angle)):
+        off = np.abs(result[name] - wanted) / np.maximum(np.spacing(np.abs(wanted)), unit)
+        k = int(off.argmax())
+        label = "angle that counts (units in the last place)"
+        outcome.measure(label, off[k], f"{name}, turn {result.time[k]:.0f}, {where}", limit=16.0)
+    # lengths as exact as the angle that leads them
+    place = 0.1 * np.cos(angle) + np.sqrt(0.09 - (0.1 * np.sin(angle)) ** 2) - 0.4
+    off = np.abs(result["place"] - place) / (unit + 1e-15)
+    k = int(off.argmax())
+    label = "place of the slider (m, of the rounding of its angle)"
+    outcome.measure(label, off[k], f"turn {result.time[k]:.0f}, {where}", limit=16.0)
+
+
+def linkage(outcome: Outcome, name: str, turns: str) -> None:
+    """Look at a linkage of nodes in a late turn: it is as the first."""
+    scene, number = ks.load(ROOT / "scenes" / f"{name}.toml"), int(turns)
+    first, late = scene.solve(), scene.solve(first_turn=number)
+    outcome.count("turns of a linkage", number)
+    worst = 0.0
+    for k in range(len(first)):
+        (_, q, v), (_, other, w) = first.state(k), late.state(k)
+        size = np.abs(q).max(), max(np.abs(v).max(), 1.0)
+        worst = max(worst, np.abs(q - other).max() / size[0], np.abs(v - w).max() / size[1])
+    label = "a late turn of a linkage beside the first (relative)"
+    # the angle of the input has so many digits left
+    limit = 64.0 * np.spacing(2.0 * math.pi * number)
+    outcome.measure(label, worst, f"{name}, turn {number}", limit=limit)
+
+
+def chaotic(outcome: Outcome, end: str) -> None:
+    """Compare means over a chaotic motion: of two tolerances, and of two methods."""
+    scene, blocks = ks.load(DOUBLE), 20
+    times = np.linspace(0.0, float(end), 20 * int(end) + 1)
+    means = []
+    for number, (method, tolerance) in enumerate((*WAYS[:3], ("dopri5", 1e-11))):
+        options: dict[str, Any] = {"method": method, "tolerance": tolerance}
+        options["initial"] = {"first": 2.0 + 1e-9 * number, "second": 0.3}
+        result: Any = scene.simulate(times=times, most_steps=10**9, **options)
+        lost = np.abs(result.energy["total"] - result.energy["total"][0])
+        allowed = (ALLOWED * tolerance + ROUNDING) * max(result.ledger.steps, 1000)
+        where = f"{method} with {tolerance:g}, {result.ledger.steps} steps"
+        outcome.count("steps of chaotic motions", result.ledger.steps)
+        moved = result.energy["kinetic"].max()
+        label = "energy lost (of what steps and rounding may lose)"
+        outcome.measure(label, lost.max() / (allowed * moved), f"chaotic, {where}", limit=1.0)
+        split = np.array_split(result.energy["kinetic"], blocks)
+        means.append((where, np.array([part.mean() for part in split])))
+    for where, one in means[1:]:
+        error = math.sqrt((one.var() + means[0][1].var()) / (blocks - 1))
+        off = abs(one.mean() - means[0][1].mean()) / error
+        label = "mean kinetic energy of a chaotic motion, two ways (standard errors)"
+        outcome.measure(label, off, f"{where}; {means[0][0]}", limit=5.0)
+
+
+MOTIONS: dict[str, Callable[..., None]] = {
+    "conservative": conservative,
+    "driven": driven,
+    "linkage": linkage,
+    "chaotic": chaotic,
+}
+
+
+def long_steps() -> AbstractContextManager[object]:
+    """Make steps as long as for a tolerance that is 10,000 times larger."""
+    whole = Options.settings
+
+    def longer(options: Options) -> Any:
+        asked = whole(options)
+        return asked._replace(tolerance=1e4 * asked.tolerance)
+
+    return patch.object(Options, "settings", longer)
+
+
+def short_turns() -> AbstractContextManager[object]:
+    """Read π with one digit wrong, the thirteenth."""
+    pi = Fraction("3.141592653589893")
+    return patch.dict("kousoku.model.expression.CONSTANTS", {"pi": pi})
+
+
+QUESTION = Question(
+    asks="1,000,000 steps of motions that keep their energy, 100,000 turns of those that are led,"
+    " means of chaotic ones: what drifts, and how does it grow?",
+    cases=cases,
+    run=run,
+    faults=(
+        Fault(
+            "steps are too long for their tolerance", long_steps, "conservative pendulum 1 20000"
+        ),
+        Fault("π has a wrong digit, the thirteenth", short_turns, "driven kinematics 300"),
+    ),
+)
