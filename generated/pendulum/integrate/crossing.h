@@ -34,6 +34,13 @@ enum {
     W_SEEN = N_CROSSINGS > 0 ? W_CROSSINGS : W_NARROW /* one behind the other */
 };
 
+/* notes a step from a time on over which bounds do not tell how formulas vary */
+static void note_unresolved(double time, State *s)
+{
+    s->unresolved += 1;
+    s->unresolved_time = time;
+}
+
 /* what is seen at a time of a step: what formulas read, and between what each function is */
 typedef struct {
     double time, read[ROOM(N_READ)], least[ROOM(N_SEEN)], most[ROOM(N_SEEN)];

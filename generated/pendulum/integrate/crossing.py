@@ -70,6 +70,12 @@ def stays_positive(a: Array, b: Array, falls: Array, rises: Array, h: float) -> 
     return found
 
 
+def note_unresolved(time: float, state: State) -> None:
+    """Note a step from a time on over which bounds do not tell how formulas vary."""
+    state.unresolved += 1
+    state.unresolved_time = time
+
+
 @dataclass(slots=True)
 class Node:
     """What is seen at a time of a step.

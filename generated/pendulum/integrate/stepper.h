@@ -15,8 +15,9 @@
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
- * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves */
-#define PART 0.02
+ * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
+ * the longest step so far: in a short one rates of what does move are no larger */
+#define PART 0.05
 #define NOTHING_MOVES 1e-4
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
@@ -42,7 +43,14 @@ static double fastest(const State *s) { return larger(s->fastest, size_of(s->y +
 static double usual_rate(double h, const double *end, const State *s)
 {
     const double known = larger(fastest(s), size_of(end + NQ));
-    return smaller(PART / h, larger(NOTHING_MOVES / h, known));
+    return smaller(PART / h, larger(NOTHING_MOVES / larger(s->stride, h), known));
+}
+
+/* notes what later steps are compared with */
+static void note_motion(double h, State *s)
+{
+    s->fastest = fastest(s);
+    s->stride = larger(s->stride, h);
 }
 
 /* the energy of all bodies where they move at such a rate */
@@ -144,7 +152,7 @@ static void accept(
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
-    s->fastest = fastest(s);
+    note_motion(h, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
@@ -162,7 +170,7 @@ static int step(
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
     Look look = { .cut = s->time };
-    int shorter = 0, is_guessed = 0, polished = 0;
+    int shorter = 0, is_guessed = 0, polished = 0, is_untold = 0;
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
@@ -226,6 +234,8 @@ static int step(
             double to = last;
             if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
                 to = told_end(last, &look, s, work);
+            } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
+                is_untold = !are_narrow_told(s->time, last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
             const double seen = is_beyond ? last : seen_end(last, &look, s, work);
@@ -252,6 +262,7 @@ static int step(
             const double before = s->step_size;
             accept(m, &trial, end, rejected, work, s);
             if (N_SEEN > 0) note_crossings(last, &look, s, work);
+            if (is_untold) note_unresolved(s->time_before, s);
             if (s->time == look.cut) s->step_size = larger(s->step_size, before);
             return GOOD;
         }

@@ -11,9 +11,11 @@ import numpy as np
 from .crossing import (
     SMALLEST,
     Look,
+    are_narrow_told,
     cut_at,
     look_into,
     note_crossings,
+    note_unresolved,
     polished_cut,
     seen_end,
     told_end,
@@ -51,8 +53,9 @@ MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
 NEAR = 1e-3
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
-#: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves.
-PART = 0.02
+#: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
+#: in the longest step so far: in a short one rates of what does move are no larger.
+PART = 0.05
 NOTHING_MOVES = 1e-4
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
@@ -82,7 +85,13 @@ def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
     It is told by the motion: in other units of time it is the same.
     """
     known = larger(fastest(state, work), work.w.size_of(end[work.scene.nq :]))
-    return smaller(PART / h, larger(NOTHING_MOVES / h, known))
+    return smaller(PART / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
+
+
+def note_motion(h: float, state: State, work: Work) -> None:
+    """Note what later steps are compared with."""
+    state.fastest = fastest(state, work)
+    state.stride = larger(state.stride, h)
 
 
 def usual_energy(rate: float, scene: Scene) -> float:
@@ -208,7 +217,7 @@ def accept(
     state.time_before = state.time
     state.time = end if trial.is_last else state.time + h
     state.steps += 1
-    state.fastest = fastest(state, work)
+    note_motion(h, state, work)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
@@ -227,7 +236,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
     look, shorter, is_guessed = Look(state, work, state.time), 0, False
-    limit, polished = end, 0
+    limit, polished, is_untold = end, 0, False
     work.k[0] = state.f
     while True:
         h = smaller(state.step_size, s.largest_step)
@@ -295,6 +304,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             to = last
             if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
                 to, shorter = told_end(last, look), shorter + 1
+            elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
+                is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
             if seen <= to and seen < last:
@@ -320,6 +331,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             accept(m, trial, end, work, state, was_rejected=was_rejected)
             if work.scene.sees:
                 note_crossings(last, look)
+            if is_untold:
+                note_unresolved(state.time_before, state)
             if state.time == look.cut:
                 state.step_size = larger(state.step_size, before)
             return Status.GOOD
