@@ -136,7 +136,7 @@ class State:
     factorisations = Number("-", "of C_q M^-1 C_q^T")
     drift = Number("-", "largest correction of a whole step, lengths relative to LENGTH")
     fastest = Number("1/s", "largest speed of the steps so far, lengths relative to LENGTH")
-    stride = Number("s", "the longest step so far")
+    stride = Number("s", "the longest step so far, or what moves a part of a length at the start")
     work_error = Number("J", "of works under kinematics, what Simpson's rule left unnoticed")
     simpson = Number("-", "error of works by Simpson's rule, in units of the tolerance, fading")
     untold = Number("s", "length of the steps since that was looked at")

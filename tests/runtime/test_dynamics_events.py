@@ -143,6 +143,20 @@ def test_no_wall_is_missed(solver_of: Callable[..., Any]) -> None:
         assert run.ledger.steps < 600
 
 
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+@pytest.mark.parametrize("thick", [1e-6, 1e-4])
+@pytest.mark.parametrize("inside", [0.0, 0.05])
+def test_a_wall_where_a_cart_starts_takes_no_energy(
+    solver_of: Callable[..., Any], way: dict[str, Any], thick: float, inside: float
+) -> None:
+    given = {"at": (1.0 - inside) * thick, "thick": thick, "hold": 2e3 / thick}
+    run = solver_of(WALL).simulate(1.0, samples=2, parameters=given, **way)
+    speed = math.sqrt(100.0 + 2e3 * inside**2)
+    assert run.velocity["cart"][-1, 0] == pytest.approx(-speed, abs=1e-5)
+    assert run.ledger.trust.energy_error < 1e-6
+    assert run.ledger.trust.is_trusted
+
+
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
 def test_fixed_steps_that_may_pass_a_narrow_hill_are_told(
