@@ -131,7 +131,8 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     label = "energy lost (of what steps and rounding may lose)"
     outcome.measure(label, lost[k] / allowed[k], f"{where}, at {result.time[k]:.4g} s", limit=1.0)
     steep = growth(result.time[1:], lost[1:] / moved)
-    outcome.measure("energy lost ~ time ^", steep, where, limit=1.3)
+    # a sum of errors grows with 1, a sum of sums with 2
+    outcome.measure("energy lost ~ time ^", steep, where, limit=1.5)
     early = scene.simulate(times=times[times < 0.1 * end], **options, most_steps=20 * int(steps))
     position = [one.ledger.worst("position")[0] for one in (early, result)]
     outcome.measure("constraints at the end (m)", position[1], where, limit=1e-9)

@@ -21,6 +21,10 @@ ANSWERED = {
         " does, with the file that this one is a copy of"
     ),
     "kernels_batch.c: '*' -> '/' in 'vec *C = out[0] ? (vec *)out[0] + block * 1": "n * 1 is n / 1",
+    "kernels_batch.c: '9' -> '(2 * 9)' in 'load_rows(in[2], i, stride[2], 9, I_A_b);'": (
+        "more is written than there is room for, over what is written next: no number tells, but"
+        " sanitizers do (question compilers), and generate --check"
+    ),
     "kernels.c: '0' -> '1' in '.x = {{1, 1.0}, {0, 0.0}},'": "the place of a factor that is zero",
     "lanes.h: '8' -> '(2 * 8)' in 'typedef long long lane_index": "for gcc before 12",
     "lanes.h: '5' -> '(2 * 5)' in 'v[0], v[1], PICK, 5, e, 1)": (
@@ -46,5 +50,19 @@ ANSWERED = {
     "solver.c: '1' -> '(2 * 1)' in 'static const unsigned char is_length": "true as well",
     "stepper.py: '<' -> '<=' in 'if not trial.is_last or following < state.step_size:'": (
         "a number is replaced by an equal one"
+    ),
+    "solver.py: '<=' -> '<' in 'if status != Status.GOOD or asked <= s.time:'": (
+        "a row at a switch is written by the polynomial of the step behind it: the same numbers"
+    ),
+    "crossing.py: '>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
+    "stepper.h: '*' -> '/' in 'if (!(h > SMALLEST * larger(": (
+        "another least length of steps, which are given up a little earlier or later"
+    ),
+    "certificate.py: '*' -> '/' in 'sums[:, 1] +=": (
+        "another bound for blocks with angles and distances; bounds have slack, and what they"
+        " certify is compared with samples: no place is known where that tells"
+    ),
+    "certificate.h: 'sum.off += fabs(factor) * way->radius[place];' -> ';'": (
+        "a smaller bound, where what is known is off by rounding; bounds have slack"
     ),
 }
