@@ -284,3 +284,29 @@ def test_a_differential_turns_its_carrier_by_the_mean_of_both_wheels(
     # The carrier is turned by I c̈, of which each wheel gives half to its motor.
     near(motion.torque["left"][:, 2], -np.sin(t) / 4, atol=1e-12)
     near(motion.torque["right"][:, 2], -np.sin(t) * (1 + 1 / 4), atol=1e-12)
+
+
+@pytest.mark.parametrize("speed", [1.0, 1e4, 1e8])
+def test_a_fast_driver_takes_the_steps_of_a_slow_one(
+    moved: Callable[..., Motion], speed: float
+) -> None:
+    """Errors of displacements are far below the rounding of velocities that they are added to."""
+    tree: Tree = {
+        "name": "spindle",
+        "unit": "m",
+        "outputs": [],
+        "gravity": [0, 0, -9.81 * speed**2],
+        "bodies": {
+            "shaft": {"position": ZERO, "mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}},
+            "swing": {"position": [0.5, 0, 0], "mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}},
+        },
+        "joints": {
+            "bearing": {"type": "revolute", "bodies": ["ground", "shaft"], "at": ZERO, "axis": Z},
+            "pin": {"type": "revolute", "bodies": ["shaft", "swing"], "at": ZERO, "axis": X},
+        },
+        "drivers": {"motor": {"joint": "bearing", "value": f"3*{speed!r}*t"}},
+    }
+    tree["bodies"]["swing"]["center"] = [0, 0.3, 0]
+    motion = moved(scene_from_dict(tree), (), 1.0 / speed, tolerance=1e-12)
+    assert motion.ledger.rejected <= 2
+    assert motion.ledger.steps < 60
