@@ -320,6 +320,6 @@ QUESTION = Question(
             unrefined,
             "mass ratios to 1e12 in a chain, 1 2 1",
         ),
-        Fault("masses in single precision", single_masses, "mass ratios to 1e12 in a loop, 1 0 1"),
+        Fault("masses in single precision", single_masses, "mass ratios to 1e12 in a loop, 1 3 2"),
     ),
 )
