@@ -72,7 +72,8 @@ CLIMBING = "climbing over ordinary magnitudes"
 #: Outputs whose forms lose a digit or two at points that a climb finds, and none in states that
 #: machines are in.
 BESIDE = {
-    **dict.fromkeys(("n1", "n2", "p2_x", "p2_y", "p2_z"), ("gamma", "reaction")),
+    **dict.fromkeys(("n1", "n2"), ("gamma",)),
+    **dict.fromkeys(("p2_x", "p2_y", "p2_z"), ("gamma", "reaction", "reaction_q")),
     "length": ("gamma", "reaction", "reaction_q"),
     "spring_damper": ("l_dot", "force"),
 }
