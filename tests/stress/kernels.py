@@ -88,7 +88,7 @@ KNOWN = {
 SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
 SORTS = (
-    {"sorts": 1, "states": 30, "scales": 30},
+    {"sorts": 1, "states": 12, "scales": 20},
     {"sorts": 1, "states": 500, "scales": 500, "climb": 200},
 )
 
