@@ -72,7 +72,8 @@ CLIMBING = "climbing over ordinary magnitudes"
 #: Outputs whose forms lose a digit or two at points that a climb finds, and none in states that
 #: machines are in.
 BESIDE = {
-    **dict.fromkeys(("n1", "n2", "p2_x", "p2_y", "p2_z"), ("gamma", "reaction")),
+    **dict.fromkeys(("n1", "n2"), ("gamma",)),
+    **dict.fromkeys(("p2_x", "p2_y", "p2_z"), ("gamma", "reaction", "reaction_q")),
     "length": ("gamma", "reaction", "reaction_q"),
     "spring_damper": ("l_dot", "force"),
 }
@@ -87,7 +88,7 @@ KNOWN = {
 SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
 SORTS = (
-    {"sorts": 1, "states": 30, "scales": 30},
+    {"sorts": 1, "states": 12, "scales": 20},
     {"sorts": 1, "states": 500, "scales": 500, "climb": 200},
 )
 

@@ -96,7 +96,7 @@ class Scene:
         return replace(self, hinges=kept)
 
     def text(self) -> str:
-        """Return the scene as kousoku reads it; the axis of the last hinge leans, where one does."""
+        """Return the scene as kousoku reads it; the last hinge is the one that leans."""
         lines = ['name = "planar"', 'unit = "m"', f"gravity = [0, {-self.gravity!r}, 0]"]
         lines += ['outputs = ["accelerations", "reactions", "energies"]']
         for name, bar in self.bars.items():
@@ -152,11 +152,11 @@ class Solution:
 
     def numbers(self) -> dict[str, Any]:
         """Return all numbers by name."""
-        found = {}
+        found: dict[str, Any] = {}
         for name, values in self.accelerations.items():
             found |= {f"{name}.{k}": x for k, x in zip(("ax", "ay", "alpha"), values, strict=True)}
-        for name, values in self.forces.items():
-            found |= {f"{name}.{k}": x for k, x in zip(("fx", "fy"), values, strict=True)}
+        for name, pair in self.forces.items():
+            found |= {f"{name}.{k}": x for k, x in zip(("fx", "fy"), pair, strict=True)}
         return found
 
 
@@ -217,8 +217,9 @@ def solution(
                     matrix[row, column] += sign * x
                     matrix[column, row] += sign * x
                 right[row] += sign * motion.omega**2 * arm[axis]
-    found = MP.lu_solve(matrix, right)
-    accelerations, forces = {}, {}
+    found: Any = MP.lu_solve(matrix, right)
+    accelerations: dict[str, tuple[Any, Any, Any]] = {}
+    forces: dict[str, tuple[Any, Any]] = {}
     for k, name in enumerate(names):
         x, y, alpha = (found[3 * k + j] for j in range(3))
         c, rate = motions[name].turned(centers[name]), motions[name].omega
@@ -315,20 +316,27 @@ def units(scene: Scene, states: Mapping[str, State], seed: int, samples: int = 6
         return 1 + draw.choice((-1, 1)) * MP.mpf(2) ** -53
 
     exact = solution(scene, states).numbers()
-    parts = {name: x for name, x in exact.items()}
-    for name in exact:
-        owner, component = name.split(".")
-        if component in {"ax", "ay"}:
-            # The centre's acceleration less what the body turns: parts that may cancel.
-            parts[name] = abs(exact[f"{owner}.alpha"]) * max(map(abs, scene.bars[owner].center))
-            parts[name] += MP.mpf(states[owner].omega) ** 2 + MP.hypot(
-                exact[f"{owner}.ax"], exact[f"{owner}.ay"]
-            )
-        elif component in {"fx", "fy"}:
-            parts[name] = MP.hypot(exact[f"{owner}.fx"], exact[f"{owner}.fy"])
-    found = {name: abs(x) * MP.mpf(2) ** -53 for name, x in parts.items()}
+    found = {name: size * MP.mpf(2) ** -53 for name, size in _sizes(scene, states, exact).items()}
     for _ in range(samples):
         other = solution(scene, states, factor=rounded).numbers()
         for name, x in other.items():
             found[name] = max(found[name], 2 * abs(x - exact[name]))
     return found
+
+
+def _sizes(scene: Scene, states: Mapping[str, State], exact: Mapping[str, Any]) -> dict[str, Any]:
+    """Return for each number the largest of its kind, which a solver's roundings are parts of.
+
+    The acceleration of an origin is that of the centre less what the body turns; they may cancel.
+    """
+    sizes: dict[str, Any] = {}
+    for name, bar in scene.bars.items():
+        alpha, line = exact[f"{name}.alpha"], MP.hypot(exact[f"{name}.ax"], exact[f"{name}.ay"])
+        turned = MP.hypot(*bar.center) * (abs(alpha) + MP.mpf(states[name].omega) ** 2)
+        for kind, size in (("alpha", abs(alpha)), ("ax", line + turned), ("ay", line + turned)):
+            sizes[kind] = max(sizes.get(kind, MP.zero), size)
+    for name in scene.hinges:
+        for kind in ("fx", "fy"):
+            size = MP.hypot(exact[f"{name}.fx"], exact[f"{name}.fy"])
+            sizes[kind] = max(sizes.get(kind, MP.zero), size)
+    return {name: sizes[name.split(".")[1]] for name in exact}
