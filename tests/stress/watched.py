@@ -49,7 +49,7 @@ MAKERS = {"dataclasses", "collections", "ast", "typing"}
 #: Where code of Python, of its packages and of kousoku stands.
 LIBRARY = tuple(
     str(Path(place).resolve())
-    for place in (sys.base_prefix, sys.prefix, *sysconfig.get_paths().values(), ROOT)
+    for place in (sys.base_prefix, sys.prefix, *sysconfig.get_paths().values(), str(ROOT))
 )
 SYSTEM = ("/proc", "/sys", "/dev", "/usr", "/etc/localtime", "<frozen")
 
