@@ -58,7 +58,12 @@ def edits() -> SearchStrategy[tuple[Any, ...]]:
 
 def edited(sort: str, *how: Any) -> bytes:
     """Return a saved run after an edit."""
-    return {"about": about_edited, "array": array_edited, "bytes": bytes_edited}[sort](*how)
+    edits_of: dict[str, Callable[..., bytes]] = {
+        "about": about_edited,
+        "array": array_edited,
+        "bytes": bytes_edited,
+    }
+    return edits_of[sort](*how)
 
 
 def bytes_edited(name: str, marks: list[tuple[int, int]]) -> bytes:
