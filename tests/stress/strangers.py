@@ -53,7 +53,7 @@ SIZES = {
     "formulas": (120, 2000),
     "scenes": (100, 1500),
     "tables": (80, 1500),
-    "manifests": (120, 1000),
+    "manifests": (120, 1100),
     "tokens": (60, 500),
     "runs": (100, 1000),
     "resumed": (60, 500),
@@ -64,7 +64,7 @@ SIZES = {
 """Sorts of files: how many a case reads, quick and full."""
 
 BATCHES = {"manifests": 20, "scenes": 10, "tables": 10, "formulas": 10, "runs": 10}
-"""Cases of the full size, two of the other sorts; 20 of a thousand manifests."""
+"""Cases of the full size, two of the other sorts; 20 of a thousand manifests each."""
 
 
 def cases(size: Size) -> Iterator[str]:

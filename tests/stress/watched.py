@@ -9,6 +9,7 @@ import sysconfig
 import tempfile
 import time
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -168,6 +169,7 @@ def _bounded() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
+@cache
 def warm() -> None:
     """Import and cache what any input needs, so that it is not taken for its own doing."""
     import kousoku as ks
