@@ -18,7 +18,7 @@ from kousoku.codegen.store import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text
-from kousoku.model.manifest import REFERENCE_FILE, Manifest
+from kousoku.model.manifest import PLAIN, REFERENCE_FILE, Manifest
 from kousoku.symbolic.kinds import KINDS, packages_of
 
 if TYPE_CHECKING:
@@ -278,7 +278,7 @@ def _stale_files(folder: Path, tree: Mapping[str, str]) -> list[str]:
 def _listed_files(folder: Path) -> list[str]:
     """Return the files that an older manifest lists, those outside the folder left out."""
     names = dict(_listed(folder)["files"])
-    return [name for name in names if ".." not in name and _is_inside(folder, folder / name)]
+    return [name for name in names if isinstance(name, str) and PLAIN.fullmatch(name)]
 
 
 def _listed(folder: Path) -> dict[str, Any]:
@@ -286,14 +286,9 @@ def _listed(folder: Path) -> dict[str, Any]:
     try:
         data = dict(json.loads(_read(folder / MANIFEST_FILE) or "{}"))
         pairs = {key: list(dict(data.get(key, ())).items()) for key in ("files", "inputs")}
-    except (ValueError, TypeError):
+    except (ValueError, TypeError, RecursionError):
         return {"files": [], "inputs": []}
     return data | pairs
-
-
-def _is_inside(folder: Path, path: Path) -> bool:
-    """Return whether a path is in a folder, or in a folder of that."""
-    return folder in {path.parent, path.parent.parent}
 
 
 def _where(found: str, wanted: str) -> str:

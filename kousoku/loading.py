@@ -166,11 +166,15 @@ def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple
     """
     for is_last in (False, True):
         with solver_folder(given, outputs, anew=is_last) as folder:
-            text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
             try:
+                text = (folder.parent / SCENE_FILE).read_text(encoding="utf-8")
                 with told() as tell:
                     tell(f"compiling {folder.name}")
                     return _open(folder, target), text
+            except OSError as error:  # somebody cleared the cache: once more
+                if is_last:
+                    reason = f"{folder} was removed while it was loaded: {error.strerror or error}"
+                    raise CacheError(f"{reason}; load it again") from None
             except LoadError as error:  # the cache was damaged: once more, unless that is no cure
                 if is_last or isinstance(error, (CompilerError, CacheError, TargetError)):
                     raise
@@ -207,7 +211,7 @@ def solver_folder(
     """
     options = json.dumps([outputs, references])
     by_bytes = key_of(given.data, options)
-    folder = None if anew else _look(_found(by_bytes))
+    folder = None if anew else _look(_found(by_bytes), options)
     if folder is not None:
         yield folder
         return
@@ -216,7 +220,7 @@ def solver_folder(
         scene = given.read()
         text = _text(scene)
         key = key_of(text, options)
-        folder = None if anew else _look(key)
+        folder = None if anew else _look(key, options)
         if folder is None:
             tell(f"generating {scene.name}")
             tree = generated(scene, outputs, references=references)
@@ -282,11 +286,11 @@ def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path
     return shelf / name
 
 
-def _look(key: str) -> Path | None:
-    """Return the folder of the solver that the cache holds under a key."""
+def _look(key: str, options: str) -> Path | None:
+    """Return the folder of the solver that the cache holds under a key, with its own scene."""
     try:
         shelf = cache_folder() / "scenes" / key
-        if not key or not (shelf / SCENE_FILE).is_file():
+        if not key or key_of((shelf / SCENE_FILE).read_bytes(), options) != key:
             return None
         folder = next((path.parent for path in shelf.glob(f"*/{MANIFEST}")), None)
     except OSError:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 import types
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError, NotInResultError
-from kousoku.model.manifest import Manifest
+from kousoku.model.manifest import PLAIN, Manifest
 from kousoku.runtime.arguments import Signature
 from kousoku.runtime.choice import choose
 from kousoku.runtime.given import folder_of
@@ -31,8 +30,6 @@ MANIFEST = "manifest.json"
 NUMPY_SOURCE, C_SOURCE, BATCH_SOURCE = "kernels.py", "kernels.c", "kernels_batch.c"
 #: What batches of all packages include.
 LANES = Path(__file__).with_name("lanes.h")
-#: A file of a package: in its folder, or in one folder of that, such as ``integrate/state.h``.
-PLAIN = re.compile(r"(?:[A-Za-z_]\w*/)?[A-Za-z_][\w-]*(?:\.\w+)+", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True)
@@ -209,7 +206,9 @@ def read_files(folder: Path, manifest: Manifest) -> dict[str, bytes]:
     problems = []
     for name, digest in manifest.files:
         if PLAIN.fullmatch(name) is None:
-            raise LoadError(f"{folder / MANIFEST} lists {name!r}, which is not a plain file name")
+            raise LoadError(
+                f"{folder / MANIFEST} lists {shown(name)}, which is not a plain file name"
+            )
         try:
             files[name] = content(name, (folder / name).read_bytes())
         except OSError as error:

@@ -78,7 +78,7 @@ def test_columns_parts_and_pictures_are_chosen(loop: Result, tmp_path: Path) -> 
     with pytest.raises(KeyError, match="did you mean 'rocking'"):
         loop.plot("rockin")
     a_list: Any = ["rocking", "motor"]
-    with pytest.raises(ks.SolveError, match="no column .*; wanted names, one by one"):
+    with pytest.raises(ks.SolveError, match=r"no column .*; wanted names, one by one"):
         loop.plot(a_list)
 
 

@@ -158,9 +158,10 @@ def picture_of(
     from kousoku.model.errors import SolveError
     from kousoku.runtime.integrate.given import require_numbers
 
-    numbers = {"fps": fps, "speed": speed, "start": start, "end": end}
-    given_numbers = {name: one for name, one in numbers.items() if one is not None}
-    require_numbers(scene.name, **given_numbers)
+    for name, one in (("fps", fps), ("speed", speed), ("start", start), ("end", end)):
+        if one is not None:
+            number: dict[str, Any] = {name: one}
+            require_numbers(scene.name, **number)
     if not fps > 0.0 or not isfinite(fps) or (speed is not None and not 0.0 < speed < np.inf):
         given = f"fps={fps!r}, speed={speed!r}"
         raise SolveError(f"{scene.name}: {given}: wanted positive numbers")

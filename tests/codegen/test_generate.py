@@ -206,6 +206,26 @@ def test_what_an_older_version_left_is_removed_and_a_users_file_is_not(tmp_path:
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.c", "manifest.json", "mine.txt"]
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"files":[[3,4]]}',
+        '{"files":[["nu\\u0000ll.c",""]]}',
+        '{"files":[["folder",""]]}',
+        '{"files":[["' + "x" * 5000 + '.c",""]]}',
+        "[" * 90_000,
+    ],
+    ids=["number", "null", "folder", "long", "deep"],
+)
+def test_a_folder_with_any_manifest_is_written(tmp_path: Path, text: str) -> None:
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "manifest.json").write_text(text)
+    tree = tree_with(a_c="one\n")
+    assert check_tree(tmp_path, tree)
+    assert write_tree(tmp_path, tree) == ["a.c", "manifest.json"]
+    assert (tmp_path / "folder").is_dir()
+
+
 def test_a_manifest_cannot_remove_files_elsewhere(tmp_path: Path) -> None:
     outside = tmp_path / "outside.txt"
     outside.write_text("keep")

@@ -224,3 +224,13 @@ def test_without_room_anywhere_one_error_of_kousoku_says_so(
     words = "pendulum: cannot write the cache: .*; nor a temporary folder: No space left on device"
     with pytest.raises(CacheError, match=words):
         numpy_loaded(PENDULUM)
+
+
+def test_another_scene_beside_a_solver_in_the_cache_is_not_believed(empty_cache: Path) -> None:
+    """Matrices and pictures are made from that text."""
+    wanted = numpy_loaded(PENDULUM).text
+    (file,) = empty_cache.glob("scenes/*/scene.toml")
+    for damage in (wanted.replace("mass = 1", "mass = 2").encode(), b"", b"\xff"):
+        file.write_bytes(damage)
+        assert numpy_loaded(PENDULUM).text == wanted
+        assert file.read_text(encoding="utf-8") == wanted

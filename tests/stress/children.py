@@ -17,7 +17,7 @@ from kousoku.model.errors import KousokuError
 from tests.stress.watched import CHANGES, WRITES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     Work = Callable[[], str]
     Mishap = Callable[[], None]
@@ -47,7 +47,9 @@ class End:
     said: str = ""
 
 
-def begun(work: Work, mishap: Mishap | None = None, gate: int | None = None) -> tuple[int, int]:
+def begun(
+    work: Work, mishap: Mishap | None = None, gate: tuple[int, int] | None = None
+) -> tuple[int, int]:
     """Fork a process that does some work; return its id and where its end is read.
 
     Parameters
@@ -56,8 +58,8 @@ def begun(work: Work, mishap: Mishap | None = None, gate: int | None = None) -> 
         Returns a text.
     mishap : callable, optional
         Prepares what goes wrong in it.
-    gate : int, optional
-        A pipe that it reads before it begins, until it is closed.
+    gate : pair of int, optional
+        A pipe: it begins when all others have closed its end to write.
     """
     read, write = os.pipe()
     sys.stdout.flush()
@@ -69,7 +71,8 @@ def begun(work: Work, mishap: Mishap | None = None, gate: int | None = None) -> 
     try:
         os.close(read)
         if gate is not None:
-            os.read(gate, 1)
+            os.close(gate[1])
+            os.read(gate[0], 1)
         os.write(write, json.dumps(_ended(work, mishap)).encode()[:60_000])
     finally:
         os._exit(0)
@@ -104,25 +107,13 @@ def alone(work: Work, mishap: Mishap | None = None) -> End:
     return ended(*begun(work, mishap))
 
 
-def together(works: list[Work]) -> list[End]:
+def together(works: Sequence[Work]) -> list[End]:
     """Return how processes end that begin at once."""
-    read, write = os.pipe()
-
-    def waiting(work: Work) -> Work:
-        def after() -> str:
-            os.read(read, 1)
-            return work()
-
-        os.set_inheritable(write, False)
-        return after
-
-    children = []
-    for work in works:
-        after = waiting(work)
-        children.append(begun(lambda after=after: (os.close(write), after())[1]))
-    os.close(write)
-    os.close(read)
-    return [ended(*child) for child in children]
+    gate = os.pipe()
+    running = [begun(work, gate=gate) for work in works]
+    for end in gate:
+        os.close(end)
+    return [ended(*child) for child in running]
 
 
 def _changes(event: str, arguments: tuple[Any, ...]) -> Iterator[str]:

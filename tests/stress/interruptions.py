@@ -54,7 +54,7 @@ def cases(size: Size) -> Iterator[str]:
         yield f"together {size.seed} 0 {size.examples(6, 50)}"
     for mishap in MISHAPS:
         for work in WORKS if size.is_full else [name for name in WORKS if name != "load c"]:
-            count = size.examples(5, 25 if work == "load c" else 200)
+            count = size.examples(3, 25 if work == "load c" else 200)
             yield f"{mishap} {size.seed} {work.replace(' ', '_')} {count}"
     for number in range(size.examples(5, 200)):
         yield f"resumed {size.seed} {number} 4"
@@ -68,7 +68,7 @@ def _rows(scene: str, target: Any) -> str:
     """Load a scene, move it, and return the digest of its rows."""
     mechanism = ks.load(ROOT / "scenes" / f"{scene}.toml", target=target)
     if mechanism.scene.is_spatial:
-        run = mechanism.simulate(0.02, samples=3, tolerance=1e-4)
+        run: Any = mechanism.simulate(0.02, samples=3, tolerance=1e-4)
         return f"{mechanism.target} {_digest(run.rows.tobytes())}"
     found = mechanism.solve(divisions=3)
     return f"{mechanism.target} {_digest(np.stack([*found.columns().values()]).tobytes())}"
@@ -98,7 +98,7 @@ def _loading(place: Path, target: str, scene: str, compiler: str = "") -> str:
 
 def _together(case: str) -> Outcome:
     """Let processes load the same and different scenes at once, with an empty cache."""
-    _, seed, batch, count = case.split()
+    count = case.rpartition(" ")[2]
     draw, outcome = random.Random(case), Outcome()
     has_compiler = _has_compiler()
     warm()
@@ -245,11 +245,11 @@ def _mishap(kind: str, draw: random.Random, changes: int, place: Path, number: i
         return children.read_only(place), "nothing can be written"
     if number % 2:
         size = int(MOST_BYTES ** draw.random())
-        how = children.killed_after if kind == "killed" else children.full_after
-        return how(size), f"{kind} after {size} bytes of a file"
+        by_size = children.killed_after if kind == "killed" else children.full_after
+        return by_size(size), f"{kind} after {size} bytes of a file"
     at = draw.randrange(max(changes, 1))
-    how = children.killed_before if kind == "killed" else children.full_from
-    return how(at), f"{kind} at change {at} of {changes} of files"
+    by_number = children.killed_before if kind == "killed" else children.full_from
+    return by_number(at), f"{kind} at change {at} of {changes} of files"
 
 
 def _broken(case: str) -> Outcome:
@@ -353,7 +353,7 @@ def _is_whole(
 
 
 def _short(text: str) -> str:
-    return text.split(":")[0][:60]
+    return text.partition(":")[0][:60]
 
 
 def _command(case: str) -> str:
@@ -386,7 +386,7 @@ def _loaded(number: int) -> tuple[dict[str, Any], float, dict[str, Any]] | None:
     made: dict[str, Any] = {}
     for target in targets:
         which: Any = target
-        outputs = (None, ALL, None, ALL, ALL, None)[number] if number < len(LONG) else None
+        outputs: Any = (None, ALL, None, ALL, ALL, None)[number] if number < len(LONG) else None
         made[target] = ks.load(scene, outputs=outputs, target=which)
     return made, end, options
 
@@ -461,10 +461,7 @@ def _resumed(case: str) -> Outcome:
             if moves:
                 name = draw.choice([*made])
             how = draw.random()
-            if how < 0.3:
-                run = pickle.loads(pickle.dumps(run))
-            else:
-                run = made[name].resume(saved)
+            run = pickle.loads(pickle.dumps(run)) if how < 0.3 else made[name].resume(saved)
             cuts += 1
         outcome.count("runs that were cut and resumed")
         outcome.count("cuts", cuts)
@@ -480,7 +477,7 @@ def _resumed(case: str) -> Outcome:
 
 def run(case: str) -> Outcome:
     """Run a case."""
-    kind = case.split()[0]
+    kind = case.partition(" ")[0]
     if kind == "resumed":
         return _resumed(case)
     if not children.CAN_FORK:
@@ -506,8 +503,7 @@ def unlocked() -> AbstractContextManager[object]:
 
 def forgetful() -> AbstractContextManager[object]:
     """Forget a count when a run is resumed."""
-    from kousoku.runtime import run as runs
-    from kousoku.runtime import saved
+    from kousoku.runtime import dynamics, saved
 
     right = saved.checked
 
@@ -516,9 +512,6 @@ def forgetful() -> AbstractContextManager[object]:
         solver.state["corrections"].view(found.state)[...] = 0.0
         solver.state["derivatives"].view(found.state)[...] = 0.0
         return found
-
-    del runs
-    from kousoku.runtime import dynamics
 
     return patch.object(dynamics, "checked", checked)
 

@@ -9,6 +9,7 @@ import sysconfig
 import tempfile
 import time
 from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +50,7 @@ MAKERS = {"dataclasses", "collections", "ast", "typing"}
 #: Where code of Python, of its packages and of kousoku stands.
 LIBRARY = tuple(
     str(Path(place).resolve())
-    for place in (sys.base_prefix, sys.prefix, *sysconfig.get_paths().values(), ROOT)
+    for place in (sys.base_prefix, sys.prefix, *sysconfig.get_paths().values(), str(ROOT))
 )
 SYSTEM = ("/proc", "/sys", "/dev", "/usr", "/etc/localtime", "<frozen")
 
@@ -168,6 +169,7 @@ def _bounded() -> Iterator[None]:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
+@cache
 def warm() -> None:
     """Import and cache what any input needs, so that it is not taken for its own doing."""
     import kousoku as ks
