@@ -100,8 +100,8 @@ def kernels(
     Parameters
     ----------
     derivation : Derivation, str or path
-        What :func:`derive` gives; a name stands for the kernels that come with kousoku, a path for
-        a folder that was written before.
+        What :func:`derive` gives; a name stands for the kernels that come with kousoku, any other
+        path for a folder that was written before.
     folder : path, optional
         Where they are written: C, NumPy and 50-digit references. When left out they are kept in the
         user's cache, each content in a folder of its own.
@@ -123,6 +123,7 @@ def kernels(
     """
     from kousoku.codegen.generate import MANIFEST_FILE, generate, package_of, write_tree
     from kousoku.model.cache import cache_folder
+    from kousoku.model.errors import DerivationError
     from kousoku.model.manifest import Manifest
     from kousoku.runtime import load
 
@@ -131,7 +132,13 @@ def kernels(
     if isinstance(derivation, str):
         import kousoku.generated.kinds as committed
 
-        return load(Path(committed.__path__[0]) / package_of(derivation), target=target)
+        try:
+            folder = Path(committed.__path__[0]) / package_of(derivation)
+        except DerivationError:
+            folder = Path(derivation)
+            if not folder.is_dir():
+                raise
+        return load(folder, target=target)
     tree = generate(derivation)
     if folder is None:
         digest = Manifest.from_json(tree[MANIFEST_FILE]).digest

@@ -390,7 +390,7 @@ class Run:
         rows.flags.writeable = False
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
-        solver, error = self.solver, self._error
+        solver, error, events = self.solver, self._error, tuple(self._told)
         motion = Motion(
             self._there.layout,
             rows,
@@ -399,16 +399,18 @@ class Run:
             ledger=lambda: ledger_of(solver, state, options, seconds, error),
             parameters=dict(options.parameters),
             is_complete=is_complete,
-            told=Told(tuple(map(int, solver.state["counts"].view(state))), self._events()),
+            told=lambda: Told(
+                tuple(map(int, solver.state["counts"].view(state))), self._events(events)
+            ),
         )
         motion.mechanism = self.mechanism
         return motion
 
-    def _events(self) -> Array:
+    def _events(self, told: Sequence[Array]) -> Array:
         """Return the rows of events, as of :class:`Told`."""
-        return np.array(self._told).reshape(-1, 1 + self.solver.target.row_size)
+        return np.array(told).reshape(-1, 1 + self.solver.target.row_size)
 
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
-        return SavedRun(self.options, self.times, self.state.copy(), rows, self._events())
+        return SavedRun(self.options, self.times, self.state.copy(), rows, self._events(self._told))

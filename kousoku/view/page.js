@@ -620,7 +620,8 @@
   const isDark = () => matchMedia("(prefers-color-scheme: dark)").matches;
 
   function drawDirections(camera) {
-    const [x, y] = [46, height - 46];
+    const foot = height - document.getElementById("verdict").offsetHeight; // above what is told
+    const [x, y] = [46, foot - 46];
     const arms = [0, 1, 2].map((c) => ({ c, to: camera.map((axis) => axis[c]) }));
     arms.sort((a, b) => a.to[2] - b.to[2]);
     context.font = "italic 12px system-ui, sans-serif";
@@ -635,7 +636,7 @@
     }
     context.font = "12px system-ui, sans-serif";
     context.fillStyle = colors.quiet;
-    context.fillText(`grid ${Number(floor.size.toPrecision(3))} ${scene.unit}`, x + 48, height - 12);
+    context.fillText(`grid ${Number(floor.size.toPrecision(3))} ${scene.unit}`, x + 48, foot - 12);
   }
 
   function draw() {

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from functools import cache
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, cast
 
@@ -130,6 +131,7 @@ def require_room(scene: str, rows: int, size: int) -> None:
         )
 
 
+@cache
 def _memory() -> float:
     """Return the bytes of memory of the machine; infinity where the system does not tell."""
     try:

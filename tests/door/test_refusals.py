@@ -83,6 +83,15 @@ def test_what_is_no_name_is_no_kind_and_no_equation() -> None:
         ks.ledger.find(wrong)
 
 
+def test_kernels_are_those_of_a_kind_or_of_a_folder() -> None:
+    for given in (N1, str(N1), "n1", "N1"):
+        assert ks.kernels(given, target="numpy").manifest.package == "n1"
+    with pytest.raises(ks.KousokuError, match="unknown kind 'nowhere/n1'"):
+        ks.kernels("nowhere/n1")
+    with pytest.raises(ks.KousokuError, match="is not a generated package"):
+        ks.kernels(str(SCENES))
+
+
 def test_a_target_that_there_is_not_is_refused() -> None:
     wrong: Any = "cuda"
     with pytest.raises(ks.KousokuError, match="got 'cuda', wanted 'auto', 'c' or 'numpy'"):
