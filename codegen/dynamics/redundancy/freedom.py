@@ -173,8 +173,7 @@ def near_origin(system: System) -> System:
     def seen(one: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
         ends = {f"s_{k}_b" for k, body in (("i", one.i), ("j", one.j)) if body == GROUND_INDEX}
         return tuple(
-            (name, _less(value, origin) if name in ends else value)
-            for name, value in one.constants
+            (name, _less(value, origin) if name in ends else value) for name, value in one.constants
         )
 
     return replace(
