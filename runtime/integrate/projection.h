@@ -8,7 +8,7 @@
 #define REFINE 1e-4
 /* so are they all along where the first of them are wrong by more than this part */
 #define LOST 1e-12
-/* a power of two: bodies that move so many lengths or radians per second are no faster than usual */
+/* a power of two: so many lengths or radians per second are no fast motion */
 #define USUAL_SPEED 10
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };

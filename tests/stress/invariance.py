@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     Tree = dict[str, Any]
 
-BATCH = 3
+BATCH = 2
 """Random scenes of a case; each is compiled once for every change."""
 
 TOLERANCE = 1e-11
@@ -96,7 +96,7 @@ CHANGES: dict[str, Change] = {
 
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes."""
-    for batch in range(-(-size.examples(3, 150) // BATCH)):
+    for batch in range(-(-size.examples(2, 150) // BATCH)):
         yield f"changed {size.seed} {batch}"
 
 
