@@ -28,7 +28,9 @@ SETTLED = 1e-9
 #: At a pivot ratio this much smaller than the largest so far accelerations are refined.
 REFINE = 1e-4
 #: So are they all along where the first of them are wrong by more than this part.
-LOST = 1e-12
+LOST = 2e-12
+#: The same of any accelerations, which are larger along directions in which nothing acts.
+LOST_BY_ANY = 2e-11
 #: Corrections in Newton's method, and steps of refinement.
 MOST_CORRECTIONS = 20
 MOST_REFINEMENTS = 4
@@ -67,11 +69,11 @@ def refine(work: Work) -> None:
         before = size
 
 
-def lost_by_refinement(work: Work) -> bool:
-    """Tell whether accelerations in the workspace are not yet what the rows ask for."""
+def are_lost(part: float, work: Work) -> bool:
+    """Tell whether more than a part of accelerations in the workspace is not what rows ask for."""
     w = work.w
     w.run("refinement")
-    return w.size_of(w.dv) > LOST * w.size_of(w.v_dot)
+    return w.size_of(w.dv) > part * w.size_of(w.v_dot)
 
 
 def note_lost_digits(work: Work, state: State) -> None:
@@ -83,12 +85,12 @@ def note_lost_digits(work: Work, state: State) -> None:
     if not work.scene.has_refinement or (work.all is not None and work.all.is_on):
         return
     w, nq = work.w, work.scene.nq
-    loses = lost_by_refinement(work)
+    loses = are_lost(LOST, work)
     if not loses:
         w.v_dot[:] = (np.arange(len(w.v_dot)) * 5 % 7 - 3) * work.scene.lengths
         w.run("refinement")
         w.v_dot += w.dv
-        loses = lost_by_refinement(work)
+        loses = are_lost(LOST_BY_ANY, work)
         w.v_dot[:] = state.f[nq:]
     state.is_refined = float(loses)
     if loses:

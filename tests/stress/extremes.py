@@ -33,9 +33,10 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Sequence
     from contextlib import AbstractContextManager
 
-#: Digits that a solver may lose of those that rounding leaves: where a body is lighter than 10⁻⁴ of
-#: those that it joins, or pivots fall below 10⁻⁴ of what is usual, none are.
-MOST_LOST = 4
+#: Digits that a solver may lose of those that rounding leaves. Accelerations are refined where a
+#: run begins with more than 2·10⁻¹² of them lost, 4.3 digits, or pivots fall below 10⁻⁴ of what is
+#: usual; on the way from there it may become some times as much.
+MOST_LOST = 5
 #: Accelerations of bodies that cannot move, by rounding [m/s², rad/s²].
 RESTS = 1e-6
 #: Of rows that are left out accelerations change by some times what these miss.

@@ -7,7 +7,8 @@
 /* at a pivot ratio this much smaller than the largest so far accelerations are refined */
 #define REFINE 1e-4
 /* so are they all along where the first of them are wrong by more than this part */
-#define LOST 1e-12
+#define LOST 2e-12
+#define LOST_BY_ANY 2e-11 /* the same of any accelerations */
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
 enum { MOST_REFINEMENTS = 4 };
@@ -64,11 +65,11 @@ static void accelerate(Work *work, State *s)
     if (HAS_DRIVERS && has_all) drive(work);
 }
 
-/* whether accelerations in the workspace are not yet what the rows ask for */
-static int lost_by_refinement(double *w)
+/* whether more than a part of accelerations in the workspace is not what rows ask for */
+static int are_lost(double part, double *w)
 {
     refinement(w);
-    return size_of(w + W_DV) > LOST * size_of(w + W_V_DOT);
+    return size_of(w + W_DV) > part * size_of(w + W_V_DOT);
 }
 
 /* notes whether accelerations lose digits where a run begins, as between very unequal masses: then
@@ -78,14 +79,14 @@ static void note_lost_digits(Work *work, State *s)
 {
     double *w = work->w;
     if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->all.is_on != 0.0)) return;
-    int loses = lost_by_refinement(w);
+    int loses = are_lost(LOST, w);
     if (!loses) {
         double *v_dot = w + W_V_DOT;
         for (size_t k = 0; k < NV; ++k) v_dot[k] = (double)(k * 5 % 7) - 3.0;
         for (size_t k = 0; k < NV; ++k) v_dot[k] *= is_length[k] ? LENGTH : 1.0;
         refinement(w);
         for (size_t k = 0; k < NV; ++k) v_dot[k] += w[W_DV + k];
-        loses = lost_by_refinement(w);
+        loses = are_lost(LOST_BY_ANY, w);
         memcpy(v_dot, s->f + NQ, NV * sizeof *w);
     }
     s->is_refined = loses;
