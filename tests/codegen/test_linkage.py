@@ -154,7 +154,7 @@ def test_folders_take_the_analysis_along_as_it_is() -> None:
     made = program("piston_crank")
     files = emit_scene(made.package, made.solver, {})
     paths = [path for path in (runtime / "kinematics").iterdir() if path.suffix in {".h", ".py"}]
-    paths += [runtime / "integrate" / name for name in ("__init__.py", "result.py")]
+    paths += [runtime / "integrate" / name for name in ("__init__.py", "given.py", "result.py")]
     names = {path.relative_to(runtime).as_posix() for path in paths}
     assert {name for name in files if "/" in name} == names
     for name in names:
