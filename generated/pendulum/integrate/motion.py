@@ -295,12 +295,12 @@ class Motion(Result):
         parameters: Mapping[str, float] | None = None,
         is_complete: bool = True,
         trust: Trust | None = None,
-        told: Told | None = None,
+        told: Any = None,
     ) -> None:
         self.layout, self.rows, self._ledger, self._trust = layout, rows, ledger, trust
         self._parameters = dict(parameters or {})
         self._tables: dict[str, Any] = {}
-        self.told = told or Told((), np.empty((0, 1 + rows.shape[1])))
+        self._told = told
         self.name, self.unit = layout.name, layout.unit_name
         self.target, self.method, self.is_complete = target, method, is_complete
 
@@ -308,7 +308,7 @@ class Motion(Result):
         """Return what is pickled: rows, not the tables that are made of them."""
         ledger = None if self._ledger is None else self.ledger
         state = {key: value for key, value in self.__dict__.items() if key != "places"}
-        return state | {"_tables": {}, "_ledger": ledger}
+        return state | {"_tables": {}, "_ledger": ledger, "_told": self.told}
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -317,6 +317,16 @@ class Motion(Result):
     def time(self) -> Array:
         """The times [s]."""
         return self.rows[:, 0]
+
+    @property
+    def told(self) -> Told:
+        """How often each event came to pass, and the rows of those that are recorded."""
+        if self._told is None:
+            self._told = Told((), np.empty((0, 1 + self.rows.shape[1])))
+        if callable(self._told):
+            self._told = self._told()
+        found: Told = self._told
+        return found
 
     @property
     def ledger(self) -> Any:

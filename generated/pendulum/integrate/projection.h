@@ -9,6 +9,8 @@
 /* so are they all along where the first of them are wrong by more than this part */
 #define LOST 2e-12
 #define LOST_BY_ANY 2e-11 /* the same of any accelerations */
+/* a power of two: so many lengths or radians per second are no fast motion */
+#define USUAL_SPEED 10
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
 enum { MOST_REFINEMENTS = 4 };
@@ -157,6 +159,16 @@ static int project(
     return 1;
 }
 
+/* what a displacement is multiplied by where it is added to velocities: a power of two, so that it
+ * is as large as they are in fast motions, and not lost in their rounding */
+static double as_fast_as(double speed)
+{
+    int exponent = 0;
+    if (!(speed < HUGE_VAL)) return 1.0;
+    (void)frexp(speed, &exponent);
+    return exponent > USUAL_SPEED ? ldexp(1.0, exponent) : 1.0;
+}
+
 /* brings a displacement or a change of the velocity v into the tangent space of the constraints at
  * the geometry in the workspace: what is normal to it does not last, the next projection takes it
  * away */
@@ -164,9 +176,10 @@ static void project_onto_tangent(const double *v, Work *work, double *u)
 {
     double *w = work->w;
     if (NC == 0 && !FITS) return;
-    for (size_t k = 0; k < NV; ++k) w[W_V + k] = HAS_DRIVERS ? v[k] + u[k] : u[k];
+    const double factor = HAS_DRIVERS ? as_fast_as(size_of(v)) : 1.0;
+    for (size_t k = 0; k < NV; ++k) w[W_V + k] = HAS_DRIVERS ? v[k] + factor * u[k] : u[k];
     correct_velocity(work);
-    for (size_t k = 0; k < NV; ++k) u[k] += w[W_DV + k];
+    for (size_t k = 0; k < NV; ++k) u[k] += w[W_DV + k] / factor;
 }
 
 /* the displacements that belong to a small change of q */

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
+#: A power of two: bodies that move so many lengths or radians per second are no faster than usual.
+USUAL_SPEED = 10
 #: A correction this small, relative to a length of the scene, is rounding.
 ROUNDING = 4e-16
 #: Newton squares a correction this small away.
@@ -212,6 +214,18 @@ def project(
     return first
 
 
+def as_fast_as(speed: float) -> float:
+    """Return what a displacement is multiplied by where it is added to velocities.
+
+    It is a power of two, so that a displacement is as large as they are in fast motions, and not
+    lost in their rounding.
+    """
+    if not speed < math.inf:
+        return 1.0
+    _, exponent = math.frexp(speed)
+    return math.ldexp(1.0, exponent) if exponent > USUAL_SPEED else 1.0
+
+
 def project_onto_tangent(v: Array, work: Work, u: Array) -> None:
     """Bring a displacement or a change of v into the tangent space of the constraints.
 
@@ -221,9 +235,10 @@ def project_onto_tangent(v: Array, work: Work, u: Array) -> None:
     scene, w = work.scene, work.w
     if scene.nc == 0 and not scene.fits:
         return
-    w.v[:] = v + u if scene.has_drivers else u
+    factor = as_fast_as(w.size_of(v)) if scene.has_drivers else 1.0
+    w.v[:] = v + factor * u if scene.has_drivers else u
     correct_velocity(work)
-    u += w.dv
+    u += w.dv / factor
 
 
 def displacement_of(scene: Scene, q: Array, dq: Array, u: Array) -> None:

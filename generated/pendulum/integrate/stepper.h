@@ -278,7 +278,10 @@ static int first_step(const Method *m, const Settings *settings, double end, Sta
     double *f = work->k[0], *y = work->k[1];
     forget_trials(work);
     const double span = end - s->time;
-    double rate = larger(size_of(s->y + NQ), sqrt(size_of(s->f + NQ)));
+    const double speed = size_of(s->y + NQ);
+    /* rates of what moves already are known */
+    if (speed * span > NOTHING_MOVES) s->stride = smaller(FIRST / speed, span);
+    double rate = larger(speed, sqrt(size_of(s->f + NQ)));
     const double h = smaller(rate > 0.0 ? FIRST / rate : FIRST_OF_SPAN * span, span);
     for (size_t i = 0; i < NY; ++i) y[i] = s->y[i] + h * s->f[i];
     if (!project(s->time + h, 0.0, y, NULL, f, work, s, NULL)) return STEP_TOO_SMALL;

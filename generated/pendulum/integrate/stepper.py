@@ -346,7 +346,10 @@ def first_step(m: Method, s: Settings, end: float, state: State, work: Work) -> 
     f, y, nq, size_of = work.k[0], work.k[1], work.scene.nq, work.w.size_of
     forget_trials(work)
     span = end - state.time
-    rate = larger(size_of(state.y[nq:]), math.sqrt(size_of(state.f[nq:])))
+    speed = size_of(state.y[nq:])
+    if speed * span > NOTHING_MOVES:  # rates of what moves already are known
+        state.stride = smaller(FIRST / speed, span)
+    rate = larger(speed, math.sqrt(size_of(state.f[nq:])))
     h = smaller(FIRST / rate if rate > 0.0 else FIRST_OF_SPAN * span, span)
     y[:] = state.y + h * state.f
     if project(state.time + h, 0.0, y, None, f, work, state) < 0.0:
