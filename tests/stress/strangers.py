@@ -31,7 +31,7 @@ from kousoku.model.read import scene_from_dict, scene_from_toml
 from kousoku.model.terms import Number
 from tests.stress import strange_inputs as strange
 from tests.stress import strange_runs
-from tests.stress.forces import PULSE
+from tests.stress.force_laws import BUMP
 from tests.stress.kit import ROOT, Disagreement, Fault, Outcome, Question, falsify
 from tests.stress.strange_runs import QUESTIONS
 from tests.stress.watched import SECONDS, warm, watched
@@ -425,8 +425,8 @@ def try_arguments(case: str) -> Outcome:
     calls = (
         *(lambda v: run[str(v)], lambda v: run.columns_of(str(v)), lambda v: run.body(str(v))),
         *(lambda v: str(v) in run, lambda v: run.events[str(v)], run.plot, run.save),
-        *(lambda v: run.animate(speed=v), lambda v: ks.load(PULSE, outputs=v, target="numpy")),
-        *(lambda v: ks.load(PULSE, target=v), ks.load, ks.open_run, ks.verify, ks.explain),
+        *(lambda v: run.animate(speed=v), lambda v: ks.load(BUMP, outputs=v, target="numpy")),
+        *(lambda v: ks.load(BUMP, target=v), ks.load, ks.open_run, ks.verify, ks.explain),
         *(scene.resume, lambda v: scene.matrices(v, v, v), scene.plot),
     )
 
