@@ -17,27 +17,24 @@ import re
 import sys
 import tempfile
 import time
-from concurrent.futures import TimeoutError as TakesTooLong
-from concurrent.futures import as_completed
 from dataclasses import dataclass, field
 from importlib import import_module
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import jinja2
 import numpy as np
-from pebble import ProcessExpired, ProcessPool
 from rich.progress import Progress
 
 from kousoku.model.cache import write_atomically
 from tests import stress
-from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size, run_case
+from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
+from tests.stress.workers import StoppedError, run_cases
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-NO_QUESTIONS = {"__main__", "kit"}
+NO_QUESTIONS = {"__main__", "kit", "workers"}
 SOURCES = ("codegen", "kousoku", "model", "runtime", "symbolic", "tests")
 PAGE = jinja2.Environment(
     loader=jinja2.FileSystemLoader(Path(__file__).parent),
@@ -93,14 +90,10 @@ def resumed(journal: Path) -> Iterator[tuple[str, str, Outcome, float]]:
         yield done["question"], done["case"], Outcome.from_dict(done["outcome"]), done["seconds"]
 
 
-def stopped(error: BaseException, name: str, case: str, question: Question) -> Outcome:
+def stopped(error: StoppedError, name: str, case: str) -> Outcome:
     """Return the outcome of a case that did not end by itself: that is a finding."""
-    what = f"case {case}: {type(error).__name__}: {error}"
-    if isinstance(error, TakesTooLong):
-        what = f"case {case} takes longer than {question.seconds:g} s"
-    elif isinstance(error, ProcessExpired):
-        what = f"case {case} ended its process, exit status {error.exitcode}"
-    return Outcome(findings=[Finding(what, "", f"python -m tests.stress {name} --case '{case}'")])
+    command = f"python -m tests.stress {name} --case '{case}'"
+    return Outcome(findings=[Finding(f"case {case}: {error}", "", command)])
 
 
 def ask(
@@ -115,31 +108,19 @@ def ask(
             del left[name, case]
             answers[name].add(case, outcome, seconds)
     journal.parent.mkdir(parents=True, exist_ok=True)
-    with (
-        ProcessPool(processes, context=get_context("spawn")) as pool,
-        journal.open("a", encoding="utf-8") as written,
-        Progress() as progress,
-    ):
+    seconds = {name: question.seconds for name, question in chosen.items()}
+    with journal.open("a", encoding="utf-8") as written, Progress() as progress:
         bar = progress.add_task("stress", total=len(cases), completed=len(cases) - len(left))
-        running = {
-            pool.schedule(run_case, args=key, timeout=chosen[key[0]].seconds): key for key in left
-        }
-        try:
-            for future in as_completed(running):
-                name, case = running[future]
-                try:
-                    outcome, seconds = future.result()
-                except Exception as error:  # tried again when the run goes on
-                    answers[name].add(case, stopped(error, name, case, chosen[name]), 0.0)
-                else:
-                    answers[name].add(case, outcome, seconds)
-                    done = {"question": name, "case": case, "outcome": outcome.as_dict()}
-                    written.write(json.dumps(done | {"seconds": seconds}) + "\n")
-                    written.flush()
-                progress.update(bar, advance=1, description=f"{name} {case}"[:40])
-        except KeyboardInterrupt:
-            pool.stop()
-            raise
+        for (name, case), answered in run_cases(left, seconds, processes):
+            if isinstance(answered, StoppedError):  # tried again when the run goes on
+                answers[name].add(case, stopped(answered, name, case), 0.0)
+            else:
+                outcome, took = answered
+                answers[name].add(case, outcome, took)
+                done = {"question": name, "case": case, "outcome": outcome.as_dict()}
+                written.write(json.dumps(done | {"seconds": took}) + "\n")
+                written.flush()
+            progress.update(bar, advance=1, description=f"{name} {case}"[:40])
     return answers
 
 

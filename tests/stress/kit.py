@@ -8,9 +8,7 @@ case that found something is repeated by one command.
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import asdict, dataclass, field
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -200,13 +198,6 @@ class Question:
         """Return why a finding is known and not mended; None for a new one."""
         found = (why for title, why in self.known.items() if finding.title.startswith(title))
         return next(found, None)
-
-
-def run_case(name: str, case: str) -> tuple[Outcome, float]:
-    """Run a case in a process for cases, and return its outcome and its processor time [s]."""
-    start = sum(os.times()[:4])
-    outcome: Outcome = import_module(f"tests.stress.{name}").QUESTION.run(case)
-    return outcome, sum(os.times()[:4]) - start
 
 
 def falsify(

@@ -1,0 +1,134 @@
+"""Processes that run cases: one that a case ends, or that takes too long, is replaced."""
+
+from __future__ import annotations
+
+import os
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from importlib import import_module
+from multiprocessing import get_context
+from queue import SimpleQueue
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+    from multiprocessing.connection import Connection
+
+    from tests.stress.kit import Outcome
+
+Key = tuple[str, str]
+"""A question's name, and a case's."""
+
+Answered = tuple["Outcome", float]
+"""The outcome of a case, and its processor time [s]."""
+
+SPAWN = get_context("spawn")
+
+
+class StoppedError(Exception):
+    """What a case raises, or how it ended its process."""
+
+
+def run_case(name: str, case: str) -> Answered:
+    """Run a case here."""
+    start = sum(os.times()[:4])
+    outcome: Outcome = import_module(f"tests.stress.{name}").QUESTION.run(case)
+    return outcome, sum(os.times()[:4]) - start
+
+
+def _serve(pipe: Connection) -> None:
+    """Run the cases that come through a pipe until it is closed."""
+    while True:
+        try:
+            name, case = pipe.recv()
+        except EOFError:
+            return
+        try:
+            pipe.send(run_case(name, case))
+        except Exception as error:
+            pipe.send(f"{type(error).__name__}: {error}")
+
+
+class Worker:
+    """A process that runs one case after the other, and one in its place when it is gone."""
+
+    def __init__(self) -> None:
+        self._start()
+
+    def _start(self) -> None:
+        self._pipe, other = SPAWN.Pipe()
+        # It may have children of its own: cases start and kill processes.
+        self._process = SPAWN.Process(target=_serve, args=(other,))
+        self._process.start()
+        other.close()
+
+    def run(self, name: str, case: str, seconds: float) -> Answered:
+        """Run a case there.
+
+        Raises
+        ------
+        StoppedError
+            It raised something, ended its process, or took longer than so many seconds.
+        """
+        self._pipe.send((name, case))
+        if not self._pipe.poll(seconds):
+            self._replace()
+            raise StoppedError(f"takes longer than {seconds:g} s")
+        try:
+            answer: Answered | str = self._pipe.recv()
+        except (EOFError, ConnectionError) as error:
+            self._process.join()
+            status = self._process.exitcode
+            self._replace()
+            raise StoppedError(f"ended its process, exit status {status}") from error
+        if isinstance(answer, str):
+            raise StoppedError(answer)
+        return answer
+
+    def _replace(self) -> None:
+        self.stop()
+        self._start()
+
+    def stop(self) -> None:
+        """End the process, whatever it does."""
+        self._pipe.close()
+        self._process.kill()
+        self._process.join()
+
+
+def run_cases(
+    keys: Iterable[Key], seconds: dict[str, float], processes: int
+) -> Iterator[tuple[Key, Answered | StoppedError]]:
+    """Yield cases as they end, with their outcomes or why there is none.
+
+    Parameters
+    ----------
+    keys : iterable of (str, str)
+        The cases.
+    seconds : dict of float
+        The longest time that a case of a question may take.
+    processes : int
+        How many run at the same time.
+    """
+    workers = [Worker() for _ in range(processes)]
+    idle: SimpleQueue[Worker] = SimpleQueue()
+    for worker in workers:
+        idle.put(worker)
+
+    def run(key: Key) -> Answered | StoppedError:
+        worker = idle.get()
+        try:
+            return worker.run(*key, seconds[key[0]])
+        except StoppedError as error:
+            return error
+        finally:
+            idle.put(worker)
+
+    threads = ThreadPoolExecutor(processes)
+    try:
+        running = {threads.submit(run, key): key for key in keys}
+        for future in as_completed(running):
+            yield running[future], future.result()
+    finally:
+        threads.shutdown(wait=False, cancel_futures=True)
+        for worker in workers:
+            worker.stop()
