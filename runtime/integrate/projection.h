@@ -8,7 +8,8 @@
 #define REFINE 1e-4
 /* so are they all along where the first of them are wrong by more than this part */
 #define LOST 2e-12
-#define LOST_BY_ANY 2e-11 /* the same of any accelerations */
+/* the same of any accelerations */
+#define LOST_BY_ANY 2e-11
 /* a power of two: so many lengths or radians per second are no fast motion */
 #define USUAL_SPEED 10
 /* corrections in Newton's method, and steps of refinement */

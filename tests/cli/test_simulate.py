@@ -296,6 +296,7 @@ there = { when = "t - 1.25", action = "stop" }
     code, out, _ = run("simulate", scene, "--end", 2, "--samples", 5, "--json")
     data = json.loads(out)
     assert (code, data["stopped_by"], data["rows"], data["is_complete"]) == (0, "there", 4, False)
-    assert data["events"]["there"] == {"action": "stop", "count": 1, "times": [1.25]}
+    there = pytest.approx([1.25], rel=4e-16)
+    assert data["events"]["there"] == {"action": "stop", "count": 1, "times": there}
     assert data["events"]["through"]["times"] == []
     assert data["ledger"]["events"]["through"] == data["events"]["through"]["count"] > 0

@@ -98,7 +98,7 @@ def test_the_heavy_top_reaches_its_place_after_one_and_two_seconds(
     mover: Mover, samples: int
 ) -> None:
     """It does so where steps end, and between steps."""
-    motion = mover("heavy_top").simulate(2, samples=samples, tolerance=1e-14)
+    motion = mover("heavy_top").simulate(2, samples=samples, tolerance=3e-15)
     rows = [(samples - 1) // 2, samples - 1]
     turn = motion.orientation["top"][rows]
     assert turn * np.sign(turn[:, :1]) == pytest.approx(np.array(TOP_TURNS), rel=1e-12, abs=1e-12)

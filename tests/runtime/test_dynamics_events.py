@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 import pickle
 import random
+import re
+import sys
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -159,18 +161,34 @@ def test_a_wall_where_a_cart_starts_takes_no_energy(
 
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
-def test_fixed_steps_that_may_pass_a_narrow_hill_are_told(
+def test_fixed_steps_are_shorter_over_a_narrow_hill(
     solver_of: Callable[..., Any], target: str
 ) -> None:
     solver = solver_of(HILL.replace("LAW", "force*exp(-((x - at)/width)^2)"), target)
     for way in WAYS[:2]:
-        coarse = solver.simulate(10.0, samples=2, step=0.1, **way).ledger
-        fine = solver.simulate(10.0, samples=2, step=0.1, parameters={"width": 1.0}, **way).ledger
-        free = solver.simulate(10.0, samples=2, **way).ledger
-        assert coarse.unresolved >= 1
-        assert "do not tell how formulas vary" in str(coarse)
-        assert "a smaller step tells more" in str(coarse)
-        assert (fine.unresolved, free.unresolved) == (0, 0)
+        for width in (1e-6, 1e-3, 1.0):
+            run = solver.simulate(10.0, samples=2, step=0.1, parameters={"width": width}, **way)
+            speed = math.sqrt(1.0 + 2.0 * width * math.sqrt(math.pi))
+            gained = run.velocity["bead"][-1, 0] - 1.0  # steps of a length have no error to keep
+            assert gained == pytest.approx(speed - 1.0, rel=0.01)
+            assert (run.ledger.steps > 100, run.ledger.unresolved) == (width < 1.0, 0)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_steps_that_are_not_made_shorter_over_a_narrow_hill_are_told(
+    solver_of: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    solver = solver_of(HILL.replace("LAW", "force*exp(-((x - at)/width)^2)"), "numpy")
+    solver.simulate(0.1, samples=2)
+    own = [
+        name for name in sys.modules if re.fullmatch(r"kousoku_hill\w*\.integrate\.stepper", name)
+    ]
+    for name in own:
+        monkeypatch.setattr(sys.modules[name], "MOST_SHORTER", 0)
+    ledger = solver.simulate(10.0, samples=2, step=0.1).ledger
+    assert ledger.unresolved >= 1
+    assert "do not tell how formulas vary" in str(ledger)
+    assert "a smaller step tells more" in str(ledger)
 
 
 def test_no_narrow_hill_is_missed(solver_of: Callable[..., Any]) -> None:
