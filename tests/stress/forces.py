@@ -158,6 +158,10 @@ JUMP = (
     "a step that ends behind a jump of the state sees it in its last stage alone, so that its error"
     " is a hundred times what the estimate says; of steps of 1e-7 s velocities count less"
 )
+TIGHT = (
+    "a jump of 1e5 m/s² and more is no nearer than the rounding of time, 1e-15 s; with a tolerance of"
+    " 1e-12 the speed that is gained meanwhile is too much for every step, and the run says so"
+)
 QUESTION = Question(
     asks="pulses, walls, bumps, kinks and jumps at random places, of widths down to 1e-6 of the"
     " span: is one missed?",
@@ -180,5 +184,6 @@ QUESTION = Question(
             "gauss_wall c 1 0 30",
         ),
     ),
-    known={f"{name} is less exact where it jumps": JUMP for name in JUMPS},
+    known={f"{name} is less exact where it jumps": JUMP for name in JUMPS}
+    | {f"{name} stops, steps by tolerance": TIGHT for name in ("brake", "step_wall", "stop")},
 )
