@@ -108,10 +108,10 @@ def ask(
             del left[name, case]
             answers[name].add(case, outcome, seconds)
     journal.parent.mkdir(parents=True, exist_ok=True)
-    seconds = {name: question.seconds for name, question in chosen.items()}
+    longest = {name: question.seconds for name, question in chosen.items()}
     with journal.open("a", encoding="utf-8") as written, Progress() as progress:
         bar = progress.add_task("stress", total=len(cases), completed=len(cases) - len(left))
-        for (name, case), answered in run_cases(left, seconds, processes):
+        for (name, case), answered in run_cases(left, longest, processes):
             if isinstance(answered, StoppedError):  # tried again when the run goes on
                 answers[name].add(case, stopped(answered, name, case), 0.0)
             else:

@@ -97,7 +97,9 @@ class Asked:
         except MotionError as error:
             outcome.count(f"{self.form.kind}: stopped and told")
             if not is_fixed:
-                self.tell(outcome, "stops", str(error))
+                self.tell(
+                    outcome, f"stops, tolerance {self.way.get('tolerance', 1e-9):g}", str(error)
+                )
             return
         worst, where = 0.0, ""
         for what, (column, value, allowed) in wanted(result).items():
@@ -159,8 +161,8 @@ JUMP = (
     " is a hundred times what the estimate says; of steps of 1e-7 s velocities count less"
 )
 TIGHT = (
-    "a jump of 1e5 m/s² and more is no nearer than the rounding of time, 1e-15 s; with a tolerance of"
-    " 1e-12 the speed that is gained meanwhile is too much for every step, and the run says so"
+    "a jump of 1e5 m/s² and more is known no better than to the rounding of time, 1e-15 s; what the"
+    " speed gains meanwhile is more than this tolerance allows, and the run says so"
 )
 QUESTION = Question(
     asks="pulses, walls, bumps, kinks and jumps at random places, of widths down to 1e-6 of the"
@@ -185,5 +187,5 @@ QUESTION = Question(
         ),
     ),
     known={f"{name} is less exact where it jumps": JUMP for name in JUMPS}
-    | {f"{name} stops, steps by tolerance": TIGHT for name in ("brake", "step_wall", "stop")},
+    | {f"{name} stops, tolerance 1e-12": TIGHT for name in ("brake", "step_wall", "stop")},
 )
