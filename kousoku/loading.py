@@ -173,7 +173,7 @@ def opened(given: Given, outputs: Sequence[str] | None, target: Target) -> tuple
                     return _open(folder, target), text
             except OSError as error:  # somebody cleared the cache: once more
                 if is_last:
-                    reason = f"{folder} was removed while it was loaded: {error.strerror or error}"
+                    reason = f"{folder} cannot be loaded: {error.strerror or error}"
                     raise CacheError(f"{reason}; load it again") from None
             except LoadError as error:  # the cache was damaged: once more, unless that is no cure
                 if is_last or isinstance(error, (CompilerError, CacheError, TargetError)):

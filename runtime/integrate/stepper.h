@@ -251,7 +251,10 @@ static int step(
             }
             if (to < last && (is_kept || to == look.cut)) {
                 is_guessed = 1;
-                if (is_fixed) end = to;
+                if (is_fixed) {
+                    end = to;
+                    is_beyond = 0;
+                }
                 s->rejected += 1;
                 const double shorter_h = is_kept ? h : by_error * h;
                 s->step_size = to == look.cut ? larger(shorter_h, to - s->time) : to - s->time;

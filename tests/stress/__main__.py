@@ -35,7 +35,19 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
 NO_QUESTIONS = {"__main__", "kit", "workers"}
-SOURCES = ("codegen", "kousoku", "model", "runtime", "symbolic", "tests")
+SOURCES = (
+    *(
+        "codegen",
+        "generated",
+        "kousoku",
+        "ledger",
+        "model",
+        "runtime",
+        "scenes",
+        "symbolic",
+        "tests",
+    ),
+)
 PAGE = jinja2.Environment(
     loader=jinja2.FileSystemLoader(Path(__file__).parent),
     undefined=jinja2.StrictUndefined,
@@ -72,10 +84,11 @@ def questions() -> dict[str, Question]:
 
 def journal_of(size: Size) -> Path:
     """Return the journal of a run: another one for other sources."""
-    digest = hashlib.sha256(repr((size.is_full, size.seed)).encode())
+    digest = hashlib.sha256(repr((size.is_full, size.seed, machine())).encode())
     for folder in SOURCES:
         for path in sorted(Path(ROOT, folder).rglob("*")):
             if path.is_file() and "__pycache__" not in path.parts:
+                digest.update(path.relative_to(ROOT).as_posix().encode())
                 digest.update(path.read_bytes())
     return BUILD / f"{digest.hexdigest()[:16]}.jsonl"
 
@@ -110,6 +123,7 @@ def ask(
     journal.parent.mkdir(parents=True, exist_ok=True)
     longest = {name: question.seconds for name, question in chosen.items()}
     with journal.open("a", encoding="utf-8") as written, Progress() as progress:
+        written.write("\n")  # ends a line that was cut; an empty one is no case
         bar = progress.add_task("stress", total=len(cases), completed=len(cases) - len(left))
         for (name, case), answered in run_cases(left, longest, processes):
             if isinstance(answered, StoppedError):  # tried again when the run goes on
@@ -173,7 +187,9 @@ def keep(name: str, finding: Finding) -> str:
     for file, text in (finding.files | {"command.txt": finding.command + "\n"}).items():
         folder.mkdir(parents=True, exist_ok=True)
         write_atomically(folder / file, text.encode())
-    return f"(cd {folder.relative_to(ROOT)} && {finding.command})"
+    is_ours = finding.command.startswith("python -m tests.stress")
+    place = Path() if is_ours else folder.relative_to(ROOT)
+    return f"(cd {place} && {finding.command})" if finding.command else str(place)
 
 
 def arguments_of(words: list[str] | None) -> argparse.Namespace:
@@ -222,7 +238,8 @@ def main(words: list[str] | None = None) -> int:
             answers = ask(given.known, size, journal_of(size), given.processes)
     page = page_of({name: given.known[name] for name in answers}, answers, size)
     print(page)
-    for path in filter(None, (BUILD / "stress.md", given.page)):
+    is_whole = given.case is None and given.plant is None
+    for path in filter(None, (BUILD / "stress.md", given.page if is_whole else None)):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_atomically(path, page.encode())
     new = {

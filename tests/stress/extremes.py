@@ -42,7 +42,7 @@ RESTS = 1e-6
 #: Of rows that are left out accelerations change by some times what these miss.
 MISSED = 100.0
 #: Rows that hold so much beyond the others are independent: a hundred closure tolerances.
-INDEPENDENT = 0.01
+INDEPENDENT = 1e-3
 
 
 def bar(at: Any, mass: float, angle: float = 0.0, omega: float = 0.0, length: float = 1.0) -> Bar:

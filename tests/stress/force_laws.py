@@ -42,6 +42,8 @@ class Form:
         Random runs of the full size.
     is_led, may_be_fixed : bool
         Whether drivers determine the motion; whether steps are also fixed.
+    free : float [m/s]
+        The speed at the end without the force.
     """
 
     kind: str
@@ -50,6 +52,7 @@ class Form:
     number: int = 170
     is_led: bool = False
     may_be_fixed: bool = False
+    free: float = SPEED
 
 
 BLOCK = """
@@ -360,11 +363,15 @@ def moved(name: str, law: str) -> str:
 FORMS: dict[str, Form] = {
     **{
         name: Form(
-            "pulses", BLOCK.format(name=name, law=f"10*({law})"), pulse(of), may_be_fixed=True
+            "pulses",
+            BLOCK.format(name=name, law=f"10*({law})"),
+            pulse(of),
+            may_be_fixed=True,
+            free=0.0,
         )
         for name, (law, of) in PULSES.items()
     },
-    "bump": Form("bumps of drivers", BUMP, bump),
+    "bump": Form("bumps of drivers", BUMP, bump, free=0.0),
     "led": Form("loads of bumps, kinematics", SHAFT, led, is_led=True),
     **{
         name: Form(

@@ -87,6 +87,7 @@ KNOWN = {
 #: Kinds that are asked at points of all sorts also when there is little time: with roots and poles.
 SINGULAR = ("length", "distance", "spring_damper", "angle", "link")
 #: Sorts of points, and how many of them or how many rounds of climbing, quick and full.
+STATES = "states that machines are in"
 SORTS = (
     {"sorts": 1, "states": 12, "scales": 20},
     {"sorts": 1, "states": 500, "scales": 500, "climb": 200},
@@ -264,7 +265,7 @@ def in_states(outcome: Outcome, kind: str, name: str, number: int) -> None:
     """Ask in random states that machines are in."""
     for subject in subjects(kind):
         rows = starts(subject, f"{name} {subject.function.name}", number)
-        check_worst(outcome, kind, subject, rows, "states that machines are in")
+        check_worst(outcome, kind, subject, rows, STATES)
 
 
 def check_worst(
@@ -279,6 +280,9 @@ def check_worst(
     outcome.count(
         "points at which products overflow, and the result is not finite", int(sum(~is_finite))
     )
+    if sort == STATES and not is_finite.all():
+        place = str(subject.inputs(rows[int(np.argmin(is_finite))]))
+        outcome.find(f"{kind}: not finite where machines are", place)
     rows = rows[is_finite]
     every = [x for x in subject.errors(rows).values() if not np.isnan(x).all()]
     worst = {int(np.nanargmax(errors)) for errors in every}

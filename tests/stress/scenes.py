@@ -20,7 +20,7 @@ from msgspec import structs
 
 import kousoku as ks
 from kousoku.model import combinations
-from kousoku.model.errors import KousokuError, SceneError
+from kousoku.model.errors import KousokuError, MotionError, SceneError
 from tests.random_draft import UNITS
 from tests.random_scenes import numbered_scenes, random_scene
 from tests.stress.comparing import Comparison, size_of
@@ -55,6 +55,10 @@ SAME = 1e-9
 """How far C and NumPy may be from each other where a scene has sines."""
 
 
+REASONS = ("axes that parameters turn", "hold")
+"""What random scenes are refused for, and rightly."""
+
+
 def cases(size: Size) -> Iterator[str]:
     """Name a case for each batch of random scenes, and one that Hypothesis draws."""
     for batch in range(-(-size.examples(10, 1000) // BATCH)):
@@ -85,6 +89,8 @@ def run(case: str) -> Outcome:
 
         strategy = st.randoms(use_true_random=False)
         if found := falsify(strategy, is_taken, seed=int(seed), examples=int(number)):
+            if not isinstance(found[1], Disagreement):
+                raise found[1]
             outcome.findings.append(found[1].args[0])
     return outcome
 
@@ -121,8 +127,14 @@ def look(tree: Tree, place: str) -> Outcome:
     try:
         mechanism = ks.load(tree, target="c")
         runs = dict(moved(mechanism))
+    except MotionError as error:
+        outcome.find("a motion stops", f"{error}; {place}")
+        return outcome
     except KousokuError as error:
-        outcome.count(f"refused: {reason_of(error)}")
+        reason = reason_of(error)
+        outcome.count(f"refused: {reason}")
+        if not any(known in reason for known in REASONS):
+            outcome.find("refused for a reason that is not known", f"{error}; {place}")
         return outcome
     except Exception as error:
         outcome.find(f"a crash: {type(error).__name__}", f"{error}; {place}")

@@ -8,6 +8,7 @@ from importlib import import_module
 from multiprocessing import get_context
 from queue import SimpleQueue
 from typing import TYPE_CHECKING
+from unittest.mock import patch
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -31,7 +32,8 @@ class StoppedError(Exception):
 def run_case(name: str, case: str) -> Answered:
     """Run a case here."""
     start = sum(os.times()[:4])
-    outcome: Outcome = import_module(f"tests.stress.{name}").QUESTION.run(case)
+    with patch.dict(os.environ):  # what a case sets, the next one does not see
+        outcome: Outcome = import_module(f"tests.stress.{name}").QUESTION.run(case)
     return outcome, sum(os.times()[:4]) - start
 
 
@@ -69,11 +71,11 @@ class Worker:
         StoppedError
             It raised something, ended its process, or took longer than so many seconds.
         """
-        self._pipe.send((name, case))
-        if not self._pipe.poll(seconds):
-            self._replace()
-            raise StoppedError(f"takes longer than {seconds:g} s")
         try:
+            self._pipe.send((name, case))
+            if not self._pipe.poll(seconds):
+                self._replace()
+                raise StoppedError(f"takes longer than {seconds:g} s")
             answer: Answered | str = self._pipe.recv()
         except (EOFError, ConnectionError) as error:
             self._process.join()

@@ -89,9 +89,11 @@ def undetermined(
                 there = arm if at == GROUND_INDEX else _place(position, part.bodies.index(at), arm)
                 wrench = _at(position, own, pulls[:, own], there)
                 most = np.maximum(most, np.abs(wrench).max(axis=0, initial=0.0))
-        found[joint] = tuple(
+        names = tuple(
             name for name, size in zip(COLUMNS, most.tolist(), strict=True) if size > takes_part
         )
+        if names:  # one that is left out counts with all of them
+            found[joint] = names
     return tuple(found.items())
 
 

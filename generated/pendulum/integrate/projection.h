@@ -10,8 +10,8 @@
 #define LOST 2e-12
 /* the same of any accelerations */
 #define LOST_BY_ANY 2e-11
-/* a power of two: so many lengths or radians per second are no fast motion */
-#define USUAL_SPEED 10
+/* up to 2 to this power, in lengths or radians per second, bodies are no faster than usual */
+#define USUAL_EXPONENT 10
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
 enum { MOST_REFINEMENTS = 4 };
@@ -167,7 +167,7 @@ static double as_fast_as(double speed)
     int exponent = 0;
     if (!(speed < HUGE_VAL)) return 1.0;
     (void)frexp(speed, &exponent);
-    return exponent > USUAL_SPEED ? ldexp(1.0, exponent) : 1.0;
+    return exponent > USUAL_EXPONENT ? ldexp(1.0, exponent) : 1.0;
 }
 
 /* brings a displacement or a change of the velocity v into the tangent space of the constraints at

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: A power of two: bodies that move so many lengths or radians per second are no faster than usual.
-USUAL_SPEED = 10
+#: Up to 2 to this power, in lengths or radians per second, bodies are no faster than usual.
+USUAL_EXPONENT = 10
 #: A correction this small, relative to a length of the scene, is rounding.
 ROUNDING = 4e-16
 #: Newton squares a correction this small away.
@@ -223,7 +223,7 @@ def as_fast_as(speed: float) -> float:
     if not speed < math.inf:
         return 1.0
     _, exponent = math.frexp(speed)
-    return math.ldexp(1.0, exponent) if exponent > USUAL_SPEED else 1.0
+    return math.ldexp(1.0, exponent) if exponent > USUAL_EXPONENT else 1.0
 
 
 def project_onto_tangent(v: Array, work: Work, u: Array) -> None:

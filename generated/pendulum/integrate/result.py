@@ -452,6 +452,9 @@ class StoppedError(ArithmeticError):
         self.result = result
         super().__init__(problem)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.result)  # a pool of processes hands it on
+
 
 def refusal(
     text: str, kind: str = "SolveError", *more: object, alone: type[Exception] = ValueError

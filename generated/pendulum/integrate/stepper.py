@@ -320,7 +320,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             if to < last and (is_kept or to == look.cut):
                 is_guessed = True
                 if is_fixed:
-                    end = to
+                    end, is_beyond = to, False
                 state.rejected += 1
                 shorter_h = trial.h if is_kept else by_error * trial.h
                 to_there = to - state.time
