@@ -55,7 +55,7 @@ SAME = 1e-9
 """How far C and NumPy may be from each other where a scene has sines."""
 
 
-REASONS = ("axes that parameters turn", "hold")
+REASONS = ("axes that parameters turn", "hold", "does not fit together near")
 """What random scenes are refused for, and rightly."""
 
 
@@ -126,10 +126,7 @@ def look(tree: Tree, place: str) -> Outcome:
     outcome.count("scenes")
     try:
         mechanism = ks.load(tree, target="c")
-        runs = dict(moved(mechanism))
-    except MotionError as error:
-        outcome.find("a motion stops", f"{error}; {place}")
-        return outcome
+        runs, stops = moved(mechanism)
     except KousokuError as error:
         reason = reason_of(error)
         outcome.count(f"refused: {reason}")
@@ -138,6 +135,12 @@ def look(tree: Tree, place: str) -> Outcome:
         return outcome
     except Exception as error:
         outcome.find(f"a crash: {type(error).__name__}", f"{error}; {place}")
+        return outcome
+    if stops:
+        outcome.count("stopped and told")
+        if runs and stops.keys() != {"fixed step"}:  # one that is too long
+            name, stop = next(iter(stops.items()))
+            outcome.find(f"{name} stops where others move on", f"{stop}; {place}")
         return outcome
     comparison = Comparison(tree, mechanism)
     for figure, value, limit in comparison.rows(runs["default"]):
@@ -161,10 +164,16 @@ def reason_of(error: KousokuError) -> str:
     return f"{type(error).__name__}: {text[:70]}"
 
 
-def moved(mechanism: Mechanism) -> Iterator[tuple[str, Any]]:
-    """Yield the motions of a scene."""
+def moved(mechanism: Mechanism) -> tuple[dict[str, Any], dict[str, MotionError]]:
+    """Return the motions of a scene, and why there is none."""
+    runs: dict[str, Any] = {}
+    stops: dict[str, MotionError] = {}
     for name, options in WAYS.items():
-        yield name, mechanism.simulate(END, samples=SAMPLES, **options)
+        try:
+            runs[name] = mechanism.simulate(END, samples=SAMPLES, **options)
+        except MotionError as error:
+            stops[name] = error
+    return runs, stops
 
 
 def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> None:
