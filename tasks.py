@@ -67,6 +67,11 @@ TASKS: dict[str, tuple[str, list[tuple[str, ...]], str]] = {
         [("-m", "tests.stress")],
         "looks for what breaks kousoku: two minutes on two cores, hours with FULL=1",
     ),
+    "environment": (
+        "test,lint,plot,browser",
+        [],
+        "installs at once what the other tasks need: a minute",
+    ),
     "lint": (
         "lint",
         [

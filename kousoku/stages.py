@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.freeze import freeze
 from kousoku.codegen.passes.optimise import optimise
-from kousoku.codegen.passes.rebuild import drop_dead
+from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.codegen.passes.trace import without_sharing
 from kousoku.model.errors import DerivationError
 from kousoku.model.text import counted, table
@@ -93,14 +93,8 @@ class KernelExplanation:
         names = [quantity.name for quantity in frozen.outputs]
         if not outputs:
             return frozen
-        places = [names.index(self._known(f"output of {kernel}", x, names)) for x in outputs]
-        return drop_dead(
-            replace(
-                frozen,
-                outputs=tuple(frozen.outputs[k] for k in places),
-                results=tuple(frozen.results[k] for k in places),
-            )
-        )
+        wanted = [self._known(f"output of {kernel}", name, names) for name in outputs]
+        return with_outputs(frozen, wanted)
 
     def plot(self, kernel: str | None = None, *outputs: str) -> Figure:
         """Draw the operations as bars, stage by stage; or the graph of one small kernel.

@@ -128,4 +128,4 @@ def fixed(value: T) -> T:
 
 def fixed_system(system: System) -> System:
     """Return a system with the numbers of the scene: for what is decided before it runs."""
-    return fixed(system) if system.parameters else system
+    return replace(fixed(system), positive=()) if system.parameters else system

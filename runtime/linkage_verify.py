@@ -95,14 +95,13 @@ def _problems(
         yield f"{where}: stops after {got.done} rows: {Status(got.status).message}"
     if not good:
         return
-    for k in good:
-        inputs = np.array(run.counted_inputs(run.first + rows[k]))
-        if not np.all(
-            np.abs(got.alpha[rows[k]] - inputs) <= LIMIT * np.maximum(np.abs(inputs), 1.0)
-        ):
+    inputs = np.array([run.counted_inputs(run.first + rows[k]) for k in good])
+    size = np.abs(inputs).max(axis=0)
+    for k, wanted in zip(good, inputs, strict=True):
+        if not np.all(np.abs(got.alpha[rows[k]] - wanted) <= LIMIT * size):
             yield (
                 f"{where}: inputs at division {rows[k]} of {run.divisions}: got"
-                f" {got.alpha[rows[k]].tolist()}, wanted {inputs.tolist()}"
+                f" {got.alpha[rows[k]].tolist()}, wanted {wanted.tolist()}"
             )
             break
     for name, wanted in exact.items():

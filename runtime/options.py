@@ -58,7 +58,8 @@ class Options:
     largest_step : float [s]
         No step is longer.
     step : float or None [s]
-        All steps are so long, without control of the error.
+        Steps are so long, shorter only at the end, where formulas switch or are narrow, and near
+        dependent rows; no error decides.
     checks : bool
         Whether each row is checked for the ledger: constraints at three levels, and energy.
     method : {"dopri5", "dop853", "kinematics"}
@@ -118,7 +119,7 @@ def options_of(
         Runge-Kutta of order 5 or 8, by the tolerance unless given; position by position where
         drivers determine the motion.
     step : float [s], optional
-        Make all steps so long, without control of the error; the last one may be shorter, and
+        Make steps so long, without control of the error; the last one may be shorter, and
         one that comes to dependent rows of the constraints is.
     largest_step : float [s]
         No step is longer.

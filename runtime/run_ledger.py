@@ -87,7 +87,8 @@ class RunLedger:
         Local error of a step, relative; nothing is measured by it where the step is fixed, and
         where drivers determine the motion.
     fixed_step : float or None [s]
-        Length of all steps, where no error decides it.
+        Length of steps, where no error decides it: shorter only at the end, where formulas switch
+        or are narrow, and near dependent rows.
     parameters : mapping of str to float
         Of the run.
     steps, rejected : int

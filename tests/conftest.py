@@ -62,6 +62,7 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         "--update-golden", action="store_true", help="write the golden files instead of comparing"
     )
     parser.addoption("--quick", action="store_true", help="what takes no compiler and little time")
+    parser.addoption("--but-quick", action="store_true", help="what --quick leaves out")
     parser.addoption(
         "--record-slow", action="store_true", help=f"write {SLOW.name}; not with several processes"
     )
@@ -89,7 +90,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(MARKS[fixture])
         if TESTS / "release" in item.path.parents:
             item.add_marker("release")
-    if config.getoption("--quick"):
+    if config.getoption("--quick") or config.getoption("--but-quick"):
         slow, seen = set(SLOW.read_text(encoding="utf-8").split()), Counter[str]()
         chosen: dict[bool, list[pytest.Item]] = {True: [], False: []}
         for item in items:
@@ -97,8 +98,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             is_quick = name not in slow and not marks_of(item) & NOT_QUICK
             seen[name] += is_quick
             chosen[is_quick and seen[name] <= CASES].append(item)
-        config.hook.pytest_deselected(items=chosen[False])
-        items[:] = chosen[True]
+        wanted = config.getoption("--quick")
+        config.hook.pytest_deselected(items=chosen[not wanted])
+        items[:] = chosen[wanted]
 
 
 def marks_of(item: pytest.Item) -> set[str]:

@@ -96,6 +96,14 @@ def drop_dead(kernel: Kernel) -> Kernel:
     return finish(kernel, graph, new_ids)
 
 
+def with_outputs(kernel: Kernel, names: Sequence[str]) -> Kernel:
+    """Return the kernel of some outputs alone, without the nodes that only others need."""
+    found = {quantity.name: k for k, quantity in enumerate(kernel.outputs)}
+    outputs = tuple(kernel.outputs[found[name]] for name in names)
+    results = tuple(kernel.results[found[name]] for name in names)
+    return drop_dead(replace(kernel, outputs=outputs, results=results))
+
+
 def _carry_names(
     kernel: Kernel,
     nodes: Sequence[Node],

@@ -299,6 +299,7 @@ class Trust(TypedDict):
     drift: Number | None
     row_drift: Number | None
     pivot_ratio: Number | None
+    unresolved: int
     error: ErrorEstimate | None
     limit: Number
     problems: list[str]

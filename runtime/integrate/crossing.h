@@ -47,11 +47,12 @@ typedef struct {
 } Node;
 
 /* a step that is looked at, whose polynomial is in the state: what its values are known to, which
- * functions cross, where it was cut, and at which part of it at least */
+ * functions cross, where it was cut, and at which part of it at least, and whether samples leave
+ * open how narrow parts vary somewhere in it */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)];
-    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)];
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -329,21 +330,30 @@ static int are_narrow_told(double start, double end, const Look *look, const Sta
     return 1;
 }
 
-/* where a step to an end must end so that samples tell how parts vary with the state */
-static double told_end(double end, const Look *look, const State *s, Work *work)
+/* where a step to an end must end so that samples tell how parts vary with the state; what they do
+ * not tell in the finest intervals either is gone over, and noted */
+static double told_end(double end, Look *look, const State *s, Work *work)
 {
     const double start = look->start, whole = end - start;
     double first = start, allowed = whole, width = whole;
-    for (size_t n = 0; n != MOST_LOOKS; ++n) {
+    look->is_untold = 0;
+    for (size_t n = 0; first < start + allowed; ++n) {
+        if (n == MOST_LOOKS) {
+            look->is_untold = 1;
+            break;
+        }
         const double last = smaller(first + width, end);
         const int good = are_narrow_told(first, last, look, s, work);
         if (!good && width > FINEST * whole) {
             width = 0.5 * width;
             continue;
         }
-        if (good) allowed = smaller(allowed, larger(first - start, last - first));
+        if (good) {
+            allowed = smaller(allowed, larger(first - start, last - first));
+        } else {
+            look->is_untold = 1;
+        }
         first = last;
-        if (!(first < start + allowed)) break;
         width = 2.0 * width;
     }
     return allowed < whole ? start + allowed : end;

@@ -195,7 +195,10 @@ static double watched_end(
     look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
     const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
     const double seen = seen_end(end, look, s, work);
-    if (part > 1.0) return end;
+    if (part > 1.0) {
+        look->is_untold = look->is_untold || told < end;
+        return end;
+    }
     return seen <= told && seen < end ? cut_at(seen, look) : smaller(told, seen);
 }
 
@@ -244,6 +247,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
                 continue;
             }
             note_crossings(end, &look, s, work);
+            if (look.is_untold) note_unresolved(s->time, s);
         }
         note_pivot_ratio(ratio, end, s);
         s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio

@@ -218,7 +218,7 @@ static void take_multipliers(Work *work)
     memcpy(all->lam, work->w + W_LAM, NC * sizeof(double));
     write_jacobian(work);
     if (factorise_rows(work, 0.0) > 0.0) return;
-    for (size_t k = 0; k != NC; ++k) all->lam[k] = NAN;
+    for (size_t k = 0; k != NC; ++k) all->lam[k] = (double)NAN;
 }
 
 /* brings v_dot, and the multipliers of all rows, nearer to C_q v_dot = gamma */

@@ -68,7 +68,7 @@ static void interpolate_accelerations(
     double *w = work->w, *rate = work->k[2];
     differentiate(m, x, h, s, work->k[1], rate);
     memcpy(w + W_V_DOT, rate + NQ, NV * sizeof *w);
-    for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] = NAN;
+    for (size_t k = 0; HAS_REACTIONS && k != NC; ++k) w[W_LAM + k] = (double)NAN;
     s->passed += 1;
     s->passed_time = t;
 }
@@ -87,7 +87,7 @@ static void find_reactions(Work *work, int is_passed)
 {
     const int has_all = HAS_REACTIONS && HAS_ROW_SWITCH && work->all.is_on != 0.0;
     if (SHARES_OUT && is_passed) {
-        for (size_t k = 0; k != NCHECK; ++k) work->w[W_ALL_LAM + k] = NAN;
+        for (size_t k = 0; k != NCHECK; ++k) work->w[W_ALL_LAM + k] = (double)NAN;
         wrench(work->w);
         return;
     }

@@ -35,7 +35,8 @@ class Settings(NamedTuple):
     largest_step : float [s]
         No step is longer.
     fixed_step : float [s]
-        All steps are so long, without control of the error; 0: by the error.
+        Steps are so long, shorter only at the end, where formulas switch or are narrow, and near
+        dependent rows, and no error decides; 0: by the error.
     checks : int
         Whether rows are checked: what is left of the constraints, the energy.
     method : int

@@ -72,6 +72,9 @@ class Trust:
         dense output tells, relative to a length of the scene; None where drivers lead.
     pivot_ratio : float or None
         Smallest pivot ratio: near zero at a singular configuration; None without constraints.
+    unresolved : int
+        Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
+        passed over.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
     limit : float
@@ -90,6 +93,7 @@ class Trust:
     drift: float | None
     row_drift: float | None
     pivot_ratio: float | None
+    unresolved: int
     error: Any
     limit: float
     problems: tuple[str, ...]
@@ -119,6 +123,8 @@ class Trust:
             yield f"redundant rows miss {shortly(self.missed)}"
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
+        if self.unresolved:
+            yield f"steps unresolved: {self.unresolved}"
         yield "error not estimated" if self.error is None else str(self.error)
 
     def __str__(self) -> str:
@@ -230,6 +236,7 @@ def trust_of(
         drift=drift,
         row_drift=row_drift,
         pivot_ratio=single["least_pivot_ratio"] if has_pivots else None,
+        unresolved=int(single["unresolved"]),
         error=error,
         limit=limit,
         problems=tuple(problems),

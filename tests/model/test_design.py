@@ -168,6 +168,7 @@ def test_a_system_varies_where_its_formulas_reach_and_nowhere_else() -> None:
     numbers = system_of(with_numbers(scene_from_toml(SCENE)))
     assert fixed_system(system).bodies == numbers.bodies
     assert fixed_system(system).constraints == numbers.constraints
+    assert fixed_system(system).positive == numbers.positive == ()
     assert fixed_system(numbers) is numbers
 
 

@@ -175,16 +175,22 @@ def test_fixed_steps_are_shorter_over_a_narrow_hill(
 
 
 @pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize(
+    ("module", "name", "value"),
+    [("stepper", "MOST_SHORTER", 0), ("crossing", "FINEST", 1.0)],
+)
 def test_steps_that_are_not_made_shorter_over_a_narrow_hill_are_told(
-    solver_of: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
+    solver_of: Callable[..., Any],
+    monkeypatch: pytest.MonkeyPatch,
+    module: str,
+    name: str,
+    value: float,
 ) -> None:
     solver = solver_of(HILL.replace("LAW", "force*exp(-((x - at)/width)^2)"), "numpy")
     solver.simulate(0.1, samples=2)
-    own = [
-        name for name in sys.modules if re.fullmatch(r"kousoku_hill\w*\.integrate\.stepper", name)
-    ]
-    for name in own:
-        monkeypatch.setattr(sys.modules[name], "MOST_SHORTER", 0)
+    for own in [*sys.modules]:
+        if re.fullmatch(rf"kousoku_hill\w*\.integrate\.{module}", own):
+            monkeypatch.setattr(sys.modules[own], name, value)
     ledger = solver.simulate(10.0, samples=2, step=0.1).ledger
     assert ledger.unresolved >= 1
     assert "do not tell how formulas vary" in str(ledger)

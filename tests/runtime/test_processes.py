@@ -57,11 +57,14 @@ os.close(write)
 print(json.dumps([os.waitpid(child, 0)[1] for child in children]))
 """
 
-#: A compiler that notes when it first builds, writes half a library, and takes its time.
+#: A compiler that notes when it first builds, writes half a library, and waits until it may go on.
+#: The words of the shell alone: a PATH need not have others.
 SLOW = """
 next=
 for a in "$@"; do
-  [ "$next" ] && [ ! -e {marker} ] && {{ echo half > "$a"; touch {marker}; sleep 60; }}
+  [ "$next" ] && [ ! -e {marker} ] && {{
+    echo half > "$a"; : > {marker}; until [ -e {marker}.go ]; do :; done
+  }}
   next=
   [ "$a" = -o ] && next=1
 done
@@ -153,8 +156,7 @@ def test_a_process_waits_for_the_one_that_builds(
     tiny: Path, cache: Path, wrapper: Callable[[str], str], tmp_path: Path
 ) -> None:
     marker = tmp_path / "compiling"
-    slow = SLOW.format(marker=marker).replace("sleep 60", f"until [ -e {marker}.go ]; do :; done")
-    compiler = wrapper(slow)
+    compiler = wrapper(SLOW.format(marker=marker))
     first = python(LOAD_AND_CALL, tiny, KOUSOKU_CC=compiler)
     second = None
     try:

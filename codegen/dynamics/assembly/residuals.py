@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
 from kousoku.codegen.dynamics.assembly.jacobian import Jacobian
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
-from kousoku.codegen.passes.rebuild import drop_dead
+from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION
 
@@ -335,7 +335,7 @@ class _Stack:
 def _residual_of(kind: str) -> Kernel:
     """Return what C alone, the first output, takes of the constraint of a kind."""
     kernel = frozen(kind, "constraint")
-    return drop_dead(replace(kernel, outputs=kernel.outputs[:1], results=kernel.results[:1]))
+    return with_outputs(kernel, [kernel.outputs[0].name])
 
 
 def _size(instance: Instance) -> int:

@@ -56,7 +56,7 @@ class Design:
         return cls(
             tuple(places.items()),
             tuple((slot, key_of(value)) for slot, value in start),
-            tuple((name, key_of(value)) for name, value in positive if isinstance(value, Varying)),
+            tuple((name, key_of(value)) for name, value in positive),
             tuple(dict.fromkeys(names)),
         )
 

@@ -116,6 +116,8 @@ class Look:
         What values are known to.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
+    is_untold : bool
+        Whether samples leave open how narrow parts vary somewhere in it.
     """
 
     state: State
@@ -129,6 +131,7 @@ class Look:
     noise: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
+    is_untold: bool = False
 
 
 def side_at(node: Node) -> Array:
@@ -351,10 +354,19 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
 
 
 def told_end(end: float, look: Look) -> float:
-    """Return where a step to an end must end so that samples tell how parts vary."""
+    """Return where a step to an end must end so that samples tell how parts vary.
+
+    What they do not tell in the finest intervals either is gone over, and noted.
+    """
     start = first = look.start
     whole = allowed = width = end - start
-    for _ in range(MOST_LOOKS):
+    look.is_untold = False
+    looks = 0
+    while first < start + allowed:
+        if looks == MOST_LOOKS:
+            look.is_untold = True
+            break
+        looks += 1
         last = smaller(first + width, end)
         is_good = are_narrow_told(first, last, look)
         if not is_good and width > FINEST * whole:
@@ -362,8 +374,8 @@ def told_end(end: float, look: Look) -> float:
             continue
         if is_good:
             allowed = smaller(allowed, larger(first - start, last - first))
+        else:
+            look.is_untold = True
         first = last
-        if not first < start + allowed:
-            break
         width = 2.0 * width
     return start + allowed if allowed < whole else end

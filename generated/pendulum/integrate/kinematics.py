@@ -14,6 +14,7 @@ from .crossing import (
     cut_at,
     look_into,
     note_crossings,
+    note_unresolved,
     seen_end,
     told_end,
 )
@@ -244,6 +245,7 @@ def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
     told = told_end(end, look) if look.work.scene.has_narrow else end
     seen = seen_end(end, look)
     if part > 1.0:
+        look.is_untold = look.is_untold or told < end
         return end
     return cut_at(seen, look) if seen <= told and seen < end else smaller(told, seen)
 
@@ -289,6 +291,8 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
     if work.scene.sees:
         note_crossings(end, look)
+        if look.is_untold:
+            note_unresolved(state.time, state)
     note_pivot_ratio(ratio, end, state)
     state.largest_pivot_ratio = (
         ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)

@@ -170,7 +170,7 @@ static int step(
     int rejected = 0, avoided = 0, is_beyond = 0;
     double best = -1.0, best_h = 0.0; /* of the lengths that were tried near dependent rows */
     Look look = { .cut = s->time };
-    int shorter = 0, is_guessed = 0, polished = 0, is_untold = 0;
+    int shorter = 0, is_guessed = 0, polished = 0;
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
@@ -235,7 +235,7 @@ static int step(
             if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
                 to = told_end(last, &look, s, work);
             } else if (N_NARROW > 0 && is_kept) { /* it cannot be shorter for that */
-                is_untold = !are_narrow_told(s->time, last, &look, s, work);
+                look.is_untold = !are_narrow_told(s->time, last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
             const double seen = is_beyond ? last : seen_end(last, &look, s, work);
@@ -265,7 +265,7 @@ static int step(
             const double before = s->step_size;
             accept(m, &trial, end, rejected, work, s);
             if (N_SEEN > 0) note_crossings(last, &look, s, work);
-            if (is_untold) note_unresolved(s->time_before, s);
+            if (look.is_untold) note_unresolved(s->time_before, s);
             if (s->time == look.cut) s->step_size = larger(s->step_size, before);
             return GOOD;
         }

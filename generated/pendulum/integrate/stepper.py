@@ -236,7 +236,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
     avoided, was_rejected, is_beyond = 0, False, False
     best, best_h = -1.0, 0.0  # of the lengths that were tried near dependent rows
     look, shorter, is_guessed = Look(state, work, state.time), 0, False
-    limit, polished, is_untold = end, 0, False
+    limit, polished = end, 0
     work.k[0] = state.f
     while True:
         h = smaller(state.step_size, s.largest_step)
@@ -305,7 +305,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
                 to, shorter = told_end(last, look), shorter + 1
             elif work.scene.has_narrow and is_kept:  # it cannot be shorter for that
-                is_untold = not are_narrow_told(state.time, last, look)
+                look.is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
             if seen <= to and seen < last:
@@ -331,7 +331,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             accept(m, trial, end, work, state, was_rejected=was_rejected)
             if work.scene.sees:
                 note_crossings(last, look)
-            if is_untold:
+            if look.is_untold:
                 note_unresolved(state.time_before, state)
             if state.time == look.cut:
                 state.step_size = larger(state.step_size, before)

@@ -140,7 +140,8 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
     if (N_FEATURES == 0) return end;
     const double start = s->time, whole = smaller(h, end - start);
     s->longest = larger(FORGETTING * s->longest, whole);
-    if (s->short_steps > MOST_SHORT && whole < LONG * s->longest) {
+    const double last_step = start - s->time_before;
+    if (s->short_steps > MOST_SHORT && last_step < LONG * s->longest) {
         note_unresolved(start, s);
         return end;
     }

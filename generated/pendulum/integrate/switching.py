@@ -150,7 +150,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     start = first = state.time
     allowed = whole = smaller(h, end - start)
     state.longest = larger(FORGETTING * state.longest, whole)
-    if state.short_steps > MOST_SHORT and whole < LONG * state.longest:
+    last_step = start - state.time_before
+    if state.short_steps > MOST_SHORT and last_step < LONG * state.longest:
         note_unresolved(start, state)
         return end
     width = whole / part
