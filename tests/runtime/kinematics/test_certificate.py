@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import subprocess
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +23,11 @@ from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from kousoku.runtime.kinematics.mechanism import Array
     from kousoku.runtime.linkage import LinkageSolver
+    from kousoku.runtime.toolchain import Toolchain
 
 SIX_BAR = """
 name = "six_bar"
@@ -87,20 +92,39 @@ ram = { node = "S", through = [2, 2], direction = [3, 1] }
 [inputs]
 stroke = { slider = "ram", from = 0, to = -1.5 }
 """
+#: How far the Jacobians of the blocks turn along a way to a position; radii go into the way.
+IN_C = """
+#include "kernels.c"
+void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts);
+void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts)
+{
+    const Coordinates end = { alpha, x };
+    Workspace w;
+    double ignored[LARGEST_BLOCK];
+    for (size_t number = 0; number < BLOCKS; ++number) {
+        evaluate(number, end, &w, ignored);
+        tilts[number] = tilt_of(number, &w, way, residual);
+    }
+}
+"""
 SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON, "ram": RAM}
 
 
 @pytest.fixture(scope="module", params=SCENES)
-def solver(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> LinkageSolver:
-    """Return a linkage's solver, whose tables the certificate reads."""
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the package of a linkage."""
     folder = tmp_path_factory.mktemp(request.param)
     program = specialise(assemble(scene_from_toml(SCENES[request.param])), load_frozen("link"))
     for name, text in emit_scene(program.package, program.solver, {}).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def solver(folder: Path) -> LinkageSolver:
+    """Return a linkage's solver, whose tables the certificate reads."""
     return load_scene(folder, target="numpy")
 
 
@@ -203,3 +227,32 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     way = Way(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
     assert 0.01 * error <= 2.0 * left <= error
+
+
+def test_c_says_of_a_tube_what_numpy_says(
+    solver: LinkageSolver, folder: Path, compiler: Toolchain, rng: np.random.Generator
+) -> None:
+    """Also of ways that nothing leads along, and where what is known is off."""
+    (folder / "tilts.c").write_text(IN_C, encoding="utf-8")
+    library = str(folder / "tilts.so")
+    flags = [f"-I{folder}", "-O0"]
+    command = compiler.compile_command([str(folder / "tilts.c")], library, flags)
+    subprocess.run(command, check=True)
+    tilts_of = ctypes.CDLL(library).tilts_of
+    step = Step(solver, 60.0)
+    blocks, certifiers = step.way.newton.blocks, step.way._certifiers
+    end, places = step.end, len(step.pace) + len(step.end.x)
+    for size in (1e-3, 0.03, 0.3):
+        bends = (size ** (k + 1) * rng.normal(size=places) for k in range(3))
+        way = Way(*bends, np.zeros(places))
+        way.radius[: len(step.pace)] = size**4
+        given = np.ravel(way)
+        tilts = []
+        for block, one in zip(blocks, certifiers, strict=True):
+            block.evaluate(end)
+            tilts.append(one.tilt(block, way, 1e-9))
+        found = np.zeros(len(blocks))
+        numbers = [np.ctypeslib.as_ctypes(array) for array in (end.alpha, end.x, given, found)]
+        tilts_of(*numbers[:3], ctypes.c_double(1e-9), numbers[3])
+        np.testing.assert_allclose(found, tilts, rtol=1e-9)
+        np.testing.assert_allclose(given[-places:], way.radius, rtol=1e-9)
