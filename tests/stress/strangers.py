@@ -25,7 +25,7 @@ from hypothesis import strategies as st
 import kousoku as ks
 from kousoku.cli.app import main
 from kousoku.loading import generated
-from kousoku.model.errors import KousokuError
+from kousoku.model.errors import KousokuError, printable
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import scene_from_dict, scene_from_toml
 from kousoku.model.terms import Number
@@ -136,7 +136,14 @@ def _files(example: object) -> dict[str, str]:
 
 
 def refused_well(error: KousokuError, *places: str) -> None:
-    """Check the message of a refusal: a few readable lines, and one of the places in it.
+    """Check the message of a refusal: a few readable lines, one of which begins with a place.
+
+    Parameters
+    ----------
+    error : KousokuError
+        The refusal.
+    *places : str
+        Files, tables, or elements of tables: what is wrong is in one of them.
 
     Raises
     ------
@@ -147,7 +154,8 @@ def refused_well(error: KousokuError, *places: str) -> None:
     lines = text.split("\n")
     if len(lines) > LINES or any(not line.isprintable() or len(line) > MARKS for line in lines):
         raise Disagreement(f"a message of {len(lines)} lines, {len(text)} marks: {text!r:.200}")
-    if not text or (places and not any(place in text for place in places)):
+    begins = tuple(f"{place}{mark}" for place in places for mark in ".:[")
+    if not text or (places and not any(line.startswith(begins) for line in lines)):
         raise Disagreement(f"a message that names no place: {text!r:.200}")
 
 
@@ -170,11 +178,11 @@ def try_formulas(case: str) -> Outcome:
     """Try formulas in every place of a scene that has one."""
     some = st.tuples(
         st.sampled_from([*strange.WITH_FORMULA]), strange.formulas(), st.integers(0, 7)
-    ).map(lambda of: (strange.with_formula(of[0], of[1]), of[1], of[2] == 1))
+    ).map(lambda of: (*strange.with_formula(of[0], of[1]), of[2] == 1))
 
     def check(of: tuple[dict[str, Any], str, bool]) -> bool:
-        tree, _, emit = of
-        return taken(lambda: scene_from_dict(tree), emit, ": ")
+        tree, place, emit = of
+        return taken(lambda: scene_from_dict(tree), emit, place)
 
     return Tried("formulas").each(some, check, case)
 
@@ -185,7 +193,7 @@ def try_scenes(case: str) -> Outcome:
 
     def check(of: tuple[str, bool]) -> bool:
         text, emit = of
-        return taken(lambda: scene_from_toml(text, file="x.toml"), emit, "x.toml", ": ")
+        return taken(lambda: scene_from_toml(text, file="x.toml"), emit, "x.toml")
 
     return Tried("scenes").each(some, check, case)
 
@@ -196,7 +204,7 @@ def try_tables(case: str) -> Outcome:
 
     def check(of: tuple[dict[str, Any], bool]) -> bool:
         tree, emit = of
-        return taken(lambda: scene_from_dict(tree), emit, ": ", "table")
+        return taken(lambda: scene_from_dict(tree), emit, *filter(None, map(printable, tree)))
 
     return Tried("tables").each(some, check, case)
 
