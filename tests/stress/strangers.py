@@ -135,15 +135,17 @@ def _files(example: object) -> dict[str, str]:
     return {"input__txt": example if isinstance(example, str) else repr(example)}
 
 
-def refused_well(error: KousokuError, *places: str) -> None:
-    """Check the message of a refusal: a few readable lines, one of which begins with a place.
+def refused_well(error: KousokuError, place: str = "", begins: tuple[str, ...] = ()) -> None:
+    """Check the message of a refusal: a few readable lines that name the place.
 
     Parameters
     ----------
     error : KousokuError
         The refusal.
-    *places : str
-        Files, tables, or elements of tables: what is wrong is in one of them.
+    place : str
+        What is wrong is in this file, or package.
+    begins : tuple of str
+        What is wrong is in one of these files, tables, or elements: a line begins with it.
 
     Raises
     ------
@@ -154,19 +156,23 @@ def refused_well(error: KousokuError, *places: str) -> None:
     lines = text.split("\n")
     if len(lines) > LINES or any(not line.isprintable() or len(line) > MARKS for line in lines):
         raise Disagreement(f"a message of {len(lines)} lines, {len(text)} marks: {text!r:.200}")
-    begins = tuple(f"{place}{mark}" for place in places for mark in ".:[")
-    if not text or (places and not any(line.startswith(begins) for line in lines)):
+    starts = tuple(f"{one}{mark}" for one in begins for mark in ".:[")
+    is_there = not begins or any(line.startswith(starts) for line in lines)
+    if not text or place not in text or not is_there:
         raise Disagreement(f"a message that names no place: {text!r:.200}")
 
 
-def taken(read: Callable[[], ks.Scene], emit: bool, *places: str) -> bool:
-    """Return whether a scene is taken; it then is composed, and the emitted modules are Python."""
+def taken(read: Callable[[], ks.Scene], emit: bool, *begins: str) -> bool:
+    """Return whether a scene is taken; it then is composed, and the emitted modules are Python.
+
+    A message of what is refused begins with one of some files, tables, or elements.
+    """
     try:
         with watched():
             scene = read()
             tree = generated(scene) if emit else {}
     except KousokuError as error:
-        refused_well(error, *places)
+        refused_well(error, begins=begins)
         return False
     for name, text in tree.items():
         if name.endswith(".py"):
@@ -204,7 +210,8 @@ def try_tables(case: str) -> Outcome:
 
     def check(of: tuple[dict[str, Any], bool]) -> bool:
         tree, emit = of
-        return taken(lambda: scene_from_dict(tree), emit, *filter(None, map(printable, tree)))
+        tables = [printable(key) for key in tree if key]
+        return taken(lambda: scene_from_dict(tree), emit, *tables, "name", "unit")  # both needed
 
     return Tried("tables").each(some, check, case)
 
