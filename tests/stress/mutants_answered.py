@@ -74,6 +74,14 @@ ANSWERS = {
     "runtime/integrate/crossing.py": {
         "'>' -> '>=' in 'while last - first > SMALLEST": "one more halving at most",
     },
+    "runtime/kinematics/newton.h": {
+        "'>=' -> '>' in 'if (k >= run->max_iterations || (k > 2 && step": (
+            "one correction more at most before the step is halved"
+        ),
+        "'>' -> '>=' in 'if (k >= run->max_iterations || (k > 2 && step": (
+            "one correction less at most before the step is halved"
+        ),
+    },
     "runtime/integrate/stepper.h": {
         "'*' -> '/' in 'if (!(h > SMALLEST * larger(": (
             "another least length of steps, which are given up a little earlier or later"

@@ -11,6 +11,7 @@ import pytest
 from kousoku.runtime.integrate import kinematics
 from kousoku.runtime.integrate.crossing import Look
 from kousoku.runtime.integrate.kinematics import driven_step, watched_end
+from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.pivot_monitor import WEAK
 from kousoku.runtime.integrate.settings import Status
 
@@ -110,6 +111,17 @@ def test_a_place_that_is_not_smooth_behind_a_weak_one_is_given_up(
     assert (state.avoided, state.rejected) == (3, 1)
 
 
+def test_a_step_whose_works_miss_the_tolerance_is_shortened(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    work.scene.parts = ("energies",)
+    errors = [1.5, 0.5]
+    monkeypatch.setattr(kinematics, "sum_works", lambda *_: (errors.pop(0), True))
+    tried = step(monkeypatch, state, work, 100.0)
+    assert [end - 2.0 for end, _ in tried.ends] == [1.0, pytest.approx(0.9 * 1.5 ** (-1 / 7))]
+    assert state.rejected == 1
+
+
 @pytest.mark.parametrize(
     ("part", "told", "seen", "wanted"),
     [
@@ -131,10 +143,11 @@ def test_a_step_is_looked_into_from_where_it_begins(
 ) -> None:
     looked: list[Any] = []
     monkeypatch.setattr(kinematics, "look_into", lambda *given, has_stages: looked.append(given))
-    monkeypatch.setattr(kinematics, "told_end", lambda end, _: told)
-    monkeypatch.setattr(kinematics, "seen_end", lambda end, _: seen)
     look = Look(state, work, state.time)
+    monkeypatch.setattr(kinematics, "told_end", lambda *given: told if given == (3.0, look) else 0)
+    monkeypatch.setattr(kinematics, "seen_end", lambda *given: seen if given == (3.0, look) else 0)
     look.crosses = np.zeros(1, bool)
     assert watched_end(ANY, 3.0, part, look) == wanted
-    assert [given[2] for given in looked] == [1.0]  # its length
+    ((settings, method, length, *_),) = looked
+    assert (settings, method, length) == (ANY, METHODS[0], 1.0)
     assert (look.cut == seen) == (part <= 1.0 and seen <= told and seen < 3.0)
