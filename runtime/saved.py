@@ -29,7 +29,7 @@ COUNTED = (*COUNTS, "next_row", "event", "short_steps", "not_finite")
 FINITE = (
     *("time", "time_before", "step_size", "y", "low", "f", "y_before", "dense"),
     *("parameters", "momenta", "sides", "counts", "fired"),
-    *("fastest", "stride", "untold", "is_refined", "longest"),
+    *("error", "fastest", "stride", "untold", "is_refined", "longest"),
 )
 
 

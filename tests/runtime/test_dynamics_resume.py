@@ -179,6 +179,7 @@ def test_saved_run_that_does_not_fit_itself_is_refused(
         ("avoided", np.nan, "avoided in the state is nan; wanted a count"),
         ("unresolved", np.nan, "unresolved in the state is nan; wanted a count"),
         ("short_steps", -1.0, "short_steps in the state is -1.0; wanted a count"),
+        ("error", np.nan, "error in the state is not finite"),
         ("fastest", np.nan, "fastest in the state is not finite"),
         ("longest", np.inf, "longest in the state is not finite"),
         ("time", np.inf, "time in the state is not finite"),

@@ -14,22 +14,25 @@ import os
 import pkgutil
 import platform
 import re
+import shutil
 import sys
 import tempfile
 import time
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import jinja2
 import numpy as np
 from rich.progress import Progress
 
 from kousoku.model.cache import write_atomically
+from kousoku.model.errors import CompilerError
+from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
 from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
-from tests.stress.workers import StoppedError, run_cases
+from tests.stress.workers import Answered, StoppedError, run_case, run_cases
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -48,6 +51,8 @@ SOURCES = (
         "tests",
     ),
 )
+OPTIONS = ("FULL", "N", "ONLY", "PAGE", "SEED")
+"""What the environment says in place of options."""
 PAGE = jinja2.Environment(
     loader=jinja2.FileSystemLoader(Path(__file__).parent),
     undefined=jinja2.StrictUndefined,
@@ -93,14 +98,13 @@ def journal_of(size: Size) -> Path:
     return BUILD / f"{digest.hexdigest()[:16]}.jsonl"
 
 
-def resumed(journal: Path) -> Iterator[tuple[str, str, Outcome, float]]:
+def resumed(journal: Path) -> Iterator[dict[str, Any]]:
     """Yield the cases of a journal; a line that was cut is no case."""
     for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
         try:
-            done = json.loads(line)
+            yield json.loads(line)
         except ValueError:
             continue
-        yield done["question"], done["case"], Outcome.from_dict(done["outcome"]), done["seconds"]
 
 
 def stopped(error: StoppedError, name: str, case: str) -> Outcome:
@@ -111,15 +115,26 @@ def stopped(error: StoppedError, name: str, case: str) -> Outcome:
 
 def ask(
     chosen: dict[str, Question], size: Size, journal: Path, processes: int
-) -> dict[str, Answer]:
-    """Run the cases of questions that the journal does not have, and return all answers."""
+) -> tuple[dict[str, Answer], float]:
+    """Run the cases of questions that the journal does not have.
+
+    Returns
+    -------
+    answers : dict of Answer
+        Of all cases.
+    seconds : float
+        What this run and those that it goes on from took on the clock [s].
+    """
+    start, before = time.monotonic(), 0.0
     answers: dict[str, Answer] = {name: Answer() for name in chosen}
     cases = [(name, case) for name, question in chosen.items() for case in question.cases(size)]
     left = dict.fromkeys(cases)
-    for name, case, outcome, seconds in resumed(journal):
+    for done in resumed(journal):
+        name, case = done["question"], done["case"]
+        before = max(before, done["clock"])
         if (name, case) in left:
             del left[name, case]
-            answers[name].add(case, outcome, seconds)
+            answers[name].add(case, Outcome.from_dict(done["outcome"]), done["seconds"])
     journal.parent.mkdir(parents=True, exist_ok=True)
     longest = {name: question.seconds for name, question in chosen.items()}
     with journal.open("a", encoding="utf-8") as written, Progress() as progress:
@@ -131,11 +146,12 @@ def ask(
             else:
                 outcome, took = answered
                 answers[name].add(case, outcome, took)
+                clock = before + time.monotonic() - start
                 done = {"question": name, "case": case, "outcome": outcome.as_dict()}
-                written.write(json.dumps(done | {"seconds": took}) + "\n")
+                written.write(json.dumps(done | {"seconds": took, "clock": clock}) + "\n")
                 written.flush()
             progress.update(bar, advance=1, description=f"{name} {case}"[:40])
-    return answers
+    return answers, before + time.monotonic() - start
 
 
 def machine() -> str:
@@ -146,12 +162,22 @@ def machine() -> str:
     processor = found[1] if found else platform.processor() or platform.machine()
     return (
         f"{processor}, {os.cpu_count()} processors, {platform.system()},"
-        f" Python {platform.python_version()}, NumPy {np.__version__}"
+        f" Python {platform.python_version()}, NumPy {np.__version__}, {compiler()}"
     )
 
 
-def page_of(chosen: dict[str, Question], answers: dict[str, Answer], size: Size) -> str:
-    """Return the page of a run in Markdown."""
+def compiler() -> str:
+    """Return the version of the compiler that kousoku takes here, if it takes one."""
+    try:
+        return find_toolchain().name
+    except CompilerError:
+        return "no compiler"
+
+
+def page_of(
+    chosen: dict[str, Question], answers: dict[str, Answer], size: Size, seconds: float
+) -> str:
+    """Return the page of a run, which took so long on the clock, in Markdown."""
     parts = []
     for name, answer in answers.items():
         question, outcome = chosen[name], answer.outcome
@@ -161,6 +187,7 @@ def page_of(chosen: dict[str, Question], answers: dict[str, Answer], size: Size)
             {
                 "name": name,
                 "asks": question.asks,
+                "in_full": question.in_full,
                 "cases": answer.cases,
                 "slowest": f"{answer.slowest[1]} in {answer.slowest[0]:.1f} s",
                 "figures": sorted(rows),
@@ -176,8 +203,15 @@ def page_of(chosen: dict[str, Question], answers: dict[str, Answer], size: Size)
         seed=size.seed,
         size="full" if size.is_full else "quick",
         took=f"{took / 60:.1f} min",
+        clock=f"{seconds / 60:.1f} min",
         parts=parts,
     )
+
+
+def forget(name: str) -> None:
+    """Remove what runs before kept of a question's findings."""
+    for folder in (BUILD / "findings").glob(f"{name}-*"):
+        shutil.rmtree(folder)
 
 
 def keep(name: str, finding: Finding) -> str:
@@ -213,35 +247,38 @@ def arguments_of(words: list[str] | None) -> argparse.Namespace:
     return arguments
 
 
-def run_here(question: Question, case: str | None, plant: int | None) -> Outcome:
+def run_here(name: str, question: Question, case: str | None, plant: int | None) -> Answered:
     """Run one case in this process, with a fault when asked for."""
     if plant is None:
-        return question.run(case or "")
+        return run_case(name, case or "")
     fault = question.faults[plant]
     with fault.plant():
-        return question.run(case or fault.case)
+        return run_case(name, case or fault.case)
 
 
 def main(words: list[str] | None = None) -> int:
     """Ask questions, and return the exit status."""
     given = arguments_of(words)
-    size = Size(given.full, given.seed, given.count)
+    size, seconds = Size(given.full, given.seed, given.count), 0.0
+    is_whole = given.case is None and given.plant is None
     with tempfile.TemporaryDirectory(prefix="kousoku-stress-") as cache:
         os.environ.setdefault("KOUSOKU_CACHE", cache)
-        if given.case is not None or given.plant is not None:
-            answers = {name: Answer() for name in given.questions[:1]}
-            for name, answer in answers.items():
-                answer.add(
-                    given.case or "", run_here(given.known[name], given.case, given.plant), 0.0
-                )
+        if is_whole:
+            answers, seconds = ask(given.known, size, journal_of(size), given.processes)
         else:
-            answers = ask(given.known, size, journal_of(size), given.processes)
-    page = page_of({name: given.known[name] for name in answers}, answers, size)
+            start, answers = time.monotonic(), {name: Answer() for name in given.questions[:1]}
+            for name, answer in answers.items():
+                outcome, took = run_here(name, given.known[name], given.case, given.plant)
+                answer.add(given.case or "", outcome, took)
+            seconds = time.monotonic() - start
+    page = page_of({name: given.known[name] for name in answers}, answers, size, seconds)
     print(page)
-    is_whole = given.case is None and given.plant is None
-    for path in filter(None, (BUILD / "stress.md", given.page if is_whole else None)):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write_atomically(path, page.encode())
+    if is_whole:
+        for path in filter(None, (BUILD / "stress.md", given.page)):
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write_atomically(path, page.encode())
+        for name in answers:
+            forget(name)
     new = {
         (name, finding.title): finding
         for name, answer in answers.items()
@@ -249,7 +286,8 @@ def main(words: list[str] | None = None) -> int:
         if given.known[name].reason_of(finding) is None
     }
     for (name, title), finding in new.items():
-        print(f"FOUND {name}: {title}: {finding.details}\n  {keep(name, finding)}")
+        place = keep(name, finding) if given.plant is None else "planted"
+        print(f"FOUND {name}: {title}: {finding.details}\n  {place}")
     return 1 if new else 0
 
 

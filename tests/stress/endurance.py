@@ -132,7 +132,7 @@ def conservative(outcome: Outcome, name: str, way: str, steps: str) -> None:
     outcome.measure(label, lost[k] / allowed[k], f"{where}, at {result.time[k]:.4g} s", limit=1.0)
     steep = growth(result.time[1:], lost[1:] / moved)
     # a sum of errors grows with 1, a sum of sums with 2
-    outcome.measure("energy lost ~ time ^", steep, where, limit=1.5)
+    outcome.measure("growth of the energy lost with time (exponent)", steep, where, limit=1.5)
     early = scene.simulate(times=times[times < 0.1 * end], **options, most_steps=20 * int(steps))
     position = [one.ledger.worst("position")[0] for one in (early, result)]
     outcome.measure("constraints at the end (m)", position[1], where, limit=1e-9)
@@ -232,8 +232,9 @@ def short_turns() -> AbstractContextManager[object]:
 
 
 QUESTION = Question(
-    asks="1,000,000 steps of motions that keep their energy, 100,000 turns of those that are led,"
-    " means of chaotic ones: what drifts, and how does it grow?",
+    asks="long motions that keep their energy, many turns of those that are led, means of chaotic"
+    " ones: what drifts, and how does it grow?",
+    in_full="1,000,000 steps and 100,000 turns of each",
     cases=cases,
     run=run,
     faults=(

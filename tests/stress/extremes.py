@@ -231,7 +231,7 @@ def judge(outcome: Outcome, family: str, case: str, scene: Scene, span: float) -
             continue
         beyond, name = lost
         if trusted:
-            outcome.measure(f"{family}: digits lost beyond rounding", beyond, f"{name}, {case}")
+            outcome.measure(f"{family}: lost beyond rounding (digits)", beyond, f"{name}, {case}")
         if trusted and not beyond <= MOST_LOST:
             outcome.find(f"{family}: wrong without a word", f"{name}: {beyond:.1f} digits", **texts)
 

@@ -407,8 +407,9 @@ def contracting() -> AbstractContextManager[object]:
 
 
 QUESTION = Question(
-    asks="kernels at and near each singular condition, at all scales, in states that machines are"
-    " in, and where a climb leads: by how many units is the worst output off?",
+    asks="kernels at and near each singular condition, at all scales, and in states that machines"
+    " are in: by how many units is the worst output off?",
+    in_full="that of all variants, and where a climb to the worst point leads",
     cases=cases,
     run=run,
     faults=(

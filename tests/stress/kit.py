@@ -101,14 +101,21 @@ class Outcome:
         Parameters
         ----------
         figure : str
-            What is measured, with its unit in parentheses: a row of the page.
+            What is measured, with its unit in parentheses at the end: a row of the page.
         value : float
             The value. NaN is larger than every number.
         place : str
             Where it was measured: the point, the scene, the seed.
         limit : float
             The largest value that is right.
+
+        Raises
+        ------
+        ValueError
+            The figure has no unit.
         """
+        if not figure.endswith(")"):
+            raise ValueError(f"the figure {figure!r} has no unit in parentheses")
         key = math.inf if math.isnan(value) else value
         if figure not in self.figures or key > self.figures[figure].value:
             self.figures[figure] = Worst(key, place)
@@ -157,12 +164,15 @@ class Fault:
     plant : callable
         Returns a context in which this process computes wrongly.
     case : str
-        A case that then finds something, and without the fault finds nothing.
+        A case that then finds something, and without the fault finds nothing new.
+    finds : str
+        How the title of what it then finds begins, where only some findings are of the fault.
     """
 
     about: str
     plant: Callable[[], AbstractContextManager[object]]
     case: str
+    finds: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,7 +182,8 @@ class Question:
     Parameters
     ----------
     asks : str
-        What is asked, and what is measured: the heading and first sentence of its part of the page.
+        What is asked, and what is measured: the first sentence of its part of the page. How much of
+        it a run asked its counts say.
     cases : callable
         Returns the names of the cases for a :class:`Size`. Without a compiler in reach a question
         that needs one says so as a count instead of failing.
@@ -185,6 +196,8 @@ class Question:
         stand on the page and do not fail the run.
     seconds : float
         The longest time a case may take; one that takes longer is a finding.
+    in_full : str
+        What only the full size asks, in words that follow "the full size asks".
     """
 
     asks: str
@@ -193,6 +206,7 @@ class Question:
     faults: tuple[Fault, ...]
     known: dict[str, str] = field(default_factory=dict)
     seconds: float = 600.0
+    in_full: str = ""
 
     def reason_of(self, finding: Finding) -> str | None:
         """Return why a finding is known and not mended; None for a new one."""

@@ -1,7 +1,9 @@
 """Mutants: small mistakes in what emits code and in what is emitted, and who notices them.
 
 Each is made in a copy of the checkout, as :mod:`tests.mutants` makes it. ``kousoku verify`` is
-asked first, then the tests of ``make quick``.
+asked first, then the tests of ``make quick``; as these neither compile nor make steps in NumPy, of
+mistakes in the library then its own tests of ``make test``. The first case makes no mistake: nobody
+may notice one.
 """
 
 from __future__ import annotations
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
 
 #: Scenes with events, with drivers and with a loop: beside the packages that are committed.
 SCENES = ("bouncing_ball", "constant_velocity", "loop_free")
+ALL = ("", *SCENES)
+"""What ``kousoku verify`` is asked for all packages, and for these scenes."""
 PATIENCE = 1800.0
 """Seconds after which a command has no end."""
 
@@ -52,12 +56,15 @@ class Sort:
         How many of 200 mutants are made in them.
     verified : tuple of str
         What ``kousoku verify`` looks at; the folder itself unless given.
+    tested : str
+        Where tests lie that look at it and are not quick.
     """
 
     name: str
     patterns: tuple[str, ...]
     share: int
     verified: tuple[str, ...] = ()
+    tested: str = ""
 
     def files(self) -> list[Path]:
         """Return the files, relative to the checkout."""
@@ -73,23 +80,27 @@ SORTS = (
         "the library",
         ("runtime/integrate/*", "runtime/kinematics/*", "runtime/lanes.h"),
         40,
-        ("", *SCENES),
+        ALL,
+        "tests/runtime",
     ),
-    Sort("printers and passes", ("codegen/printers.py", "codegen/passes/*"), 8, ("", *SCENES)),
-    Sort("templates", ("codegen/templates/**/*.jinja",), 10, ("", *SCENES)),
+    Sort("printers and passes", ("codegen/printers.py", "codegen/passes/*"), 8, ALL),
+    Sort("templates", ("codegen/templates/**/*.jinja",), 10, ALL),
     Sort("the composition", ("codegen/dynamics/**/*",), 10, ("pendulum", *SCENES)),
     Sort("formulas", ("symbolic/*",), 7, ("",)),
 )
 
 
 def cases(size: Size) -> Iterator[str]:
-    """Name mutants: of the quick size in pure arithmetic, which verify alone must notice."""
+    """Name the control, then mutants: quick ones in arithmetic, which verify alone must notice."""
     if not size.is_full:
         sort, draw = SORTS[0], random.Random(size.seed)
         files = [path for path in sort.files() if path.name == "expressions.h"]
-        for number in range(size.examples(8, 0)):
-            yield f"verify {draw.choice(files).as_posix()} {number}"
+        chosen = [draw.choice(files) for _ in range(size.examples(8, 0))]
+        yield " ".join(["control verify", *dict.fromkeys(path.parent.name for path in chosen)])
+        for number, path in enumerate(chosen):
+            yield f"verify {path.as_posix()} {number}"
         return
+    yield "control all"
     for sort in SORTS:
         draw, files = random.Random(f"{size.seed} {sort.name}"), sort.files()
         weights = [sum(1 for _ in mutants.candidates_of(path)) for path in files]
@@ -115,7 +126,9 @@ def copy() -> Path:
 
 
 def run(case: str) -> Outcome:
-    """Make one mistake, and ask who notices it."""
+    """Make one mistake, and ask who notices it; or none."""
+    if case.startswith("control "):
+        return control(case)
     stage, path, number = case.split()
     outcome, mutant = Outcome(), mutants.one_of(Path(path), random.Random(f"{path} {number}"))
     if mutant is None:
@@ -127,12 +140,45 @@ def run(case: str) -> Outcome:
     if not by:
         line = (ROOT / mutant.path).read_text(encoding="utf-8").splitlines()[mutant.line - 1]
         outcome.find(
-            f"{mutant.path.name}: {mutant.old.strip()!r} -> {mutant.new.strip()!r} in"
+            f"{answered_as(mutant.path)}: {mutant.old.strip()!r} -> {mutant.new.strip()!r} in"
             f" {line.strip()!r} is not noticed",
             f"{mutant.path.as_posix()}, line {mutant.line}",
             f"python -m tests.stress mutants --case '{case}'",
         )
     return outcome
+
+
+def control(case: str) -> Outcome:
+    """Ask who notices a mistake where none is made: what notices one anyway proves nothing."""
+    outcome, folder, by = Outcome(), copy(), ""
+    _, stage, *kinds = case.split()
+    if stage == "all" and not is_good(folder, "generate"):
+        by = "by generate"
+    elif not is_good(folder, "verify", *([f"generated/kinds/{kind}" for kind in kinds] or ALL)):
+        by = "by verify"
+    elif stage == "all":
+        by = noticed_by_tests(folder, "tests/runtime")
+    outcome.count(f"no mistake: {by or 'not noticed'}")
+    if by:
+        outcome.find(
+            f"where no mistake is made one is noticed {by}",
+            "what is noticed is not the mistake",
+            f"python -m tests.stress mutants --case '{case}'",
+        )
+    return outcome
+
+
+def answered_as(path: Path) -> str:
+    """Return the file that answers name: the one that this is a copy of, or of any kind."""
+    folder, *rest = path.parts
+    if folder == "generated" and rest[0] == "kinds":
+        return Path(folder, "kinds", "*", *rest[2:]).as_posix()
+    source = Path("runtime", *rest[1:])
+    if folder == "generated" and (ROOT / source).is_file():
+        text = (ROOT / source).read_text(encoding="utf-8")
+        if text == (ROOT / path).read_text(encoding="utf-8"):
+            return source.as_posix()
+    return path.as_posix()
 
 
 def made_in(folder: Path, mutant: Mutant, sort: Sort, stage: str) -> str:
@@ -149,7 +195,15 @@ def made_in(folder: Path, mutant: Mutant, sort: Sort, stage: str) -> str:
         return "by verify"
     if stage == "verify":
         return ""
-    return "by make quick" if mutants.run(folder, ["--quick", "tests"], PATIENCE) else ""
+    return noticed_by_tests(folder, sort.tested)
+
+
+def noticed_by_tests(folder: Path, tested: str) -> str:
+    """Return which tests notice a mistake: the quick ones, then all of a folder if there is one."""
+    for tier, tests in {"quick": "tests", "test": tested}.items():
+        if tests and mutants.run(folder, [*mutants.TIERS[tier], tests], PATIENCE):
+            return f"by make {tier}"
+    return ""
 
 
 def copies_of(path: Path, text: str) -> list[Path]:
@@ -195,6 +249,12 @@ def is_good(folder: Path, *words: str) -> bool:
     return done.returncode == 0
 
 
+def wrong_before() -> AbstractContextManager[object]:
+    """Have a mistake in the checkout before one is made."""
+    spoilt = ("generated/kinds/n1/expressions.h", " + ", " - ")
+    return patch(f"{__name__}.SPOILT", (spoilt,))
+
+
 def blinded() -> AbstractContextManager[object]:
     """Let ``verify`` take every error."""
     spoilt = ("runtime/report.py", "return not self.problems", "return True")
@@ -202,13 +262,26 @@ def blinded() -> AbstractContextManager[object]:
 
 
 QUESTION = Question(
-    asks="small mistakes in formulas, passes, printers, templates, library and generated files:"
-    " who notices them, `kousoku verify`, and of those that it takes `make quick`?",
+    asks="small mistakes in generated files: who notices them?",
+    in_full="that of formulas, passes, printers, templates and the library, too: does `kousoku"
+    " verify` notice them, of those that it takes `make quick`, and of those in the library that"
+    " this takes too its tests of `make test`",
     cases=cases,
     run=run,
     faults=(
-        Fault("`verify` takes every error", blinded, "verify generated/kinds/n1/expressions.h 1"),
+        Fault(
+            "`verify` takes every error",
+            blinded,
+            "verify generated/kinds/n1/expressions.h 1",
+            "generated/kinds/*/expressions.h",
+        ),
+        Fault(
+            "a checkout that is wrong before a mistake is made",
+            wrong_before,
+            "control verify n1",
+            "where no mistake is made one is noticed by verify",
+        ),
     ),
     known=ANSWERED,
-    seconds=PATIENCE,
+    seconds=3 * PATIENCE,
 )

@@ -380,16 +380,21 @@ WITH_FORMULA = {
 }
 
 
-def with_formula(place: str, formula: str) -> Tree:
-    """Return a scene that has a formula in a place."""
+def with_formula(place: str, formula: str) -> tuple[Tree, str]:
+    """Return a scene that has a formula in a place, and the element that this is in."""
     text = msgspec.json.encode({"name": "with_formula", "unit": "m"} | WITH_FORMULA[place]).decode()
 
-    def put(value: Any) -> Any:
+    elements: list[str] = []
+
+    def put(value: Any, path: str = "") -> Any:
         if isinstance(value, dict):
-            return {key: put(one) for key, one in value.items()}
+            return {key: put(one, f"{path}.{key}") for key, one in value.items()}
         if isinstance(value, list):
-            return [put(one) for one in value]
-        return formula if value == "FORMULA" else value
+            return [put(one, path) for one in value]
+        if value != "FORMULA":
+            return value
+        elements.append(".".join(path.split(".")[1:3]))
+        return formula
 
     tree: Tree = put(json.loads(text))
-    return tree
+    return tree, elements[0]

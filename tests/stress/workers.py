@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import signal
 from concurrent.futures import ThreadPoolExecutor, as_completed
+from contextlib import suppress
 from importlib import import_module
 from multiprocessing import get_context
 from queue import SimpleQueue
@@ -23,6 +25,7 @@ Answered = tuple["Outcome", float]
 """The outcome of a case, and its processor time [s]."""
 
 SPAWN = get_context("spawn")
+HAS_GROUPS = hasattr(os, "setpgid")
 
 
 class StoppedError(Exception):
@@ -38,7 +41,12 @@ def run_case(name: str, case: str) -> Answered:
 
 
 def _serve(pipe: Connection) -> None:
-    """Run the cases that come through a pipe until it is closed."""
+    """Run the cases that come through a pipe until it is closed.
+
+    The process and all that it starts are a group, where the system has groups.
+    """
+    if HAS_GROUPS:
+        os.setpgid(0, 0)
     while True:
         try:
             name, case = pipe.recv()
@@ -91,9 +99,12 @@ class Worker:
         self._start()
 
     def stop(self) -> None:
-        """End the process, whatever it does."""
+        """End the process and those that it started, whatever they do."""
         self._pipe.close()
         self._process.kill()
+        if HAS_GROUPS and self._process.pid is not None:
+            with suppress(ProcessLookupError):  # it has no group yet, or nobody is in it any more
+                os.killpg(self._process.pid, signal.SIGKILL)
         self._process.join()
 
 

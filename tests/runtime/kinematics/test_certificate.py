@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import ctypes
+import re
+import subprocess
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +24,11 @@ from kousoku.runtime.kinematics.status import MOST_TILT
 from kousoku.runtime.linkage import load_scene
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from kousoku.runtime.kinematics.mechanism import Array
     from kousoku.runtime.linkage import LinkageSolver
+    from kousoku.runtime.toolchain import Toolchain
 
 SIX_BAR = """
 name = "six_bar"
@@ -87,20 +93,43 @@ ram = { node = "S", through = [2, 2], direction = [3, 1] }
 [inputs]
 stroke = { slider = "ram", from = 0, to = -1.5 }
 """
+#: How far the Jacobians of the blocks turn along a way to a position; radii go into the way.
+IN_C = """
+#include "kernels.c"
+void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts);
+void tilts_of(const double *alpha, const double *x, Way *way, double residual, double *tilts)
+{
+    const Coordinates end = { alpha, x };
+    Workspace w;
+    double ignored[LARGEST_BLOCK];
+    for (size_t number = 0; number < BLOCKS; ++number) {
+        evaluate(number, end, &w, ignored);
+        tilts[number] = tilt_of(number, &w, way, residual);
+    }
+}
+"""
 SCENES = {"six_bar": SIX_BAR, "rigid": RIGID, "piston": PISTON, "ram": RAM}
 
 
 @pytest.fixture(scope="module", params=SCENES)
-def solver(
-    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
-) -> LinkageSolver:
-    """Return a linkage's solver, whose tables the certificate reads."""
-    folder = tmp_path_factory.mktemp(request.param)
-    program = specialise(assemble(scene_from_toml(SCENES[request.param])), load_frozen("link"))
+def folder(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the package of a linkage."""
+    return emitted(SCENES[request.param], tmp_path_factory.mktemp(request.param))
+
+
+def emitted(scene: str, folder: Path) -> Path:
+    """Return a folder with the package of a linkage."""
+    program = specialise(assemble(scene_from_toml(scene)), load_frozen("link"))
     for name, text in emit_scene(program.package, program.solver, {}).items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture(scope="module")
+def solver(folder: Path) -> LinkageSolver:
+    """Return a linkage's solver, whose tables the certificate reads."""
     return load_scene(folder, target="numpy")
 
 
@@ -109,6 +138,7 @@ class Step:
 
     def __init__(self, solver: LinkageSolver, divisions: float) -> None:
         kernels: Any = solver.library
+        self.solver = solver
         run = solver.request(divisions=1)
         self.way = Continuation(solver.mechanism, kernels, run)
         place(self.way.newton, self.way.position)
@@ -135,10 +165,20 @@ class Step:
         return Coordinates(alpha, x)
 
     def jacobian(self, number: int, position: Coordinates) -> Array:
-        """Return the Jacobian of a block."""
+        """Return the Jacobian of a block; rows of arms do not turn with these, but are at the end.
+
+        An arm's two rows are along it and across it, which means the same equations.
+        """
         block = self.way.newton.blocks[number]
         _, found = block._position(*block.known(position), position.x[block.part])
-        matrix: Array = found
+        matrix: Array = found.copy()
+        off = np.concatenate(position) - np.concatenate(self.end)
+        curves = self.solver.mechanism.blocks[number].curves
+        for arm in [curve for curve in curves if curve.is_arm][::2]:
+            turned = sum(factor * off[place] for place, factor in arm.angle)
+            c, s = np.cos(turned), np.sin(turned)
+            rows = slice(arm.row, arm.row + 2)
+            matrix[rows] = np.array([[c, s], [-s, c]]) @ matrix[rows]
         return matrix
 
 
@@ -158,9 +198,7 @@ def test_what_the_certificate_says_of_the_tube_is_so(
         found = step.at(s)
         cubic = step.begin.x + (way.first * s + way.second * s * s + way.third * s**3)[inputs:]
         off[inputs:] = np.maximum(off[inputs:], np.abs(found.x - cubic))
-        for number, (block, table) in enumerate(zip(blocks, solver.mechanism.blocks, strict=True)):
-            if any(curve.is_arm for curve in table.curves):
-                continue  # its rows turn with the arm, which is not counted
+        for number, block in enumerate(blocks):
             there = step.jacobian(number, step.end)
             change = np.linalg.solve(there, step.jacobian(number, found) - there)
             change *= block.scale[:, np.newaxis] / block.scale
@@ -174,11 +212,28 @@ def test_what_the_certificate_says_of_the_tube_is_so(
         assert max(turned) >= 0.1 * max(tilts)
 
 
+@pytest.mark.parametrize("size", [0.1, 10.0])
+def test_a_linkage_of_another_size_turns_as_much(size: float, tmp_path: Path) -> None:
+    """Angles count as lengths: those of links that are longer move more."""
+
+    def enlarged(found: re.Match[str]) -> str:
+        return f"at = [{size * float(found[1])}, {size * float(found[2])}]"
+
+    tilts = []
+    for name, scene in (("one", RIGID), ("other", re.sub(r"at = \[(.*), (.*)\]", enlarged, RIGID))):
+        step = Step(load_scene(emitted(scene, tmp_path / name), target="numpy"), 60.0)
+        way, blocks = step.cubics(), step.way.newton.blocks
+        pairs = zip(step.way._certifiers, blocks, strict=True)
+        tilts.append([one.tilt(block, way, 0.0) for one, block in pairs])
+    np.testing.assert_allclose(tilts[1], tilts[0], rtol=1e-6, atol=1e-12)
+
+
 def test_condition_is_the_norm_of_the_inverse(solver: LinkageSolver) -> None:
     rows = solver.rows(solver.request(divisions=12))
     step = Step(solver, 12.0)
     for row, position in ((0, step.begin), (1, step.end)):
         norms = []
+        step.end = position
         for number, block in enumerate(step.way.newton.blocks):
             inverse = np.linalg.inv(step.jacobian(number, position))
             norms.append(np.abs(inverse * block.scale[:, np.newaxis]).sum(axis=1).max())
@@ -203,3 +258,32 @@ def test_an_arm_is_left_by_cubics_as_little_as_is_said(a: float, b: float, c: fl
     way = Way(first, second, third, np.zeros(2))
     error = float(Certifier(mechanism, block)._arms(way)[0, 0])
     assert 0.01 * error <= 2.0 * left <= error
+
+
+def test_c_says_of_a_tube_what_numpy_says(
+    solver: LinkageSolver, folder: Path, compiler: Toolchain, rng: np.random.Generator
+) -> None:
+    """Also of ways that nothing leads along, and where what is known is off."""
+    (folder / "tilts.c").write_text(IN_C, encoding="utf-8")
+    library = str(folder / "tilts.so")
+    flags = [f"-I{folder}", "-O0"]
+    command = compiler.compile_command([str(folder / "tilts.c")], library, flags)
+    subprocess.run(command, check=True)
+    tilts_of = ctypes.CDLL(library).tilts_of
+    step = Step(solver, 60.0)
+    blocks, certifiers = step.way.newton.blocks, step.way._certifiers
+    end, places = step.end, len(step.pace) + len(step.end.x)
+    for size in (1e-3, 0.03, 0.3):
+        first, second, third = (size ** (k + 1) * rng.normal(size=places) for k in range(3))
+        way = Way(first, second, third, np.zeros(places))
+        way.radius[: len(step.pace)] = size**4
+        given = np.ravel(way)
+        tilts = []
+        for block, one in zip(blocks, certifiers, strict=True):
+            block.evaluate(end)
+            tilts.append(one.tilt(block, way, 1e-9))
+        found = np.zeros(len(blocks))
+        numbers = [np.ctypeslib.as_ctypes(array) for array in (end.alpha, end.x, given, found)]
+        tilts_of(*numbers[:3], ctypes.c_double(1e-9), numbers[3])
+        np.testing.assert_allclose(found, tilts, rtol=1e-9)
+        np.testing.assert_allclose(given[-places:], way.radius, rtol=1e-9)

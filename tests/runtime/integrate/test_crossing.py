@@ -1,0 +1,83 @@
+"""Samples of a step that tell how narrow parts vary: where they are, and what is between them."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kousoku.runtime.integrate import crossing
+from kousoku.runtime.integrate.crossing import CELLS, Node, are_narrow_told
+
+
+def looked_at(
+    monkeypatch: pytest.MonkeyPatch, values: Any, slopes: Any, bounds: Any
+) -> tuple[bool, list[tuple[float, float]]]:
+    """Look at one part from 1 s to 3 s; return whether it is told, and the pairs of samples."""
+    pairs: list[tuple[float, float]] = []
+
+    def look_at(time: float, _: Any) -> Node:
+        value = np.array([values(time)])
+        return Node(time, np.zeros((0, 2)), value, value)
+
+    def bound_seen(a: Node, b: Node, _: Any) -> Any:
+        pairs.append((a.time, b.time))
+        return np.array([*bounds(a.time, b.time), *slopes(a.time, b.time)]).reshape(4, 1)
+
+    monkeypatch.setattr(crossing, "look_at", look_at)
+    monkeypatch.setattr(crossing, "bound_seen", bound_seen)
+    look: Any = SimpleNamespace(state=SimpleNamespace(sides=np.zeros(0)))
+    return are_narrow_told(1.0, 3.0, look), pairs
+
+
+def test_samples_part_a_step_evenly_from_its_begin_to_its_end(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    still = (lambda _: 1.0, lambda *_: (0.0, 0.0), lambda *_: (1.0, 1.0))
+    is_told, pairs = looked_at(monkeypatch, *still)
+    ends = np.linspace(1.0, 3.0, CELLS + 1).tolist()
+    assert is_told
+    assert pairs == [*pairwise(ends)]
+
+
+@pytest.mark.parametrize("cell", range(CELLS))
+def test_what_may_happen_between_any_two_samples_is_not_told(
+    monkeypatch: pytest.MonkeyPatch, cell: int
+) -> None:
+    """All samples are 1, but between two of them the bounds allow a hill of 3 and its slopes."""
+    first = 1.0 + 2.0 * cell / CELLS
+
+    def is_open(a: float, b: float) -> bool:
+        return a <= first + 1e-9 < b
+
+    def bounds(a: float, b: float) -> tuple[float, float]:
+        return (1.0, 3.0) if is_open(a, b) else (1.0, 1.0)
+
+    def slopes(a: float, b: float) -> tuple[float, float]:
+        return (-10.0, 10.0) if is_open(a, b) else (0.0, 0.0)
+
+    is_told, _ = looked_at(monkeypatch, lambda _: 1.0, slopes, bounds)
+    assert not is_told
+
+
+def test_what_varies_as_samples_say_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Slopes are known to 1.6: over 2 s a part may vary by 3.2, and samples vary by 2."""
+    is_told, _ = looked_at(
+        monkeypatch, lambda t: t - 1.0, lambda *_: (0.2, 1.8), lambda *_: (0.0, 4.0)
+    )
+    assert is_told
+    is_told, _ = looked_at(
+        monkeypatch, lambda t: t - 1.0, lambda *_: (-0.2, 2.2), lambda *_: (0.0, 4.0)
+    )
+    assert not is_told
+
+
+def test_a_part_whose_bounds_leave_it_nearly_what_it_is_is_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    steep = (lambda _: 4.0, lambda *_: (-9.0, 9.0))
+    assert looked_at(monkeypatch, *steep, lambda *_: (3.0, 5.0))[0]
+    assert not looked_at(monkeypatch, *steep, lambda *_: (2.9, 5.1))[0]

@@ -1,0 +1,153 @@
+"""Kinematics in NumPy: where steps are put, with what they find made up."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from kousoku.runtime.integrate import kinematics
+from kousoku.runtime.integrate.crossing import Look
+from kousoku.runtime.integrate.kinematics import driven_step, watched_end
+from kousoku.runtime.integrate.methods import METHODS
+from kousoku.runtime.integrate.pivot_monitor import WEAK
+from kousoku.runtime.integrate.settings import Status
+
+ANY: Any = None
+
+
+@pytest.fixture
+def work() -> Any:
+    scene = SimpleNamespace(parts=(), sees=False, has_narrow=True)
+    return SimpleNamespace(scene=scene, k=np.zeros((8, 3)))
+
+
+@pytest.fixture
+def state() -> Any:
+    return SimpleNamespace(
+        **{"time": 2.0, "step_size": 0.0, "largest_pivot_ratio": 1.0, "avoided": 0, "rejected": 0},
+        **{"drift": 0.0, "untold": 0.0},
+    )
+
+
+class Tried:
+    """Where a step tried to end, and whether in halves; what it found is made up."""
+
+    def __init__(self, drifts: list[float], ratios: list[float]) -> None:
+        self.drifts, self.ratios = [*drifts], [*ratios]
+        self.ends: list[tuple[float, bool]] = []
+        self.kept: tuple[float, float] | None = None
+
+    def reach(self, end: float, *_: Any, in_halves: bool) -> float:
+        self.ends.append((end, in_halves))
+        return self.drifts.pop(0) if self.drifts else 0.0
+
+    def pivot_ratio(self, *_: Any) -> float:
+        return self.ratios.pop(0) if self.ratios else 1.0
+
+    def accept_position(self, end: float, asked: float, *_: Any) -> None:
+        self.kept = end, asked
+
+
+def step(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any, asked: float, **found: list[float]
+) -> Tried:
+    """Make a step of at most 1 s, and return what it tried."""
+    tried = Tried(found.get("drifts", []), found.get("ratios", []))
+    for name in ("reach", "pivot_ratio", "accept_position"):
+        monkeypatch.setattr(kinematics, name, getattr(tried, name))
+    for name in ("note_pivot_ratio", "note_largest_pivot"):
+        monkeypatch.setattr(kinematics, name, lambda *_: None)
+    settings: Any = SimpleNamespace(largest_step=1.0, checks=False, tolerance=1e-9)
+    assert driven_step(settings, asked, state, work) is Status.GOOD
+    return tried
+
+
+def test_a_step_is_put_before_where_rows_are_nearly_dependent_and_then_behind_it(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    parts = [1.0, 0.75, 0.5, *(1.25**n for n in range(1, 11))]
+    assert parts[-2] < kinematics.FURTHEST < parts[-1]
+    tried = step(monkeypatch, state, work, 100.0, ratios=[0.5 * WEAK] * 13)
+    assert tried.ends == [(2.0 + part, part <= 1.0) for part in parts]
+    assert (state.avoided, state.rejected) == (12, 0)
+    assert tried.kept == (2.0 + parts[-1], 100.0)
+
+
+def test_a_ratio_at_the_threshold_is_not_weak(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    tried = step(monkeypatch, state, work, 100.0, ratios=[WEAK])
+    assert tried.ends == [(3.0, True)]
+    assert state.avoided == 0
+
+
+def test_a_ratio_is_weak_beside_the_largest_one(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    state.largest_pivot_ratio = 1e-3
+    assert len(step(monkeypatch, state, work, 100.0, ratios=[1e-8]).ends) == 1
+    state.largest_pivot_ratio = 1e3
+    assert len(step(monkeypatch, state, work, 100.0, ratios=[1e-4]).ends) == 2
+
+
+def test_a_step_that_is_not_smooth_is_halved(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    tried = step(monkeypatch, state, work, 100.0, drifts=[-1.0, -1.0, 0.0])
+    assert tried.ends == [(3.0, True), (2.5, True), (2.25, True)]
+    assert (state.avoided, state.rejected) == (0, 2)
+
+
+def test_a_place_that_is_not_smooth_behind_a_weak_one_is_given_up(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    """The step begins again, half as long."""
+    ratios = [0.5 * WEAK] * 3
+    tried = step(monkeypatch, state, work, 100.0, ratios=ratios, drifts=[0.0, 0.0, 0.0, -1.0, 0.0])
+    assert [end - 2.0 for end, _ in tried.ends] == [1.0, 0.75, 0.5, 1.25, 0.5]
+    assert (state.avoided, state.rejected) == (3, 1)
+
+
+def test_a_step_whose_works_miss_the_tolerance_is_shortened(
+    monkeypatch: pytest.MonkeyPatch, state: Any, work: Any
+) -> None:
+    work.scene.parts = ("energies",)
+    errors = [1.5, 0.5]
+    monkeypatch.setattr(kinematics, "sum_works", lambda *_: (errors.pop(0), True))
+    tried = step(monkeypatch, state, work, 100.0)
+    assert [end - 2.0 for end, _ in tried.ends] == [1.0, pytest.approx(0.9 * 1.5 ** (-1 / 7))]
+    assert state.rejected == 1
+
+
+@pytest.mark.parametrize(
+    ("part", "told", "seen", "wanted"),
+    [
+        (1.0, 2.5, 3.0, 2.5),  # samples tell no more than that
+        (1.0, 3.0, 2.25, 2.25),  # an event comes first
+        (0.5, 2.5, 2.75, 2.5),
+        (1.25, 2.5, 2.25, 3.0),  # it leaps
+        (1.0, 3.0, 3.0, 3.0),
+    ],
+)
+def test_a_step_is_looked_into_from_where_it_begins(
+    monkeypatch: pytest.MonkeyPatch,
+    state: Any,
+    work: Any,
+    part: float,
+    told: float,
+    seen: float,
+    wanted: float,
+) -> None:
+    looked: list[Any] = []
+    monkeypatch.setattr(kinematics, "look_into", lambda *given, has_stages: looked.append(given))
+    look = Look(state, work, state.time)
+    monkeypatch.setattr(kinematics, "told_end", lambda *given: told if given == (3.0, look) else 0)
+    monkeypatch.setattr(kinematics, "seen_end", lambda *given: seen if given == (3.0, look) else 0)
+    look.crosses = np.zeros(1, bool)
+    assert watched_end(ANY, 3.0, part, look) == wanted
+    ((settings, method, length, *_),) = looked
+    assert (settings, method, length) == (ANY, METHODS[0], 1.0)
+    assert (look.cut == seen) == (part <= 1.0 and seen <= told and seen < 3.0)

@@ -1,0 +1,114 @@
+"""The kit of the stress suite: workers end with all that they started, the page says what was."""
+
+from __future__ import annotations
+
+import os
+import re
+import select
+from typing import TYPE_CHECKING
+
+import pytest
+
+from tests.stress import __main__ as command
+from tests.stress.kit import Finding, Outcome, Question, Size
+from tests.stress.workers import Answered, StoppedError, Worker
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+#: A question whose cases start a process that holds a pipe open, and then do not end well.
+STARTING = """
+import os, subprocess, sys, time
+from tests.stress.kit import Question
+
+def run(case):
+    how, place = case.split(" ", 1)
+    with open(place, "wb") as pipe:
+        sleeping = "import time; print('started', flush=True); time.sleep(600)"
+        subprocess.Popen([sys.executable, "-c", sleeping], stdout=pipe)
+    if how == "ends":
+        time.sleep(1)
+        os._exit(3)
+    time.sleep(600)
+
+QUESTION = Question("", lambda size: (), run, ())
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "setpgid"), reason="no groups of processes")
+@pytest.mark.parametrize(
+    ("how", "said"), [("ends", "exit status 3"), ("sleeps", "takes longer than")]
+)
+def test_a_worker_that_is_stopped_leaves_no_process(
+    how: str, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "tests" / "stress").mkdir(parents=True)
+    (tmp_path / "tests" / "stress" / "starting.py").write_text(STARTING, encoding="utf-8")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    os.mkfifo(tmp_path / "pipe")
+    pipe = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
+    worker = Worker()
+    try:
+        for seconds in (3.0, 60.0):  # once more where the machine has more to do
+            with pytest.raises(StoppedError, match=said):
+                worker.run("starting", f"{how} {tmp_path / 'pipe'}", seconds)
+            if select.select([pipe], [], [], 0.0)[0] and os.read(pipe, 8) == b"started\n":
+                break
+        # The end of the pipe comes when nobody holds it any more.
+        assert select.select([pipe], [], [], 60.0)[0]
+        assert os.read(pipe, 1) == b""
+    finally:
+        worker.stop()
+        os.close(pipe)
+
+
+def test_a_figure_has_a_unit() -> None:
+    outcome = Outcome()
+    outcome.measure("how far (m)", 1.0, "there")
+    with pytest.raises(ValueError, match="has no unit"):
+        outcome.measure("how far", 1.0, "there")
+
+
+def asked_of(found: Outcome) -> Question:
+    return Question("are there any?", lambda _: ["one"], lambda _: found, ())
+
+
+@pytest.fixture
+def build(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Let runs write into a folder of the test, and ask in this process."""
+    monkeypatch.setattr(command, "BUILD", tmp_path)
+    monkeypatch.setattr(command, "ROOT", tmp_path)
+    for name in command.OPTIONS:
+        monkeypatch.delenv(name, raising=False)
+    return tmp_path
+
+
+def test_findings_of_a_question_that_is_asked_again_go(
+    build: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = Outcome(findings=[Finding("one that is mended")])
+    monkeypatch.setattr(command, "questions", lambda: {"any": asked_of(found)})
+    monkeypatch.setattr(command, "journal_of", lambda _: build / "journal")
+
+    def answered(keys: object, *_: object) -> list[tuple[object, Answered]]:
+        return [(key, (found, 1.0)) for key in keys]  # type: ignore[attr-defined]
+
+    monkeypatch.setattr(command, "run_cases", answered)
+    assert command.main(["any"]) == 1
+    (build / "findings" / "other-12345678").mkdir()
+    assert [*(build / "findings").glob("any-*/command.txt")]
+    (build / "journal").unlink()
+    found.findings.clear()
+    assert command.main(["any"]) == 0
+    assert [path.name for path in (build / "findings").iterdir()] == ["other-12345678"]
+
+
+def test_the_page_tells_both_times_and_the_compiler(
+    build: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(command, "compiler", lambda: "a compiler 1.2")
+    answer = command.Answer()
+    answer.add("one", Outcome(counts={"turns": 30}), 90.0)
+    page = command.page_of({"any": asked_of(Outcome())}, {"any": answer}, Size(), 48.0)
+    assert "a compiler 1.2, seed 1, quick run: 1.5 min of processor time, 0.8 min of wall" in page
+    assert re.search(r"\| turns \| 30 \|", page)
