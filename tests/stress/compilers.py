@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from unittest.mock import PropertyMock, patch
 
 from kousoku.mechanism import Mechanism
-from tests.stress.compiled import SPOILT, files_of
+from tests.stress.compiled import contracting, files_of
 from tests.stress.kit import ROOT, Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
@@ -256,11 +256,6 @@ LOOKS: dict[str, Callable[..., None]] = {
     "broken": broken,
     "dependencies": dependencies,
 }
-
-
-def contracting() -> AbstractContextManager[object]:
-    """Let compilers make one operation of a product and a sum."""
-    return patch.dict(os.environ, {SPOILT: "-ffp-contract=fast"})
 
 
 def careless() -> AbstractContextManager[object]:
