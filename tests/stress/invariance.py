@@ -13,6 +13,7 @@ import numpy as np
 import kousoku as ks
 from kousoku.model import system_forces
 from kousoku.model.errors import KousokuError
+from kousoku.model.write import toml_of
 from tests.random_draft import UNITS
 from tests.random_geometry import product, turn
 from tests.random_scenes import random_scene
@@ -21,7 +22,7 @@ from tests.stress.changes import DoesNotApply, Scaled
 from tests.stress.comparing import size_of
 from tests.stress.kit import Fault, Outcome, Question, Size
 from tests.stress.scenes import END, SAMPLES, quick_to_compile, reason_of
-from tests.stress.smaller import smallest, text_of
+from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -142,7 +143,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, chosen: dict[str, Change]) -> 
 
             small = smallest(tree, is_there)
             command = f"kousoku simulate scene.toml --end {END} --tolerance {TOLERANCE:g}"
-            files = {"scene__toml": text_of(small), "changed__toml": text_of(change.of(small))}
+            files = {"scene__toml": toml_of(small), "changed__toml": toml_of(change.of(small))}
             outcome.find(title, f"{units:.3g} units; {details}; {place}", command, **files)
     if changes.can_be_reversed(tree):
         there_and_back(mechanism, outcome, place)

@@ -21,11 +21,12 @@ from msgspec import structs
 import kousoku as ks
 from kousoku.model import combinations
 from kousoku.model.errors import KousokuError, MotionError, SceneError
+from kousoku.model.write import toml_of
 from tests.random_draft import UNITS
 from tests.random_scenes import numbered_scenes, random_scene
 from tests.stress.comparing import Comparison, size_of
 from tests.stress.kit import Disagreement, Fault, Outcome, Question, Size, falsify
-from tests.stress.smaller import smallest, text_of
+from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -117,7 +118,7 @@ def ask(tree: Tree, outcome: Outcome, place: str, *, is_smallest: bool = False) 
     small = tree if is_smallest else smallest(tree, is_there)
     for title, finding in titles.items():
         command = f"kousoku simulate scene.toml --end {END} --tolerance 1e-9"
-        outcome.find(title, finding.details, command, scene__toml=text_of(small))
+        outcome.find(title, finding.details, command, scene__toml=toml_of(small))
 
 
 def look(tree: Tree, place: str) -> Outcome:
@@ -220,7 +221,7 @@ def targets(tree: Tree, mechanism: Mechanism, outcome: Outcome, place: str) -> N
             worst = np.inf
         worst = max(worst, size_of(np.nan_to_num(a - b)) / (1 + size_of(np.nan_to_num(a))))
     outcome.measure("C and NumPy (relative)", worst, place)
-    has_sines = re.search(r"sin|cos|tan|exp|log|\^|angle|drivers|revolute", text_of(tree))
+    has_sines = re.search(r"sin|cos|tan|exp|log|\^|angle|drivers|revolute", toml_of(tree))
     if worst > (SAME if has_sines else 0.0) and not same:
         outcome.find("C and NumPy disagree", f"{worst:.3g}; {place}")
 
