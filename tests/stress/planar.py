@@ -2,6 +2,10 @@
 
 Nothing here is kousoku's: a body has the angle φ of its frame, each hinge two rows, and the
 equations M a + C_qᵀ λ = f, C_q a = γ are solved as one dense system.
+
+The independent evaluator says the same of a loop to 40 digits (``test_independent.py``), and is no
+substitute: it takes 0.44 s where this takes 0.012 s, a scene of `extremes` asks 21 times, and rows
+that are 1e-12 from dependent ones it takes as dependent, where these are solved as they stand.
 """
 
 from __future__ import annotations
