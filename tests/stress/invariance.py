@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import random
-from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
@@ -26,6 +26,7 @@ from tests.stress.smaller import smallest
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+    from contextlib import AbstractContextManager
 
     Tree = dict[str, Any]
 
@@ -189,17 +190,15 @@ def there_and_back(mechanism: Any, outcome: Outcome, place: str) -> None:
     outcome.measure("time reversed (units)", worst / UNIT, place, LIMIT)
 
 
-@contextmanager
-def upright() -> Iterator[None]:
-    """Let gravity pull along the last axis of frame O, whatever the scene says."""
+def pulled(x: float, z: float) -> AbstractContextManager[object]:
+    """Let gravity be other than the scene says along the first and the last axis of frame O."""
     right = system_forces.gravity_of
 
     def wrong(scene: Any, unit: Any) -> Any:
-        x, y, z = right(scene, unit)
-        return (0.0, 0.0, -float(np.hypot(np.hypot(x, y), z)))
+        own = right(scene, unit)
+        return (own[0] * x, own[1], own[2] * z)
 
-    with patch("kousoku.model.system.gravity_of", wrong):
-        yield
+    return patch("kousoku.model.system.gravity_of", wrong)
 
 
 QUESTION = Question(
@@ -208,6 +207,13 @@ QUESTION = Question(
     " what the change costs?",
     cases=cases,
     run=run,
-    faults=(Fault("gravity that does not turn with the scene", upright, "changed 1 4 turned"),),
+    faults=(
+        Fault("gravity along one axis alone", partial(pulled, 0.0, 1.0), "changed 1 4 turned"),
+        Fault(
+            "gravity that is wrong along one axis in digit 11",
+            partial(pulled, 1.0, 1 + 1e-10),
+            "changed 1 4 turned",
+        ),
+    ),
     seconds=1200.0,
 )
