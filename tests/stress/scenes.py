@@ -91,15 +91,15 @@ def cases(size: Size) -> Iterator[str]:
 
 
 def run(case: str) -> Outcome:
-    """Run the scenes of a case."""
-    sort, seed, number = case.split()
+    """Run the scenes of a case, or one of them by its place: ``scene 1 0 7``."""
+    sort, seed, number, *one = case.split()
     outcome = Outcome()
     with quick_to_compile():
         if sort == "numbered":
             ask(numbered_scenes()[int(number)], outcome, f"numbered scene {number}")
             return outcome
-        if sort == "random":
-            for k in range(BATCH):
+        if sort in ("random", "scene"):
+            for k in map(int, one) if one else range(BATCH):
                 draw = random.Random(f"{seed} {number} {k}")
                 ask(random_scene(draw), outcome, f"scene {seed} {number} {k}")
             return outcome
@@ -299,8 +299,8 @@ QUESTION = Question(
     faults=(
         Fault("gears that turn the wrong way", partial(geared, -1.0), "numbered 1 9"),
         Fault("gears whose ratio is wrong in digit 11", partial(geared, 1 + 1e-11), "numbered 1 9"),
-        Fault("events that are late by 1e-10", late, "numbered 1 EVENTS"),
-        Fault("works that are wrong in digit 7", generous, "numbered 1 WORKS"),
-        Fault("sines of NumPy that are wrong in the last place", rounded, "numbered 1 SINES"),
+        Fault("events that are late by 1e-10", late, "scene 2 1 8"),
+        Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
+        Fault("sines of NumPy that are wrong in the last place", rounded, "scene 2 0 2"),
     ),
 )
