@@ -7,7 +7,6 @@ that is counted, or agrees, or is a finding, with the smallest scene that shows 
 
 from __future__ import annotations
 
-import math
 import os
 import platform
 import random
@@ -285,10 +284,14 @@ def generous() -> AbstractContextManager[object]:
     return patch.object(run_ledger, "_works", wrong)
 
 
-def rounded() -> AbstractContextManager[object]:
-    """Compute with NumPy sines that are the next numbers to those of C."""
-    right = math.sin
-    return patch("math.sin", lambda x: math.nextafter(right(x), 2.0))
+def rounded_up() -> AbstractContextManager[object]:
+    """Let NumPy round up what a step gives, by a unit in the last place."""
+    right, wrong = b"state.y[:] = work.y", b"state.y[:] = np.nextafter(work.y, np.inf)"
+
+    def spoilt(source: bytes, *given: Any, **more: Any) -> Any:
+        return compile(source.replace(right, wrong), *given, **more)
+
+    return patch("kousoku.runtime.importing.compile", spoilt, create=True)
 
 
 QUESTION = Question(
@@ -301,6 +304,6 @@ QUESTION = Question(
         Fault("gears whose ratio is wrong in digit 11", partial(geared, 1 + 1e-11), "numbered 1 9"),
         Fault("events that are late by 1e-10", late, "scene 2 1 8"),
         Fault("works that are wrong in digit 7", generous, "scene 2 0 2"),
-        Fault("sines of NumPy that are wrong in the last place", rounded, "scene 2 0 2"),
+        Fault("steps that NumPy alone rounds up", rounded_up, "scene 2 0 2"),
     ),
 )
