@@ -168,7 +168,7 @@ def look(tree: Tree, place: str) -> Outcome:
     comparison = Comparison(tree, mechanism)
     run = runs["default"]
     times = nodes(run.time[-1] * (0.999 if run.stopped_by else 1.0))
-    powered = mechanism.simulate(times=times, **WAYS["default"])
+    powered: Any = mechanism.simulate(times=times, **WAYS["default"])
     for figure, value, limit in chain(comparison.rows(run), comparison.works(powered)):
         outcome.measure(figure, value, place)
         if not value <= limit:
