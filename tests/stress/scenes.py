@@ -209,7 +209,8 @@ def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> N
     for name, one in runs.items():
         other = OTHER if runs[OTHER].method != one.method else BEST
         off, limit = apart(tree, one, runs[other]), times * WAYS[name].get("tolerance", fixed)
-        outcome.measure(f"{name} and {other} (m, rad)", off, place)
+        pair = " and ".join(sorted((name, other)))
+        outcome.measure(f"{pair} (m, rad)", off, place)
         outcome.count("verdicts")
         trust = one.ledger.trust
         if trust.is_trusted and not off <= limit:
