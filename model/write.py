@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+import re
+from collections.abc import Mapping
 
 import msgspec
 
@@ -11,8 +12,8 @@ from kousoku.model.angles import Angle
 from kousoku.model.design import Formula
 from kousoku.model.scene import TABLES, Scene
 
-if TYPE_CHECKING:
-    from collections.abc import Mapping
+BARE = re.compile(r"[A-Za-z0-9_-]+")
+"""Keys that TOML takes without quotes."""
 
 
 def to_toml(scene: Scene) -> str:
@@ -20,15 +21,22 @@ def to_toml(scene: Scene) -> str:
 
     Defaults are left out, numbers have all their digits, and elements keep their order.
     """
-    parts = [_entries(scene, leave_out=(*TABLES, "method"))]
-    for table in TABLES:
-        elements: Mapping[str, msgspec.Struct] = getattr(scene, table)
-        if elements:
-            lines = [f"{name} = {_value(element)}\n" for name, element in elements.items()]
-            parts.append(f"[{table}]\n{''.join(lines)}")
-    if method := _entries(scene.method):
-        parts.append(f"[method]\n{method}")
-    return "\n".join(parts)
+    given = _given(scene)
+    own = {key: value for key, value in given.items() if key not in (*TABLES, "method")}
+    tables = {table: getattr(scene, table) for table in TABLES} | {"method": _given(scene.method)}
+    return toml_of(own | {table: one for table, one in tables.items() if one})
+
+
+def toml_of(tree: Mapping[str, object]) -> str:
+    """Return the text of a file that reads back as a tree: one line an element of each table."""
+    tables = {key: value for key, value in tree.items() if isinstance(value, Mapping)}
+    own = {key: value for key, value in tree.items() if key not in tables}
+    parts = [f"[{_key(key)}]\n{_lines(value)}" for key, value in tables.items()]
+    return "\n".join([_lines(own), *parts])
+
+
+def _lines(table: Mapping[str, object]) -> str:
+    return "".join(f"{_key(key)} = {_value(value)}\n" for key, value in table.items())
 
 
 def _given(record: msgspec.Struct) -> dict[str, object]:
@@ -40,21 +48,24 @@ def _given(record: msgspec.Struct) -> dict[str, object]:
     }
 
 
-def _entries(record: msgspec.Struct, leave_out: tuple[str, ...] = ()) -> str:
-    given = _given(record).items()
-    return "".join(f"{key} = {_value(value)}\n" for key, value in given if key not in leave_out)
+def _key(key: str) -> str:
+    return key if BARE.fullmatch(key) else _quoted(key)
+
+
+def _quoted(text: str) -> str:
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def _value(value: object) -> str:
     if isinstance(value, msgspec.Struct):
-        inner = ", ".join(f"{key} = {_value(item)}" for key, item in _given(value).items())
+        value = _given(value)
+    if isinstance(value, Mapping):
+        inner = ", ".join(f"{_key(key)} = {_value(item)}" for key, item in value.items())
         return f"{{ {inner} }}"
-    if isinstance(value, tuple):
+    if isinstance(value, tuple | list):
         return f"[{', '.join(_value(item) for item in value)}]"
     if isinstance(value, Formula | Angle):
-        return json.dumps(value.text, ensure_ascii=False)
+        return _quoted(value.text)
     if isinstance(value, bool):
         return "true" if value else "false"
-    if isinstance(value, str):
-        return json.dumps(value, ensure_ascii=False)
-    return repr(value)
+    return _quoted(value) if isinstance(value, str) else str(value)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import tomllib
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.read import read_scene, scene_from_toml
-from kousoku.model.write import to_toml
+from kousoku.model.write import to_toml, toml_of
 
 ROOT = Path(__file__).parents[2]
 
@@ -41,3 +43,10 @@ def test_numbers_keep_all_their_digits_and_defaults_are_left_out() -> None:
         'alpha = { link = "l", about = "A", from = -1e+22 }\n'
     )
     assert scene_from_toml(to_toml(scene)) == scene
+
+
+def test_any_tree_reads_back() -> None:
+    """Also keys that are no names, and characters that stand in no text of TOML."""
+    inner: dict[str, Any] = {"a b": [1, 1.5, True], "": {"é": '"\n\x7f\\', "c-d": []}}
+    tree: dict[str, Any] = {"x.y": -1e-300, "text": "\0\x7f", "table": inner, "empty": {}}
+    assert tomllib.loads(toml_of(tree)) == tree

@@ -15,6 +15,7 @@ import pytest
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Status
+from tests.stress.force_laws import SHAFT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -332,27 +333,17 @@ def test_both_targets_have_the_same_events_and_bits(solver_of: Callable[..., Any
             assert np.array_equal(first.events, second.events)
 
 
-#: A shaft that is led, a hammer that hits it, and where it is.
-SHAFT = """
-name = "shaft"
-unit = "m"
-outputs = ["energies"]
-[bodies]
-shaft = { position = [0, 0, 0], mass = 1, inertia = { xx = 0.1, yy = 0.1, zz = 0.1 } }
-[joints]
-axle = { type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1] }
-[coordinates]
-turn = { joint = "axle" }
-[drivers]
-motor = { coordinate = "turn", value = "2*t + sin(t)" }
-[forces]
-hammer = { type = "along", coordinate = "turn", force = "1e3*max(0, 1 - abs(turn - 5)/1e-3)" }
+#: A shaft that is led, what hits it, and where it is.
+HIT = (
+    SHAFT.format(law="2*t + sin(t)", load="1e3*max(0, 1 - abs(turn - 5)/1e-3)")
+    + """
 brush = { type = "along", coordinate = "turn", force = "1e3*exp(-((turn - 9)/1e-3)^2)" }
 [events]
 turned = { when = "sin(turn)", direction = "rising" }
 slow = { when = "turn_dot - 2", direction = "falling", action = "count" }
 enough = { when = "turn - 16", action = "stop" }
 """
+)
 #: A jump from a bridge: the rope acts once it is straight, by its own law.
 JUMP = """
 name = "jump"
@@ -379,7 +370,7 @@ lowest = { when = "z_dot", direction = "rising" }
 def test_drivers_lead_to_events_and_through_narrow_forces(
     solver_of: Callable[..., Any], rows: int
 ) -> None:
-    run = solver_of(SHAFT).simulate(12.0, samples=rows)
+    run = solver_of(HIT).simulate(12.0, samples=rows)
 
     def when(turn: float) -> float:
         t = turn / 2.0
@@ -394,7 +385,7 @@ def test_drivers_lead_to_events_and_through_narrow_forces(
         [when(2 * math.pi * n) for n in (1, 2)], abs=1e-8
     )
     assert run.events["slow"].count == 1  # cos(t) falls through zero
-    assert run.ledger.works["hammer"] == pytest.approx(1.0, rel=1e-4)
+    assert run.ledger.works["load"] == pytest.approx(1.0, rel=1e-4)
     assert run.ledger.works["brush"] == pytest.approx(math.sqrt(math.pi), rel=1e-4)
 
 

@@ -11,6 +11,7 @@ import pytest
 
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
+from tests.stress.force_laws import BUMP, FORMS, SHAFT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,52 +22,7 @@ if TYPE_CHECKING:
 
 END = 10.0
 #: A force of 10 N that rises and falls by a part of its width.
-PULSE = """
-name = "pulse"
-unit = "m"
-outputs = ["energies"]
-parameters = { t0 = 5.0, width = 1.0, rise = 0.01 }
-[bodies]
-block = { point = true, position = [0, 0, 0], mass = 1 }
-[forces.hit]
-type = "force"
-body = "block"
-force = ["10*max(0, min(1, (t - t0)/(rise*width), (t0 + width - t)/(rise*width)))", "0", "0"]
-"""
-#: What a driver adds for a moment pushes a second body.
-BUMP = """
-name = "bump"
-unit = "m"
-parameters = { t0 = 5.0, width = 0.1 }
-drivers = { road = { coordinate = "x", value = "t + width*exp(-((t - t0)/width)^2)" } }
-[bodies]
-cart = { position = [0, 0, 0], mass = 5, inertia = { xx = 1, yy = 1, zz = 1 } }
-bob = { position = [0, 0, 0], mass = 1, inertia = { xx = 1, yy = 1, zz = 1 } }
-[joints]
-rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
-slide = { type = "prismatic", bodies = ["cart", "bob"], at = [0, 0, 0], axis = [0, 1, 0] }
-[coordinates]
-x = { joint = "rail" }
-y = { joint = "slide" }
-[forces]
-reads = { type = "along", coordinate = "y", force = "(x - t)/width" }
-"""
-#: A shaft that is led, with friction, and a load.
-SHAKER = """
-name = "shaker"
-unit = "m"
-outputs = ["energies"]
-[bodies]
-shaft = { position = [0, 0, 0], mass = 1, inertia = { xx = 0.1, yy = 0.1, zz = 0.1 } }
-[joints]
-axle = { type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1] }
-[coordinates]
-turn = { joint = "axle" }
-[drivers]
-motor = { coordinate = "turn", value = "LAW" }
-[forces]
-load = { type = "along", coordinate = "turn", force = "LOAD" }
-"""
+PULSE = FORMS["trapezoid"].text
 WAYS: tuple[dict[str, Any], ...] = (
     {"method": "dopri5"},
     {"method": "dop853"},
@@ -90,17 +46,18 @@ def test_no_pulse_is_missed(solver_of: Callable[..., Any]) -> None:
     solver, random_ = solver_of(PULSE), random.Random(3)
     for k in range(1000):
         width = END * 10 ** random_.uniform(-6.0, -0.5)
-        t0, rise = random_.uniform(0.0, END - width), random_.choice((0.3, 0.01, 1e-4))
+        place, rise = random_.uniform(0.0, END - width), random_.choice((0.3, 0.01, 1e-4))
         run = solver.simulate(
             END,
             samples=random_.choice((2, 11, 101)),
-            parameters={"t0": t0, "width": width, "rise": rise},
+            parameters={"place": place, "width": width, "rise": rise},
             **WAYS[k % len(WAYS)],
         )
         speed = 10.0 * width * (1.0 - rise)
         velocity, position = run.velocity["block"][-1, 0], run.position["block"][-1, 0]
-        assert velocity == pytest.approx(speed, rel=1e-8), (t0, width, rise)
-        assert position == pytest.approx(speed * (END - t0 - width / 2), rel=1e-7, abs=1e-8 * speed)
+        assert velocity == pytest.approx(speed, rel=1e-8), (place, width, rise)
+        way = speed * (END - place - width / 2)
+        assert position == pytest.approx(way, rel=1e-7, abs=1e-8 * speed)
         assert run.ledger.steps < 60
 
 
@@ -108,10 +65,11 @@ def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
     solver, random_ = solver_of(BUMP), random.Random(3)
     for k in range(300):
         width = END * 10 ** random_.uniform(-6.0, -1.5)
-        t0 = random_.uniform(6.0 * width, END - 6.0 * width)
-        run = solver.simulate(END, samples=2, parameters={"t0": t0, "width": width}, **WAYS[k % 2])
+        place = random_.uniform(6.0 * width, END - 6.0 * width)
+        parameters = {"place": place, "width": width}
+        run = solver.simulate(END, samples=2, parameters=parameters, **WAYS[k % 2])
         speed = width * math.sqrt(math.pi)
-        assert run.velocity["bob"][-1, 1] == pytest.approx(speed, rel=1e-8), (t0, width)
+        assert run.velocity["bob"][-1, 1] == pytest.approx(speed, rel=1e-8), (place, width)
         assert run.ledger.steps < 300
 
 
@@ -127,7 +85,7 @@ def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
 def test_works_do_not_depend_on_rows(
     solver_of: Callable[..., Any], law: str, load: str, work: float, rows: int
 ) -> None:
-    solver = solver_of(SHAKER.replace("LAW", law).replace("LOAD", load))
+    solver = solver_of(SHAFT.format(law=law, load=load))
     run = solver.simulate(END, samples=rows, method="kinematics")
     assert run.ledger.works["load"] == pytest.approx(work, rel=3e-5)
 
@@ -137,7 +95,7 @@ def test_both_targets_meet_switches_with_the_same_bits(solver_of: Callable[..., 
     for text in (PULSE, BUMP):
         runs = [
             solver_of(text, target=target).begin(
-                np.linspace(0.0, END, 7), parameters={"t0": 3.3, "width": 1e-3}, most_steps=1000
+                np.linspace(0.0, END, 7), parameters={"place": 3.3, "width": 1e-3}, most_steps=1000
             )
             for target in ("c", "numpy")
         ]
@@ -149,8 +107,9 @@ def test_both_targets_meet_switches_with_the_same_bits(solver_of: Callable[..., 
 
 
 def test_jumps_of_a_force_are_met(solver_of: Callable[..., Any]) -> None:
-    hit = PULSE[: PULSE.index("force = [")] + 'force = ["sign(t - t0) + abs(sin(t))", "0", "0"]\n'
-    run = solver_of(hit).simulate(END, parameters={"t0": math.e})
+    block = PULSE[: PULSE.index("force = [")]
+    hit = block + 'force = ["sign(t - place) + abs(sin(t))", "0", "0"]\n'
+    run = solver_of(hit).simulate(END, parameters={"place": math.e})
     speed = END - 2.0 * math.e + 6.0 + 1.0 - math.cos(END - 3.0 * math.pi)
     assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-9)
 
@@ -197,7 +156,7 @@ def test_fixed_steps_do_not_pass_over_narrow_forces_without_a_word(
     solver_of: Callable[..., Any], method: str
 ) -> None:
     pulse = PULSE[: PULSE.index("force = [")]
-    hit = solver_of(pulse + 'force = ["10*exp(-((t - t0)/width)^2) + 0*rise", "0", "0"]\n')
+    hit = solver_of(pulse + 'force = ["10*exp(-((t - place)/width)^2) + 0*rise", "0", "0"]\n')
     wall = solver_of(CART.replace("LAW", "-3e4*exp(-((x - 83.2)/width)^2) + 0*stiffness*friction"))
     for width in (1e-3, 1e-2, 0.1):
         run = hit.simulate(END, parameters={"width": width}, method=method, step=0.37)

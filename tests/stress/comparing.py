@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -28,11 +29,47 @@ if TYPE_CHECKING:
 SINGULAR = 1e4
 """From this condition on, rounding of positions decides more than digits of the accelerations."""
 
-ROUGH = 1e-6
-"""How far forces may be that are a root of a coordinate near zero: it is rounded before that."""
+U = 2.0**-53
+"""A unit of rounding. Limits are some times what fifty healthy scenes have at most, in units."""
+
+ROUGH = 2.0**-24
+"""How far forces may be that are a root of a coordinate near zero: some times the root of U."""
+
+REFINED = 1e-11
+"""How far accelerations may be: some times the 2e-12 from which on a solver refines them."""
 
 CLEAR = 1e4
 """How much larger the smallest singular value that counts is than the next one, at least."""
+
+
+NEAR = 1e-9
+"""Formulas of events that are nearer to zero in a row may be on either side of it."""
+
+DIRECTIONS = {"both": (-1, 1), "rising": (1,), "falling": (-1,)}
+"""To which signs the formula of an event changes."""
+
+
+SMOOTH, WORKS = 1e-10, 1e-9
+"""What integrals of powers may miss that tell works, and how far works may then be off: the
+tolerance of steps. Of powers that jump the integral is known to half of what it may miss."""
+
+
+def nodes(end: float, number: int = 17) -> Array:
+    """Return times at which powers are integrated, those of Clenshaw and Curtis."""
+    times = end * (1 - np.cos(np.pi * np.arange(number) / (number - 1))) / 2
+    times[-1] = end
+    return times
+
+
+def _integral(times: Array, values: Any) -> tuple[float, float]:
+    """Return the integral of the polynomial through values at nodes, and what it may miss.
+
+    That is the size of its last coefficients: they are small where values are smooth.
+    """
+    polynomial = np.polynomial.Chebyshev.fit(times, values, len(times) - 1)
+    whole, span = polynomial.integ(), times[-1] - times[0]
+    last = np.abs(polynomial.coef[len(times) // 2 + 1 :]).sum()
+    return float(whole(times[-1]) - whole(times[0])), float(last * span)
 
 
 def size_of(*arrays: Array) -> float:
@@ -64,15 +101,24 @@ class Comparison:
 
     def rows(self, run: Motion) -> Iterator[Measured]:
         """Yield how far the rows of a motion are from what the evaluator says of them."""
-        last = None
-        for k in range(len(run)):
-            t, q, v = run.state(k)
-            found = self._at(t, q, v, last)
-            self.start, last = self.start or found, (t, found)
+        seen: list[tuple[float, Evaluation]] = []
+        for k, found in enumerate(self.evaluations(run)):
+            self.start = self.start or found
+            seen.append((run.time[k], found))
             yield from self._constraints(found)
             yield from self._tables(run, k, found)
             if k in (0, len(run) - 1):
                 yield from self._equations(run, k, found)
+        yield from self._events(run, seen)
+
+    def evaluations(self, run: Motion) -> Iterator[Evaluation]:
+        """Yield what the evaluator says of the rows of a motion, one after the other."""
+        last = None
+        for k in range(len(run)):
+            t, q, v = run.state(k)
+            found = self._at(t, q, v, last)
+            last = (t, found)
+            yield found
 
     def _at(
         self, t: float, q: Array, v: Array, last: tuple[float, Evaluation] | None
@@ -97,9 +143,13 @@ class Comparison:
 
     def _constraints(self, found: Evaluation) -> Iterator[Measured]:
         scales = self.scales(found)
-        yield "rows of joints and drivers (m, rad)", size_of(found.C / scales), 1e-8
+        yield "rows of joints and drivers (m, rad)", size_of(found.C / scales), 1000 * U
         rates = found.C_q @ found.v - found.nu
-        yield "their rates (m/s, rad/s)", size_of(rates / scales) / (1 + self._speed(found)), 1e-8
+        yield (
+            "their rates (m/s, rad/s)",
+            size_of(rates / scales) / (1 + self._speed(found)),
+            1000 * U,
+        )
 
     def _speed(self, found: Evaluation) -> float:
         return size_of(found.v / self.units(found))
@@ -110,16 +160,73 @@ class Comparison:
             if name not in run.coordinate:
                 continue
             of = self.metre if self._is_length(name) else 1.0
-            yield "coordinates (m, rad)", size_of(run.coordinate[name][k] - u.value) / of, 1e-9
+            off = size_of(run.coordinate[name][k] - u.value) / (of + abs(u.value))
+            yield "coordinates (of 1 m or rad and more)", off, 20 * U
             rate = size_of(run.coordinate_rate[name][k] - u.first[-2]) / of
-            yield "their rates (m/s, rad/s)", rate / (1 + self._speed(found)), 1e-9
+            yield "their rates (m/s, rad/s)", rate / (1 + self._speed(found)), 1000 * U
         if "energy.kinetic" in run and found.M is not None and self.start is not None:
             kinetic, potential = (run[f"energy.{one}"] for one in ("kinetic", "potential"))
             joule = self.metre**2
             size = joule + found.kinetic + abs(found.potential) + abs(self.start.potential)
-            yield "kinetic energy (relative)", size_of(kinetic[k] - found.kinetic) / size, 1e-10
+            yield "kinetic energy (relative)", size_of(kinetic[k] - found.kinetic) / size, 30 * U
             off = potential[k] - found.potential
-            yield "potential energy (relative)", size_of(off) / size, 1e-10
+            yield "potential energy (relative)", size_of(off) / size, 60 * U
+
+    def _events(self, run: Motion, seen: list[tuple[float, Evaluation]]) -> Iterator[Measured]:
+        """Yield how far formulas are from zero at their events, and events that are not there."""
+        for name, event in run.events.items():
+            for k in range(len(event.states)):
+                t, q, v = event.states.state(k)
+                before = [row for row in seen if row[0] <= t][-1]
+                found = self._at(t, q, v, before)
+                off = abs(self._beyond(name, found))
+                yield "formulas of events at their events (s, m, rad)", off, 100 * U
+            signs = [self._beyond(name, found) for _, found in seen]
+            signs = [1 if x > 0 else -1 for x in signs if abs(x) > NEAR]
+            wanted = DIRECTIONS[self.tree["events"][name].get("direction", "both")]
+            changes = [b for a, b in pairwise(signs) if a != b]
+            missing = sum(b in wanted for b in changes) - event.count
+            yield "events between rows that are missing", max(0, missing), 0
+
+    def _beyond(self, name: str, found: Evaluation) -> float:
+        """Return by how much of a second, metre or radian the formula of an event is above zero."""
+        formula = found.events[name]
+        lengths = [self.metre if self._is_length(name) else 1.0 for name in found.coordinates]
+        rates = [size * (1 + self._speed(found)) for size in lengths]
+        changes = np.abs(formula.first) @ [1.0, *lengths, *rates]
+        return float(formula.value / changes) if changes else 0.0
+
+    def works(self, run: Motion) -> Iterator[Measured]:
+        """Yield how far works are from integrals of the evaluator's powers.
+
+        Parameters
+        ----------
+        run : Motion
+            With rows at :func:`nodes`.
+        """
+        powers: dict[str, list[float]] = {name: [] for name in run.ledger.works}
+        for found in self.evaluations(run):
+            known = dict(found.powers)
+            if found.M is not None and powers.keys() - known.keys():
+                solution = found.solution
+                if solution.condition > SINGULAR or solution.gap < CLEAR:
+                    return
+                for owner in powers.keys() - known.keys():
+                    pushes, left_open = found.pushes(owner)
+                    is_known = size_of(left_open) <= 1e-6 * size_of(found.C_q)
+                    known[owner] = pushes @ found.v if is_known else np.nan
+            for name, own in powers.items():
+                own.append(known[name])
+        for name, own in powers.items():
+            if np.isnan(own).any():
+                continue
+            work, missed = _integral(run.time, own)
+            size = self.metre**2 + size_of(own) * run.time[-1]
+            got = run.ledger.works[name] / run.layout.unit**2
+            if missed <= SMOOTH * size:
+                yield "works (relative)", abs(got - work) / size, WORKS
+            else:
+                yield "works of powers that jump or bend (relative)", abs(got - work) / missed, 0.5
 
     def _is_length(self, name: str) -> bool:
         one = self.tree["coordinates"][name]
@@ -137,14 +244,15 @@ class Comparison:
         if found.M is not None:
             square = np.outer(units, units) / joule
             off = size_of((found.M - theirs.M) * square) / size_of(found.M * square)
-            yield "mass matrix (relative)", off, 1e-12
+            yield "mass matrix (relative)", off, 40 * U
             size = self._force(found, found.M @ found.v) + 1e-3
             off = size_of((found.f - theirs.f) * units) / joule / size
-            yield "applied forces (relative)", off, max(1e-10, self.rough)
+            # of stiff mounts that are nearly relaxed forces are differences: mounted_motor's 3e-13
+            yield "applied forces (relative)", off, max(10000 * U, self.rough)
         solution = self._solution(found)
         if solution is None or solution.condition > SINGULAR or solution.gap < CLEAR:
             return
-        limit = 1e-13 * solution.condition**2 + 1e-10 + self.rough * solution.condition
+        limit = 10 * U * solution.condition**2 + REFINED + self.rough * solution.condition
         yield from self._accelerations(run, k, found, solution, limit)
         if found.M is None:
             return
@@ -153,6 +261,8 @@ class Comparison:
         off = size_of((evaluated.v_dot - solution.v_dot) / units) / size
         yield "accelerations (relative)", off, limit
         size = self._force(found, found.M @ solution.v_dot, *(found.C_q.T * solution.lam).T) + 1e-3
+        # rows in micrometres have elements of 1 and of 1e6, which cancel in the evaluator's sums
+        limit += U * max(self.metre, 1 / self.metre)
         for owner in dict.fromkeys(found.owners):
             own = [row.partition(":")[0] == owner for row in theirs.rows]
             push = -theirs.C_q[own].T @ evaluated.lam[own]
@@ -216,13 +326,13 @@ class Comparison:
         A, B = found.C_q[mine] * units, theirs.C_q[own] * units
         A, B = A / self._of(A), B / self._of(B)
         X = np.linalg.lstsq(A.T, B.T, rcond=None)[0].T if size_of(A) else np.zeros((len(B), len(A)))
-        yield "Jacobian of joints (relative)", size_of(X @ A - B), 1e-9
+        yield "Jacobian of joints (relative)", size_of(X @ A - B), 1000 * U
         sizes = self._of(found.C_q[mine] * units)[:, 0], self._of(theirs.C_q[own] * units)[:, 0]
         speed = self._speed(found)
-        for name, power in (("nu", 1), ("gamma", 2)):
+        for name, power, most in (("nu", 1, 20), ("gamma", 2, 100)):
             x, y = getattr(found, name)[mine] / sizes[0], getattr(theirs, name)[own] / sizes[1]
             size = 1 + speed**power + size_of(x, y)
-            yield f"{name} of joints (relative)", size_of(X @ x - y) / size, 1e-9
+            yield f"{name} of joints (relative)", size_of(X @ x - y) / size, most * U
 
     @staticmethod
     def _of(A: Array) -> Array:

@@ -11,7 +11,9 @@ import hashlib
 import os
 import random
 import sys
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
+from unittest.mock import patch
 
 import numpy as np
 
@@ -26,6 +28,7 @@ from tests.stress.kit import ROOT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
+    from contextlib import AbstractContextManager
 
 SPOILT = "KOUSOKU_STRESS_FLAG"
 """A flag that takes the place of the one that forbids contraction: a fault that is planted."""
@@ -79,11 +82,28 @@ def computed(sort: str, name: str) -> Iterator[np.ndarray[Any, Any]]:
         yield from (np.asarray(part) for part in result.state(k))
 
 
+@contextmanager
+def contracting() -> Iterator[None]:
+    """Compile products and sums into single instructions, here and in processes started here."""
+    with patch.dict(os.environ, {SPOILT: "-ffp-contract=fast"}), spoilt():
+        yield
+
+
+def spoilt() -> AbstractContextManager[object]:
+    """Compile with the flag of the environment in the place of the one that forbids contraction."""
+    flag = os.environ.get(SPOILT, "-ffp-contract=off")
+    flags = (flag if one == "-ffp-contract=off" else one for one in toolchain.FLAGS)
+    return patch.object(toolchain, "FLAGS", tuple(flags))
+
+
 def main() -> None:
     """Print the digest."""
-    if flag := os.environ.get(SPOILT):
-        flags = (flag if one == "-ffp-contract=off" else one for one in toolchain.FLAGS)
-        vars(toolchain)["FLAGS"] = tuple(flags)
+    with spoilt():
+        tell()
+
+
+def tell() -> None:
+    """Print the digest of what the command line names."""
     digest, count = hashlib.sha256(), 0
     try:
         for numbers in computed(*sys.argv[1:3]):

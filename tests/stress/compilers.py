@@ -22,7 +22,7 @@ from unittest.mock import patch
 
 from kousoku.mechanism import Mechanism
 from kousoku.runtime.toolchain import find_toolchain
-from tests.stress.compiled import SPOILT, files_of
+from tests.stress.compiled import contracting, files_of
 from tests.stress.kit import ROOT, Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
@@ -263,11 +263,6 @@ LOOKS: dict[str, Callable[..., None]] = {
     "broken": broken,
     "dependencies": dependencies,
 }
-
-
-def contracting() -> AbstractContextManager[object]:
-    """Let compilers make one operation of a product and a sum."""
-    return patch.dict(os.environ, {SPOILT: "-ffp-contract=fast"})
 
 
 def careless() -> AbstractContextManager[object]:

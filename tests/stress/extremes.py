@@ -16,6 +16,7 @@ import numpy as np
 import kousoku as ks
 from kousoku.codegen.dynamics.composition import bodies, compose
 from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.model.write import toml_of
 from tests.stress.kit import Fault, Outcome, Question, Size
 from tests.stress.planar import (
     GROUND,
@@ -213,10 +214,10 @@ def numbers_of(run: Any, row: int, scene: Scene) -> dict[str, float]:
 
 def judge(outcome: Outcome, family: str, case: str, scene: Scene, span: float) -> None:
     """Run a scene, and compare its rows with 60 digits."""
-    texts = {"planar__toml": scene.text()}
+    texts = {"planar__toml": toml_of(scene.tree)}
     command = f"kousoku simulate planar.toml --end {span:g} --samples 3"
     try:
-        run = ks.load(scene.text(), target="numpy").simulate(span, samples=3)
+        run = ks.load(scene.tree, target="numpy").simulate(span, samples=3)
     except ks.KousokuError as error:
         way = "stopped on its way, in words" if "no step can be taken" in str(error) else "refused"
         outcome.count(f"{family}: {way}")

@@ -287,22 +287,21 @@ def dry(random_: random.Random) -> Drawn:
     return {"place": stiffness, "height": friction}, wanted
 
 
-#: A shaft that is led, with a bump, and what it turns against.
+#: A shaft that is led by a law of time, and what it turns against.
 SHAFT = """
-name = "led"
+name = "shaft"
 unit = "m"
 outputs = ["energies", "coordinates"]
-parameters = { place = 5.0, width = 0.1, high = 1.0 }
 [bodies]
-shaft = { position = [0, 0, 0], mass = 1, inertia = { xx = 0.1, yy = 0.1, zz = 0.1 } }
+shaft = {{ position = [0, 0, 0], mass = 1, inertia = {{ xx = 0.1, yy = 0.1, zz = 0.1 }} }}
 [joints]
-axle = { type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1] }
+axle = {{ type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1] }}
 [coordinates]
-turn = { joint = "axle" }
+turn = {{ joint = "axle" }}
 [drivers]
-motor = { coordinate = "turn", value = "t + high*exp(-((t - place)/width)^2)" }
+motor = {{ coordinate = "turn", value = "{law}" }}
 [forces]
-load = { type = "along", coordinate = "turn", force = "-0.01*turn_dot" }
+load = {{ type = "along", coordinate = "turn", force = "{load}" }}
 """
 #: A cart that is led with a bump, and one that feels how far it is off.
 BUMP = """
@@ -372,7 +371,13 @@ FORMS: dict[str, Form] = {
         for name, (law, of) in PULSES.items()
     },
     "bump": Form("bumps of drivers", BUMP, bump, free=0.0),
-    "led": Form("loads of bumps, kinematics", SHAFT, led, is_led=True),
+    "led": Form(
+        "loads of bumps, kinematics",
+        SHAFT.format(law="t + high*exp(-((t - place)/width)^2)", load="-0.01*turn_dot")
+        + "[parameters]\nplace = 5.0\nwidth = 0.1\nhigh = 1.0\n",
+        led,
+        is_led=True,
+    ),
     **{
         name: Form(
             "walls",

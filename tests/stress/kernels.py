@@ -35,7 +35,7 @@ from kousoku.codegen.stream import Stream
 from kousoku.codegen.tape import record
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import NoCompilerError
-from kousoku.runtime import load, toolchain
+from kousoku.runtime import load
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
 from kousoku.runtime.reference import reference_of
 from kousoku.runtime.report import LIMIT
@@ -46,11 +46,11 @@ from kousoku.symbolic.kinds import KINDS
 from kousoku.symbolic.matrices import Divisor, add, mul, neg, transpose
 from kousoku.symbolic.spring import RELATIVE, D, L
 from tests.stress import wide
+from tests.stress.compiled import contracting
 from tests.stress.kit import Fault, Outcome, Question, Size
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
-    from contextlib import AbstractContextManager
 
     from kousoku.codegen import kernel as frozen
     from kousoku.codegen.tape import Tape
@@ -398,12 +398,6 @@ def cancelling() -> Iterator[None]:
         write_tree(Path(folder), emit(replace(package, kernels=tuple(kernels)), {}))
         with patch(f"{__name__}.folder_of", lambda _: Path(folder)):
             yield
-
-
-def contracting() -> AbstractContextManager[object]:
-    """Compile products and sums into single instructions, which round once."""
-    flags = [flag.replace("contract=off", "contract=fast") for flag in toolchain.FLAGS]
-    return patch.object(toolchain, "FLAGS", tuple(flags))
 
 
 QUESTION = Question(

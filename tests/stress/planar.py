@@ -2,6 +2,10 @@
 
 Nothing here is kousoku's: a body has the angle φ of its frame, each hinge two rows, and the
 equations M a + C_qᵀ λ = f, C_q a = γ are solved as one dense system.
+
+The independent evaluator says the same of a loop to 40 digits (``test_independent.py``), and is no
+substitute: it takes 0.44 s where this takes 0.012 s, a scene of `extremes` asks 21 times, and rows
+that are 1e-12 from dependent ones it takes as dependent, where these are solved as they stand.
 """
 
 from __future__ import annotations
@@ -95,44 +99,46 @@ class Scene:
         kept = {name: x for name, x in self.hinges.items() if name != hinge}
         return replace(self, hinges=kept)
 
-    def text(self) -> str:
-        """Return the scene as kousoku reads it; the last hinge is the one that leans."""
-        lines = ['name = "planar"', 'unit = "m"', f"gravity = [0, {-self.gravity!r}, 0]"]
-        lines += ['outputs = ["accelerations", "reactions", "energies"]']
-        for name, bar in self.bars.items():
-            inertia = f"{{ xx = {bar.moment!r}, yy = {bar.moment!r}, zz = {bar.moment!r} }}"
-            lines += [
-                f"[bodies.{name}]",
-                f"position = [{bar.at[0]!r}, {bar.at[1]!r}, 0]",
-                f"orientation = {{ axis = [0, 0, 1], angle = {bar.angle!r} }}",
-                f"mass = {bar.mass!r}",
-                f"center = [{bar.center[0]!r}, {bar.center[1]!r}, 0]",
-                f"inertia = {inertia}",
-                f"angular_velocity = [0, 0, {bar.omega!r}]",
-            ]
-        for name, hinge in self.hinges.items():
-            lean = self.nearly if self.leans and name == [*self.hinges][-1] else 0.0
-            lines += [
-                f"[joints.{name}]",
-                'type = "hinge"',
-                f'bodies = ["{hinge.i}", "{hinge.j}"]',
-                f"points = [{_triple(hinge.s_i)}, {_triple(hinge.s_j)}]",
-                f"axis = [{lean!r}, 0, 1]",
-            ]
-        for name, spring in self.springs.items():
-            lines += [
-                f"[forces.{name}]",
-                'type = "spring_damper"',
-                f'bodies = ["{spring.i}", "{spring.j}"]',
-                f"points = [{_triple(spring.s_i)}, {_triple(spring.s_j)}]",
-                f"stiffness = {spring.stiffness!r}",
-                f"free_length = {spring.free!r}",
-            ]
-        return "\n".join(lines) + "\n"
-
-
-def _triple(point: Pair) -> str:
-    return f"[{point[0]!r}, {point[1]!r}, 0]"
+    @property
+    def tree(self) -> dict[str, Any]:
+        """The scene as kousoku reads it; the last hinge is the one that leans."""
+        last = [*self.hinges][-1]
+        return {
+            "name": "planar",
+            "unit": "m",
+            "gravity": [0, -self.gravity, 0],
+            "outputs": ["accelerations", "reactions", "energies"],
+            "bodies": {
+                name: {
+                    "position": [*bar.at, 0],
+                    "orientation": {"axis": [0, 0, 1], "angle": bar.angle},
+                    "mass": bar.mass,
+                    "center": [*bar.center, 0],
+                    "inertia": dict.fromkeys(("xx", "yy", "zz"), bar.moment),
+                    "angular_velocity": [0, 0, bar.omega],
+                }
+                for name, bar in self.bars.items()
+            },
+            "joints": {
+                name: {
+                    "type": "hinge",
+                    "bodies": [hinge.i, hinge.j],
+                    "points": [[*hinge.s_i, 0], [*hinge.s_j, 0]],
+                    "axis": [self.nearly * (self.leans and name == last), 0, 1],
+                }
+                for name, hinge in self.hinges.items()
+            },
+            "forces": {
+                name: {
+                    "type": "spring_damper",
+                    "bodies": [spring.i, spring.j],
+                    "points": [[*spring.s_i, 0], [*spring.s_j, 0]],
+                    "stiffness": spring.stiffness,
+                    "free_length": spring.free,
+                }
+                for name, spring in self.springs.items()
+            },
+        }
 
 
 @dataclass(frozen=True, slots=True)
@@ -286,23 +292,6 @@ def _pull(
         right[3 * k] += fx
         right[3 * k + 1] += fy
         right[3 * k + 2] += arm[0] * fy - arm[1] * fx
-
-
-def left(scene: Scene, states: Mapping[str, State]) -> tuple[float, float]:
-    """Return by how much the worst hinge is open [m], and how fast it opens [m/s]."""
-    motions = {name: _motion(state, _once) for name, state in states.items()}
-    motions[GROUND] = _motion(State((0, 0), 0, (0, 0), 0), _once)
-    gaps, rates = [MP.zero], [MP.zero]
-    for hinge in scene.hinges.values():
-        points, speeds = [], []
-        for name, s in ((hinge.i, hinge.s_i), (hinge.j, hinge.s_j)):
-            motion, own = motions[name], _read(s, _once)
-            x, y = motion.turned(own)
-            points.append(motion.point(own))
-            speeds.append((motion.v[0] - motion.omega * y, motion.v[1] + motion.omega * x))
-        gaps += [abs(a - b) for a, b in zip(*points, strict=True)]
-        rates += [abs(a - b) for a, b in zip(*speeds, strict=True)]
-    return float(max(gaps)), float(max(rates))
 
 
 def units(scene: Scene, states: Mapping[str, State], seed: int, samples: int = 6) -> dict[str, Any]:

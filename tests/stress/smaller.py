@@ -1,9 +1,8 @@
-"""The tree of a scene as a file, and smaller trees that a finding is still in."""
+"""Smaller trees of scenes that a finding is still in."""
 
 from __future__ import annotations
 
 import copy
-import json
 import re
 import time
 from typing import TYPE_CHECKING, Any
@@ -17,27 +16,8 @@ if TYPE_CHECKING:
 MOST_SECONDS = 30.0
 
 
-def text_of(tree: Tree) -> str:
-    """Return a tree as TOML, right or wrong as a scene: one line an element."""
-    own = [f"{key} = {_value(value)}\n" for key, value in tree.items() if not _is_table(value)]
-    tables = [
-        f"\n[{key}]\n" + "".join(f"{name} = {_value(one)}\n" for name, one in value.items())
-        for key, value in tree.items()
-        if _is_table(value)
-    ]
-    return "".join(own + tables)
-
-
 def _is_table(value: Any) -> bool:
     return isinstance(value, dict)
-
-
-def _value(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_value(one)}" for key, one in value.items()) + " }"
-    if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_value, value)) + "]"
-    return json.dumps(value, ensure_ascii=False) if isinstance(value, str | bool) else repr(value)
 
 
 def smallest(tree: Tree, is_found: Callable[[Tree], bool], seconds: float = MOST_SECONDS) -> Tree:

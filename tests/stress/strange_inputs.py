@@ -15,7 +15,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from kousoku.model.read import scene_from_dict
-from kousoku.model.write import to_toml
+from kousoku.model.write import to_toml, toml_of
 from tests.random_scenes import random_scene
 from tests.stress.kit import ROOT
 
@@ -310,30 +310,18 @@ def edited_texts(draw: DrawFn) -> str:
 
 
 def written(tree: Tree) -> str:
-    """Return a tree as TOML, whatever it holds: each table of the file as one value."""
-    return "".join(f"{_key(key)} = {_toml(value)}\n" for key, value in tree.items())
+    """Return a tree as TOML, whatever it holds, and text for what TOML has not."""
+    return toml_of(_as_toml_has_it(tree))
 
 
-def _key(name: object) -> str:
-    return _quoted(str(name))
-
-
-def _quoted(text: str) -> str:
-    return json.dumps(text.encode("utf-8", "replace").decode(), ensure_ascii=False).replace(
-        "\x7f", "\\u007f"
-    )
-
-
-def _toml(value: object) -> str:
+def _as_toml_has_it(value: Any) -> Any:
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{_key(k)} = {_toml(v)}" for k, v in value.items()) + " }"
+        return {_as_toml_has_it(str(k)): _as_toml_has_it(x) for k, x in value.items()}
     if isinstance(value, list | tuple):
-        return "[" + ", ".join(map(_toml, value)) + "]"
-    if isinstance(value, str):
-        return _quoted(value)
-    if isinstance(value, bool):
-        return str(value).lower()
-    return '"none"' if value is None else str(value)
+        return [*map(_as_toml_has_it, value)]
+    if isinstance(value, str):  # a half of a pair is no character
+        return value.encode("utf-8", "replace").decode()
+    return "none" if value is None else value
 
 
 #: Small scenes with a place for a formula, by what it may depend on.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import random
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,12 +15,15 @@ import pytest
 
 import kousoku as ks
 from tests.stress.comparing import Comparison
+from tests.stress.extremes import four_bar, stiff
 from tests.stress.independent.evaluator import Evaluator
 from tests.stress.independent.formulas import Reader
 from tests.stress.independent.numbers import Jet, atan2
+from tests.stress.planar import State, solution
 
 if TYPE_CHECKING:
     from kousoku.runtime.toolchain import Toolchain
+    from tests.stress.planar import Scene
 
     Tree = dict[str, Any]
 
@@ -79,6 +83,36 @@ def test_a_pendulum_falls_as_its_formula_says(real: Any) -> None:
         wanted = -2 * real(9.81) * 0.5 * mpmath.sin(turn) / moment
         assert abs(found.solution.v_dot[4] - wanted) < (1e-14 if real is float else 1e-28)
     assert float(found.potential) == pytest.approx(-9.81 * math.cos(angle))
+
+
+@pytest.mark.parametrize(
+    "one",
+    [four_bar((1.0, 3.0, 2.0, 3.0), 1.0, 0.5), stiff(random.Random(2))],
+    ids=["loop", "stiff"],
+)
+def test_equations_of_the_plane_say_the_same_in_60_digits(one: Scene) -> None:
+    states = {
+        name: State(bar.at, bar.angle, (0.25, -0.5), bar.omega) for name, bar in one.bars.items()
+    }
+    wanted = solution(one, states)
+    with mpmath.workdps(60):
+        poses = {}
+        for name, state in states.items():
+            half, spin = mpmath.mpf(state.angle) / 2, mpmath.mpf(state.omega)
+            p = [mpmath.cos(half), 0, 0, mpmath.sin(half)]
+            poses[name] = ([*state.r, 0], p, [*state.v, 0], [0, 0, spin])
+        found = Evaluator(one.tree, real=mpmath.mpf).evaluate(0, poses)
+        got = {}
+        for name, own in found.columns.items():
+            x, y, *_, got[f"{name}.alpha"] = found.solution.v_dot[own]
+            got |= {f"{name}.ax": x, f"{name}.ay": y}
+        for name, hinge in one.hinges.items():
+            own = found.columns[hinge.j]
+            got[f"{name}.fx"], got[f"{name}.fy"], *_ = found.pushes(name)[0][own]
+        off = {name: abs(mpmath.mpf(x) - got[name]) for name, x in wanted.numbers().items()}
+        size = max(abs(x) for x in got.values())
+    assert off.keys() == got.keys()
+    assert max(off.values()) < 1e-40 * size
 
 
 def test_a_nut_on_a_thread_falls_with_the_inertia_of_its_turn() -> None:

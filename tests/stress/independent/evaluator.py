@@ -71,8 +71,8 @@ class Evaluation:
         The named ones, with their turns.
     angles : dict of (str, str) to Jet
         Those of all joints with their turns, by joint and sort.
-    events : dict of str to number
-        Values of the formulas of events.
+    events : dict of str to Jet
+        Formulas of events, with their derivatives along time, all coordinates, and their rates.
     """
 
     columns: dict[str, slice]
@@ -89,7 +89,7 @@ class Evaluation:
     powers: dict[str, Number]
     coordinates: dict[str, Jet]
     angles: dict[tuple[str, str], Jet]
-    events: dict[str, Number]
+    events: dict[str, Jet]
 
     @cached_property
     def solution(self) -> Solution:
@@ -216,10 +216,6 @@ class Evaluator:
         if M is not None:
             self.forces.act(load, place)
         v = array([x for name in self.columns for x in self._rates(state, name)])
-        events = {
-            name: self.read.number(one["when"], names)
-            for name, one in self.tree.get("events", {}).items()
-        }
         return Evaluation(
             self.columns,
             [owner for owner, _ in rows],
@@ -238,8 +234,21 @@ class Evaluator:
                 key: self.joints.counted({"joint": key[0], "of": key[1]}, poses, near)
                 for key in self._angles
             },
-            events,
+            self._events(names),
         )
+
+    def _events(self, names: Mapping[str, Number]) -> dict[str, Jet]:
+        """Return the formulas of events, given what they may name."""
+        given = self.tree.get("events", {})
+        along = [
+            [self.read.real(int(k == m)) for m in range(len(names))] for k in range(len(names))
+        ]
+        none = array([self.read.real(0)] * len(names))
+        jets = {
+            name: Jet(x, array(row), none)
+            for (name, x), row in zip(names.items(), along, strict=True)
+        }
+        return {name: self.read.number(one["when"], jets) for name, one in given.items()}
 
     @cached_property
     def _angles(self) -> list[tuple[str, str]]:
