@@ -186,7 +186,7 @@ class Comparison:
             wanted = DIRECTIONS[self.tree["events"][name].get("direction", "both")]
             changes = [b for a, b in pairwise(signs) if a != b]
             missing = sum(b in wanted for b in changes) - event.count
-            yield "events between rows that are missing", max(0, missing), 0
+            yield "events between rows that are missing (events)", max(0, missing), 0
 
     def _beyond(self, name: str, found: Evaluation) -> float:
         """Return by how much of a second, metre or radian the formula of an event is above zero."""
