@@ -165,6 +165,8 @@ class Equations:
         )
         self._column_scale = np.array([1.0 if is_turn(x) else self.unit for x in self.columns])
         self._places = tuple(np.array(own, int) for own in zip(*self._recorded.places, strict=True))
+        #: Names of angles that count turns, by whether a solver has a table of coordinates.
+        self._turning: dict[bool, list[str]] = {}
         #: What M lacks, empty where it has all: a rod may be thin about one axis.
         self.lacks = _lack(self.system.bodies)
 
@@ -368,9 +370,12 @@ class Equations:
 
     def turning(self, solver: DynamicsSolver) -> tuple[int, list[str]]:
         """Return where the angles that count turns begin in q of a solver, and their names."""
-        system = system_of(self.scene, ("coordinates",) if solver.layout.coordinates else ())
-        needed = system.coordinates[: len(system.coordinates) - system.only_held]
-        names = [one.name for one in needed if one.counts_turns]
+        is_shown = bool(solver.layout.coordinates)
+        if is_shown not in self._turning:
+            system = system_of(self.scene, ("coordinates",) if is_shown else ())
+            needed = system.coordinates[: len(system.coordinates) - system.only_held]
+            self._turning[is_shown] = [one.name for one in needed if one.counts_turns]
+        names = self._turning[is_shown]
         first = len(solver.q) - len(solver.layout.works) - len(names)
         places = [k for body in solver.bodies for k in (*body.r, *body.p) if isinstance(k, int)]
         if first != max(places, default=-1) + 1:
