@@ -8,10 +8,20 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from chains import ALONG, CENTRE, GRAVITY, MASS, MOMENTS, STATES, Accelerations, bars, joint_states
-from loops import INCLUDES, cpp_compiler
-from peers import MissingPeerError, required
 
+from benchmarks.chains import (
+    ALONG,
+    CENTRE,
+    GRAVITY,
+    MASS,
+    MOMENTS,
+    STATES,
+    Accelerations,
+    bars,
+    joint_states,
+)
+from benchmarks.kit import MissingError, required
+from benchmarks.loops import INCLUDES, cpp_compiler
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
@@ -29,13 +39,13 @@ def build_loop(folder: Path) -> Path:
 
     Raises
     ------
-    MissingPeerError
+    MissingError
         Pinocchio, Eigen or a C++ compiler is not there.
     """
     prefix = Path(required("pinocchio").__file__).parents[4]
     eigen = [path for base in INCLUDES if (path := Path(base) / "eigen3").is_dir()]
     if not eigen:
-        raise MissingPeerError("Pinocchio's headers need those of Eigen (libeigen3-dev)")
+        raise MissingError("Pinocchio's headers need those of Eigen (libeigen3-dev)")
     library = folder / "pinocchio_loop.so"
     source = Path(__file__).with_name("pinocchio_loop.cpp")
     command = [*cpp_compiler(find_toolchain().command), *_FLAGS]
@@ -43,7 +53,7 @@ def build_loop(folder: Path) -> Path:
     command += [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise MissingPeerError(f"{source.name} does not compile:\n{done.stderr[-2000:]}")
+        raise MissingError(f"{source.name} does not compile:\n{done.stderr[-2000:]}")
     return library
 
 

@@ -22,10 +22,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from loops import Batch, casadi_loop, kousoku_loop, symforce_loop
-from p2 import N_IN, N_OUT, SAMPLE, Judge, aligned, inputs
-from peers import MissingPeerError, heyoka_functions, lambdified, stacked
 
+from benchmarks.kernel_peers import heyoka_functions, lambdified, stacked
+from benchmarks.kit import MissingError
+from benchmarks.loops import Batch, casadi_loop, kousoku_loop, symforce_loop
+from benchmarks.p2 import N_IN, N_OUT, SAMPLE, Judge, aligned, inputs
 from kousoku import runtime
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.toolchain import find_toolchain
@@ -268,7 +269,7 @@ def run_all(package: Path) -> Benchmark:
 
     Raises
     ------
-    MissingPeerError
+    MissingError
         A program to compare with is not there.
     """
     numpy_library = runtime.load(package, target="numpy")
@@ -341,7 +342,7 @@ def main() -> int:
     options = parser.parse_args()
     try:
         benchmark = run_all(options.folder)
-    except MissingPeerError as error:
+    except MissingError as error:
         print(error, file=sys.stderr)
         return 2
     if options.json:

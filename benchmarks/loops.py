@@ -8,9 +8,9 @@ import subprocess
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from p2 import SIZES
-from peers import MissingPeerError, casadi_source, symforce_header
-
+from benchmarks.kernel_peers import casadi_source, symforce_header
+from benchmarks.kit import MissingError
+from benchmarks.p2 import SIZES
 from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
 
@@ -79,13 +79,13 @@ def symforce_loop(folder: Path) -> Loop:
 
     Raises
     ------
-    MissingPeerError
+    MissingError
         SymForce, Eigen or a C++ compiler is not there.
     """
     header = symforce_header(folder)
     eigen = [path for base in INCLUDES if (path := Path(base) / "eigen3").is_dir()]
     if not eigen:
-        raise MissingPeerError(
+        raise MissingError(
             "SymForce's C++ needs the headers of Eigen (apt-get install libeigen3-dev)"
         )
     types = [f"Eigen::Matrix<double, {size}, 1>" for size in SIZES.values()]
@@ -170,7 +170,7 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
         command[command.index("-std=c99")] = "-std=c++17"
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise MissingPeerError(f"{loop.name} does not compile:\n{done.stderr}")
+        raise MissingError(f"{loop.name} does not compile:\n{done.stderr}")
     return Loop(library)
 
 
@@ -184,4 +184,4 @@ def cpp_compiler(command: Sequence[str]) -> list[str]:
             found = other if before else shutil.which(other)
             if found:
                 return [*before, found]
-    raise MissingPeerError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")
+    raise MissingError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")

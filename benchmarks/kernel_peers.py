@@ -2,35 +2,16 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from p2 import SIZES, p2, symbols
+
+from benchmarks.kit import required
+from benchmarks.p2 import SIZES, p2, symbols
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-
-
-class MissingPeerError(Exception):
-    """A program to compare with is not installed."""
-
-
-def required(name: str) -> Any:
-    """Import a peer.
-
-    Raises
-    ------
-    MissingPeerError
-        It is not installed.
-    """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingPeerError(
-            f"the benchmark needs {name} ({error}); pip install 'kousoku[bench]'"
-        ) from error
 
 
 def casadi_source(folder: Path, *, cse: bool) -> Path:
@@ -96,7 +77,10 @@ def lambdified() -> Callable[..., Sequence[Any]]:
     arguments = symbols(sympy.Symbol)
     c, rows = p2(*arguments)
     flat = [x for xs in arguments for x in xs]
-    return sympy.lambdify(flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True)
+    made: Callable[..., Sequence[Any]] = sympy.lambdify(
+        flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True
+    )
+    return made
 
 
 def stacked(values: Sequence[Any], c: np.ndarray, c_q: np.ndarray) -> None:
