@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,7 @@ from benchmarks.kit import required
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import numpy.typing as npt
 
@@ -103,8 +103,12 @@ def index_1(
     observed: Any,
     q_dot: Any = None,
     energy: Any = None,
+    held: Sequence[slice] = (),
 ) -> Equations:
-    """Return M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given."""
+    """Return M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given.
+
+    ``held`` are the rows of each joint whose reaction is judged, by how large its force is.
+    """
     ca = required("casadi")
     q_dot = v if q_dot is None else q_dot
     jacobian = ca.jacobian(constraints, q)
@@ -113,7 +117,7 @@ def index_1(
     gamma = -ca.jtimes(ca.mtimes(jacobian, v), q, q_dot)
     rows = constraints.numel()
     matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(rows, rows)))
-    return Equations(
+    made = Equations(
         ca.vertcat(q, v),
         np.asarray(start, dtype=np.float64),
         observed,
@@ -122,6 +126,11 @@ def index_1(
         right=ca.vertcat(forces, gamma),
         energy=energy,
     )
+    if not held:
+        return made
+    multipliers = made.solved()[v.numel() :]
+    norms = [ca.norm_2(multipliers[rows]) for rows in held]
+    return replace(made, reactions=ca.vertcat(*norms))
 
 
 def lagrange(
