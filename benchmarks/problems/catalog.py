@@ -9,4 +9,7 @@ from benchmarks.problems import andrews, n_four_bar, pendulum, top
 if TYPE_CHECKING:
     from benchmarks.problems.problem import Problem
 
-PROBLEMS: dict[str, Problem] = {one.name: one for one in (pendulum.PROBLEM, andrews.PROBLEM, *n_four_bar.PROBLEMS, *top.PROBLEMS)}
+PROBLEMS: dict[str, Problem] = {
+    one.name: one
+    for one in (pendulum.PROBLEM, andrews.PROBLEM, *n_four_bar.PROBLEMS, *top.PROBLEMS)
+}

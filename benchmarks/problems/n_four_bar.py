@@ -113,9 +113,6 @@ SMALL, MIDDLE = 2, 40
 def problem_of(count: int) -> Problem:
     """Return the problem with so many four-bars."""
     published = {10.0: PUBLISHED[count]} if count in PUBLISHED else {}
-    forms = [partial(by_crank, count)]
-    if count <= SMALL:
-        forms.append(partial(flat, tree_of(count)))
     return Problem(
         name=f"n_four_bar_{count}",
         title=f"N-four-bar A02, N = {count}, 10 s",
@@ -123,7 +120,7 @@ def problem_of(count: int) -> Problem:
         observe=partial(observe, count),
         length=1.0,
         end=END,
-        forms=tuple(forms),
+        forms=(partial(by_crank, count),),
         published=published,
         peers=partial(peers, count),
         is_quick=count == MIDDLE,
