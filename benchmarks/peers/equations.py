@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -114,7 +114,7 @@ def index_1(
     jacobian = ca.jacobian(constraints, q)
     if q_dot is not v:
         jacobian = ca.mtimes(jacobian, ca.jacobian(q_dot, v))
-    gamma = -ca.jtimes(ca.mtimes(jacobian, v), q, q_dot)
+    gamma = -ca.jtimes(ca.jtimes(constraints, q, q_dot), q, q_dot)
     rows = constraints.numel()
     matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(rows, rows)))
     made = Equations(
@@ -211,15 +211,22 @@ def compiled(function: Any) -> Any:
     return ca.external(function.name(), str(library))
 
 
-def caller(equations: Equations) -> Callable[[float, Array], Array]:
-    """Return f(t, x) over arrays, compiled, through CasADi's buffers."""
+def caller(
+    equations: Equations, what: Literal["rate", "jacobian"] = "rate"
+) -> Callable[[float, Array], Array]:
+    """Return f(t, x) or its Jacobian over arrays, compiled, through CasADi's buffers."""
     ca = required("casadi")
-    rate = ca.densify(equations.explicit)
-    function = compiled(ca.Function("rate", [equations.x], [rate], {"cse": True}))
+    wanted = equations.explicit
+    count = len(equations.start)
+    result = np.zeros(count)
+    if what == "jacobian":
+        wanted = ca.jacobian(wanted, equations.x)
+        result = np.zeros((count, count), order="F")
+    function = compiled(ca.Function(what, [equations.x], [ca.densify(wanted)], {"cse": True}))
     buffer, call = function.buffer()
-    state, result = np.zeros(len(equations.start)), np.zeros(len(equations.start))
+    state = np.zeros(count)
     buffer.set_arg(0, state.data)
-    buffer.set_res(0, result.data)
+    buffer.set_res(0, result.ravel(order="K").data)
     kept = (function, buffer)
 
     def of(_t: float, x: Array, _kept: Any = kept) -> Array:

@@ -263,7 +263,8 @@ def runs(
     """Return what runs to the end, and what gives the observed positions at all times."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        system = System(tree, is_tree=line in EXPLICIT)
+        has_cross = not all(link.mass for link in tree.links)
+        system = System(tree, is_tree=line in EXPLICIT or has_cross)
     solver = getattr(system.exudyn.DynamicSolverType, SOLVERS[line])
     end = float(times[-1])
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -37,10 +38,14 @@ def text(tree: Tree) -> str:
         site(f"spring_{k}_b", spring.b)
 
     def body(k: int) -> str:
-        link = tree.links[k]
+        link, joints = tree.links[k], _joint(tree.links[k])
+        while not link.mass:  # a cross of a universal joint: one body has both hinges
+            (k,) = tree.children(k)
+            link = replace(tree.links[k], at=link.at)
+            joints += _joint(link)
         inner = "".join(body(child) for child in tree.children(k))
         return (
-            f'<body name="link_{k}" pos="{_words(link.at)}">{_joint(link)}'
+            f'<body name="link_{k}" pos="{_words(link.at)}">{joints}'
             f'<inertial pos="{_words(link.center)}" mass="{link.mass}"'
             f' diaginertia="{_words(link.inertia)}"/>{"".join(sites[k])}{inner}</body>'
         )
