@@ -69,7 +69,6 @@ def answer(question: str, command: str) -> Answer:
     if wanted["do"] == "judge":
         judged = call.judge()
         return {"error": judged.error, "extra": judged.extra}
-    gc.collect()
     gc.disable()
     try:
         about = wanted.get("about")
@@ -175,18 +174,27 @@ def race(
                 over.add((case.tool, case.line))
             if record.note.startswith(MISSING):
                 missing[case.tool] = record.note
-    _time_in_turn(contest, records, workers, tell)
+    _time_in_turn(contest, records, workers, late, tell)
     workers.forget(contest)
     return records
 
 
 def _time_in_turn(
-    contest: str, records: list[Record], workers: Workers, tell: Callable[[str], object]
+    contest: str,
+    records: list[Record],
+    workers: Workers,
+    late: float,
+    tell: Callable[[str], object],
 ) -> None:
-    """Run the cases that are short enough in rounds, and tell the fastest and the median."""
+    """Run the cases that are short enough in rounds, and tell the fastest and the median.
+
+    When it is late one round is made, so that times of one contest are of one kind.
+    """
     times: dict[int, list[float]] = {k: [] for k, one in enumerate(records) if one.fastest}
     most = {k: rounds_of(records[k].fastest or 0.0) for k in times}
     for r in range(max(most.values(), default=0)):
+        if r and time.monotonic() > late:
+            break
         tell(f"{contest}: round {r + 1}")
         for k, found in times.items():
             if r < most[k]:

@@ -74,6 +74,7 @@ def tree_lines(
     steps: Sequence[int] = STEPS,
     is_stiff: bool = False,
     is_singular: bool = False,
+    is_redundant: bool = False,
 ) -> list[Case]:
     """Return the lines of tools that start from bodies and joints."""
     counts = steps if size.is_full else FEW_STEPS
@@ -88,7 +89,9 @@ def tree_lines(
                 f"{form} and DOP853",
                 f"tolerance {tolerance:.0e}",
                 "scene",
-                partial(called, problem, partial(_pinocchio, tree, tolerance)),
+                partial(
+                    called, problem, partial(_pinocchio, tree, tolerance, is_redundant=is_redundant)
+                ),
             )
             for tolerance in STEPPERS
         ]
@@ -109,8 +112,8 @@ def _exudyn(tree: Tree, line: str, steps: int, times: Array, *, is_tight: bool) 
     return exudyn.runs(tree, line, steps, times, is_tight=is_tight)
 
 
-def _pinocchio(tree: Tree, tolerance: float, times: Array) -> Runs:
-    return pinocchio.runs(tree, tolerance, times)
+def _pinocchio(tree: Tree, tolerance: float, times: Array, *, is_redundant: bool) -> Runs:
+    return pinocchio.runs(tree, tolerance, times, is_redundant=is_redundant)
 
 
 def stepped(
