@@ -43,10 +43,12 @@ def equation_lines(
     is_stiff: bool = False,
     is_long: bool = False,
     has_multipliers: bool = False,
+    tolerances: Sequence[float] = TAYLOR,
 ) -> list[Case]:
     """Return the lines of heyoka, SciPy and CasADi on equations that are given.
 
-    Code of equations that are long is compact in heyoka: inlined it compiles for minutes.
+    Code of equations that are long is compact in heyoka: inlined it compiles for minutes. Where
+    that takes half a minute, too, heyoka gets fewer tolerances.
     """
     taylor = [("heyoka", "Taylor", partial(heyoka.runs, compact=is_long))]
     steppers: list[tuple[str, str, Callable[[Equations, float, Array], Runs]]]
@@ -61,7 +63,9 @@ def equation_lines(
         if has_multipliers:
             steppers.append(("CasADi", "IDAS", casadi.idas))
     return [
-        *equation_cases(problem, form, kind, make, taylor, TAYLOR if size.is_full else FEW_TAYLOR),
+        *equation_cases(
+            problem, form, kind, make, taylor, tolerances if size.is_full else FEW_TAYLOR
+        ),
         *equation_cases(problem, form, kind, make, steppers, STEPPERS if size.is_full else FEW),
     ]
 
