@@ -8,9 +8,19 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from chains import ALONG, CENTRE, GRAVITY, MASS, MOMENTS, STATES, Accelerations, bars, joint_states
-from loops import INCLUDES, cpp_compiler
-from peers import MissingPeerError, required
+from benchmarks.chains import (
+    ALONG,
+    CENTRE,
+    GRAVITY,
+    MASS,
+    MOMENTS,
+    STATES,
+    Accelerations,
+    bars,
+    joint_states,
+)
+from benchmarks.kit import MissingError, required
+from benchmarks.loops import cpp_compiler, eigen
 
 from kousoku.runtime.toolchain import find_toolchain
 
@@ -29,21 +39,18 @@ def build_loop(folder: Path) -> Path:
 
     Raises
     ------
-    MissingPeerError
+    MissingError
         Pinocchio, Eigen or a C++ compiler is not there.
     """
     prefix = Path(required("pinocchio").__file__).parents[4]
-    eigen = [path for base in INCLUDES if (path := Path(base) / "eigen3").is_dir()]
-    if not eigen:
-        raise MissingPeerError("Pinocchio's headers need those of Eigen (libeigen3-dev)")
     library = folder / "pinocchio_loop.so"
     source = Path(__file__).with_name("pinocchio_loop.cpp")
     command = [*cpp_compiler(find_toolchain().command), *_FLAGS]
-    command += [f"-I{prefix / 'include'}", f"-isystem{eigen[0]}", "-o", str(library), str(source)]
+    command += [f"-I{prefix / 'include'}", f"-isystem{eigen()}", "-o", str(library), str(source)]
     command += [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise MissingPeerError(f"{source.name} does not compile:\n{done.stderr[-2000:]}")
+        raise MissingError(f"{source.name} does not compile:\n{done.stderr[-2000:]}")
     return library
 
 
@@ -71,8 +78,8 @@ def looped(count: int, library: Path) -> Accelerations:
     return Accelerations("Pinocchio, C++ loop", run, _of_bodies(theta, rate, change))
 
 
-def called(count: int) -> Accelerations:
-    """Return Pinocchio's accelerations, each through a call from Python."""
+def model_of(count: int) -> Any:
+    """Return a chain as Pinocchio's model, built joint by joint."""
     pinocchio = required("pinocchio")
     model: Any = pinocchio.Model()
     model.gravity.linear = GRAVITY
@@ -84,6 +91,12 @@ def called(count: int) -> Accelerations:
         parent = model.addJoint(parent, joint, place, f"joint_{k}")
         bar = pinocchio.Inertia(MASS, CENTRE, np.diag(MOMENTS))
         model.appendBodyToJoint(parent, bar, pinocchio.SE3.Identity())
+    return model
+
+
+def called(count: int) -> Accelerations:
+    """Return Pinocchio's accelerations, each through a call from Python."""
+    pinocchio, model = required("pinocchio"), model_of(count)
     data, torque = model.createData(), np.zeros(count)
     theta, rate = joint_states(count)
     change = np.zeros_like(theta)
