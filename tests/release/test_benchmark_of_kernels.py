@@ -2,7 +2,6 @@
 
 import json
 import sys
-from collections.abc import Iterator
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -19,12 +18,10 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
-def modules(monkeypatch: pytest.MonkeyPatch) -> Iterator[Modules]:
-    """Import the benchmark's files, which stand beside each other."""
-    monkeypatch.syspath_prepend(str(ROOT / "benchmarks"))
-    yield import_module("kernels"), import_module("p2"), import_module("peers")
-    for name in ("kernels", "p2", "peers", "loops"):
-        sys.modules.pop(name, None)
+def modules() -> Modules:
+    """Return the benchmark's modules."""
+    kernels, p2, kit = (import_module(f"benchmarks.{name}") for name in ("kernels", "p2", "kit"))
+    return kernels, p2, kit
 
 
 def test_the_peers_get_the_formula_that_is_emitted(modules: Modules) -> None:
@@ -51,7 +48,7 @@ def test_the_judge_measures_in_units_of_rounding(modules: Modules) -> None:
 
 def test_a_missing_peer_is_an_error_that_says_what_to_install(modules: Modules) -> None:
     _, _, peers = modules
-    with pytest.raises(peers.MissingPeerError, match=r"no_such_peer.*kousoku\[bench\]"):
+    with pytest.raises(peers.MissingError, match=r"no_such_peer.*kousoku\[bench\]"):
         peers.required("no_such_peer")
 
 
@@ -88,7 +85,7 @@ def test_a_missing_peer_ends_the_run_with_status_2(
     kernels, _, peers = modules
 
     def fail(_folder: Path) -> None:
-        raise peers.MissingPeerError("the benchmark needs heyoka")
+        raise peers.MissingError("the benchmark needs heyoka")
 
     monkeypatch.setattr(kernels, "run_all", fail)
     monkeypatch.setattr(sys, "argv", ["kernels.py"])

@@ -1,0 +1,57 @@
+"""The machine that measures, and all programs with their versions."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+
+from kousoku.model.errors import KousokuError
+from kousoku.runtime.toolchain import find_toolchain
+
+PROGRAMS = (
+    *("kousoku", "numpy", "scipy", "sympy", "casadi", "heyoka", "exudyn", "mujoco", "pin"),
+    "symforce",
+)
+
+
+def processor() -> str:
+    """Return the processor's name, as far as the system tells."""
+    words = Path("/proc/cpuinfo")
+    text = words.read_text(encoding="utf-8") if words.exists() else ""
+    found = re.search(r"model name\s*:\s*(.+)", text)
+    return found[1] if found else platform.processor() or platform.machine()
+
+
+def compiler() -> str:
+    """Return the C compiler with its version and the flags that ship."""
+    try:
+        found = find_toolchain()
+    except KousokuError as error:
+        return f"none: {error}"
+    return f"{found.name} {' '.join(found.flags)}"
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of what is installed."""
+    found = {}
+    for name in PROGRAMS:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def machine() -> dict[str, str]:
+    """Return the machine and what runs there, by name."""
+    programs = ", ".join(f"{name} {number}" for name, number in versions().items())
+    return {
+        "processor": f"{processor()}, {os.cpu_count()} processors",
+        "system": f"{platform.system()} {platform.release()}",
+        "compiler": compiler(),
+        "Python": platform.python_version(),
+        "programs": programs,
+    }

@@ -1,0 +1,12 @@
+"""All problems, in the order of the page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from benchmarks.problems import pendulum
+
+if TYPE_CHECKING:
+    from benchmarks.problems.problem import Problem
+
+PROBLEMS: dict[str, Problem] = {one.name: one for one in (pendulum.PROBLEM,)}
