@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from benchmarks.chains import (
     ALONG,
     CENTRE,
@@ -21,7 +22,6 @@ from benchmarks.chains import (
 )
 from benchmarks.kit import MissingError, required
 from benchmarks.loops import cpp_compiler, eigen
-
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:

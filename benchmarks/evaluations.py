@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from functools import cache, partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -82,7 +82,7 @@ def measure(problem: Problem) -> Iterator[Record]:
         return
     end = float(problem.digits().times[-1])
     method = None if solver.is_driven else METHOD
-    options = {"checks": False, "tolerance": TOLERANCE, "method": method}
+    options: dict[str, Any] = {"checks": False, "tolerance": TOLERANCE, "method": method}
     run = mechanism.begin([end], **options)
     times = timed(lambda: finished(run))
     made = _counts(run)
@@ -320,9 +320,9 @@ algorithm in a loop in C++, compiled from its headers with `-O3 -march=native`, 
 the code of its package; where that does not compile, and in the quick run, the call from Python
 stands for it, less what a call takes for a chain of one bar. It works in joint coordinates; kousoku
 starts from positions and orientations of all bars, and its time includes orientations, residuals,
-Jacobians and factors. Both copy a state in and the result out. Beside the time stands the difference
-from a solution with dense matrices in joint angles, which uses no code of either; in a chain of 100
-bars it is this solution that loses three digits.""",
+Jacobians and factors. Both copy a state in and the result out. Beside the time stands the
+difference from a solution with dense matrices in joint angles, which uses no code of either; in a
+chain of 100 bars it is this solution that loses three digits.""",
     contests=contests,
     cases=cases,
     body=body,

@@ -20,6 +20,7 @@ import numpy as np
 from benchmarks.kit import (
     Case,
     Figures,
+    Kind,
     Question,
     Record,
     Size,
@@ -29,7 +30,7 @@ from benchmarks.kit import (
     table,
 )
 from benchmarks.limits import size_text
-from benchmarks.plots import Line, work_precision
+from benchmarks.plots import Line, growth
 from benchmarks.race import CAP, MISSING, TOO_LONG
 from benchmarks.stages import ORDER, PEERS, WARMED
 from kousoku.model.families import chain
@@ -183,7 +184,7 @@ def library_size(cache: Path) -> float:
 def records_of(contest: str, tool: str, line: str, answers: Sequence[Answer]) -> Iterator[Record]:
     """Yield the record of the whole way, then one for each stage."""
     good = [one for one in answers if not one.note]
-    kind = "kousoku" if tool == "kousoku" else "scene"
+    kind: Kind = "kousoku" if tool == "kousoku" else "scene"
     if not good:
         yield Record(contest, tool, line, TOTAL, kind, note=answers[0].note)
         return
@@ -275,7 +276,7 @@ def body(records: Sequence[Record], figures: Figures) -> str:
         ]
         label = f"{tool}, {line}" if tool == "kousoku" else tool
         lines.append(Line(label, points, is_bold=tool == "kousoku"))
-    drawn = work_precision("from scene to first step", "bars of a chain", lines, falls=False)
+    drawn = growth("from scene to first step", "bars of a chain", lines)
     if drawn:
         parts.append(figures.add("first_step", drawn, "seconds to the first step over bars"))
     return "\n\n".join(filter(None, parts))
@@ -406,12 +407,12 @@ QUESTION = Question(
 How long does it take from a scene file to the first step, and what does it need?
 
 Chains of bars on hinges, each measurement in a process of its own: with empty caches; in a process
-that has loaded a chain of two bars before; and with the caches that the first one filled. Stages with
-empty caches: `start` of Python, `import` of all modules, `look up` in the cache, `read` and check
-the scene, `analyse` its freedoms and dependent rows, `compose` its program, `print` and write its
-files, `compile` them with the flags that ship, `load`, and the first step of 1e-6 s. A case ends
-after 30 s. Slopes: a line through all chains, and the power of n through the longer half of them
-(on a logarithmic scale). Memory is the most that a process had; "before" is after the imports.
+that has loaded a chain of two bars before; and with the caches that the first one filled. Stages
+with empty caches: `start` of Python, `import` of all modules, `look up` in the cache, `read` and
+check the scene, `analyse` its freedoms and dependent rows, `compose` its program, `print` and write
+its files, `compile` them with the flags that ship, `load`, and the first step of 1e-6 s. A case
+ends after 30 s. Slopes: a line through all chains, and the power of n through the longer half of
+them (on a logarithmic scale). Memory is the most that a process had; "before" is after the imports.
 
 Peers build the same chain with their own functions (Exudyn a kinematic tree, MuJoCo XML, Pinocchio
 joint by joint) and evaluate it once.""",

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+
 from benchmarks.kit import required
 from benchmarks.p2 import SIZES, p2, symbols
 
@@ -93,7 +94,10 @@ def lambdified() -> Callable[..., Sequence[Any]]:
     arguments = symbols(sympy.Symbol)
     c, rows = p2(*arguments)
     flat = [x for xs in arguments for x in xs]
-    return sympy.lambdify(flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True)
+    made: Callable[..., Sequence[Any]] = sympy.lambdify(
+        flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True
+    )
+    return made
 
 
 def stacked(values: Sequence[Any], c: np.ndarray, c_q: np.ndarray) -> None:

@@ -23,7 +23,7 @@ from benchmarks.kit import Call, Case, Figures, Judged, Question, Record, Size, 
 from benchmarks.limits import Limits, aligned, measured, size_text, together
 from benchmarks.loops import Batch, casadi_loop, kousoku_loop, symforce_loop, sympy_loop
 from benchmarks.p2 import N_OUT, SAMPLE, Judge, inputs
-from benchmarks.plots import Line, work_precision
+from benchmarks.plots import Line, growth
 from benchmarks.race import race
 from kousoku import runtime
 from kousoku.runtime.importing import import_source
@@ -587,11 +587,7 @@ def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
             if len(points) > 2:
                 label = f"{way}, {count} thread{'s' * (count > 1)}"
                 lines.append(Line(label, points, is_bold=way == LANES))
-    return (
-        work_precision(f"{package} {kernel}", "evaluations at once", lines, falls=False)
-        if lines
-        else ""
-    )
+    return growth(f"{package} {kernel}", "evaluations at once", lines) if lines else ""
 
 
 def words(records: Sequence[Record]) -> str:
@@ -615,17 +611,17 @@ What does an evaluation cost, how exact is it, and how much of it does this mach
 p2 with two rows, all of C and C_q: 26 numbers from 23 run-time arguments, nothing folded, zeros
 included. Every program gets the same formula (`benchmarks/p2.py`), with what it has in common
 written once; every C program is compiled by the same compiler with the same flags (those of
-`runtime/toolchain.py`), in compilation units of its own. The error is the worst against 50 digits in
-the unit of `kousoku verify`. A batch moves 392 bytes an evaluation and computes 183 operations on
-them: from about n = 2,500 on (1 MB of L2) it is the caches that are measured. heyoka runs on one
+`runtime/toolchain.py`), in compilation units of its own. The error is the worst against 50 digits
+in the unit of `kousoku verify`. A batch moves 392 bytes an evaluation and computes 183 operations
+on them: from about n = 2,500 on (1 MB of L2) it is the caches that are measured. heyoka runs on one
 thread (`set_nthreads(1)`); its call with `batch_parallel=False` also leaves out the division into
 tasks. SymPy's `autowrap` calls the same C as `codegen` writes, through Cython.
 
 Of all kinds: nanoseconds, and in brackets the share of them that this machine needs at least, for
-arithmetic (a) or to read and write what an evaluation reads and writes (m): measured in the same run,
-by twelve independent chains of products and sums, and by the faster of y = x / 2 and y = a + b / 2
-through as many bytes. One call is made in a loop in C through the library as it ships, and compared
-with scalar operations. Threads are Python's; each takes its part of the evaluations.""",
+arithmetic (a) or to read and write what an evaluation reads and writes (m): measured in the same
+run, by twelve independent chains of products and sums, and by the faster of y = x / 2 and y = a + b
+/ 2 through as many bytes. One call is made in a loop in C through the library as it ships, and
+compared with scalar operations. Threads are Python's; each takes its part of the evaluations.""",
     contests=contests,
     cases=cases,
     body=body,

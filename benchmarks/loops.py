@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING
 from benchmarks.kernel_peers import casadi_source, symforce_header, sympy_source
 from benchmarks.kit import MissingError, required
 from benchmarks.p2 import SIZES
-
 from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
 

@@ -17,7 +17,6 @@ import numpy as np
 from benchmarks.limits import timed
 from kousoku.codegen.dynamics.explanation.counts import counts
 from kousoku.codegen.dynamics.generate import composed
-from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.dynamics_targets import CompiledSolver
 from kousoku.runtime.toolchain import EXTENSION, find_toolchain
 
@@ -26,6 +25,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from kousoku.mechanism import Mechanism
+    from kousoku.runtime.dynamics import DynamicsSolver
 
 #: The segments that steps run, with a number of the workspace that each reads and one that it
 #: writes.

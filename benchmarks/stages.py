@@ -1,8 +1,8 @@
-"""From a chain to its first step, in a process of its own: ``python -m benchmarks.stages HOW BARS``.
+"""From a chain to its first step, in a process of its own.
 
-It prints what each stage took, as JSON. The caller says when the process began, gives it an empty
-cache or a full one, and ends it when it is late. HOW is ``empty``, ``warm``, ``found`` or ``steps``
-for kousoku, or the name of a peer.
+``python -m benchmarks.stages HOW BARS BEGAN FILE`` prints what each stage took, as JSON. The caller
+says when the process began, gives it an empty cache or a full one, and ends it when it is late. HOW
+is ``empty``, ``warm``, ``found`` or ``steps`` for kousoku, or the name of a peer.
 """
 
 from __future__ import annotations
@@ -17,12 +17,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from benchmarks.kit import MissingError, required
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
 #: What belongs to which stage: functions by the modules that call them. What none of them does is
 #: part of the stage around it; of loading a scene, that is to look for it in the cache.
-STAGES = {
+STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     "read": {"kousoku.model.read": ("text_of", "scene_from_toml"), "kousoku.loading": ("_text",)},
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
@@ -132,7 +134,7 @@ def kousoku(how: str, file: str, clock: Clock) -> dict[str, float]:
         _move(mechanism)
     found = memory() | {"memory before": imported}
     text = sum(len(text) for name, text in mechanism.files.items() if name.endswith((".c", ".h")))
-    solver = mechanism.solver
+    solver: Any = mechanism.solver
     numbers = solver.target.state_size + solver.target.work_size
     return found | {"bytes of C": float(text), "bytes of a run": 8.0 * numbers}
 
@@ -159,7 +161,8 @@ def steps(file: str) -> None:
     import kousoku as ks  # noqa: PLC0415
 
     mechanism = ks.load(file)
-    count = len(mechanism.solver.bodies)
+    solver: Any = mechanism.solver
+    count = len(solver.bodies)
 
     def timed(end: float) -> tuple[float, int]:
         start = time.perf_counter()
@@ -179,16 +182,15 @@ def steps(file: str) -> None:
 def exudyn(count: int, clock: Clock) -> None:
     """Build a chain as a kinematic tree, which suits it best, and make one step."""
     with clock.stage("import"):
-        import exudyn as exu  # noqa: PLC0415
-        import numpy as np  # noqa: PLC0415
-        from exudyn.itemInterface import NodeGenericODE2, ObjectKinematicTree  # noqa: PLC0415
+        np, exu = required("numpy"), required("exudyn")
+        items = required("exudyn.itemInterface")
     from benchmarks.chains import ALONG, CENTRE, GRAVITY, MASS, MOMENTS  # noqa: PLC0415
 
     with clock.stage("build"):
         container = exu.SystemContainer()
         system, zero = container.AddSystem(), [0.0] * count
         node = system.AddNode(
-            NodeGenericODE2(
+            items.NodeGenericODE2(
                 referenceCoordinates=zero,
                 initialCoordinates=zero,
                 initialCoordinates_t=zero,
@@ -198,7 +200,7 @@ def exudyn(count: int, clock: Clock) -> None:
         turns = (exu.JointType.RevoluteY, exu.JointType.RevoluteZ)
         places = [ALONG * bool(k) for k in range(count)]
         system.AddObject(
-            ObjectKinematicTree(
+            items.ObjectKinematicTree(
                 nodeNumber=node,
                 jointTypes=[turns[k % 2] for k in range(count)],
                 linkParents=list(range(-1, count - 1)),
@@ -227,12 +229,12 @@ def exudyn(count: int, clock: Clock) -> None:
 def mujoco(count: int, clock: Clock) -> None:
     """Build a chain from its XML and evaluate it once."""
     with clock.stage("import"):
-        import mujoco as program  # noqa: PLC0415
+        program = required("mujoco")
     from benchmarks.chains import MASS, MOMENTS  # noqa: PLC0415
 
     with clock.stage("build"):
         links = "".join(
-            f'<body pos="{int(k > 0)} 0 0"><joint type="hinge" axis="{"0 0 1" if k % 2 else "0 1 0"}"/>'
+            f'<body pos="{int(k > 0)} 0 0"><joint axis="0 {(k + 1) % 2} {k % 2}"/>'
             f'<inertial pos=".5 0 0" mass="{MASS}" diaginertia="{" ".join(map(str, MOMENTS))}"/>'
             for k in range(count)
         )
@@ -248,8 +250,7 @@ def mujoco(count: int, clock: Clock) -> None:
 def pinocchio(count: int, clock: Clock) -> None:
     """Build a chain joint by joint and evaluate it once."""
     with clock.stage("import"):
-        import numpy as np  # noqa: PLC0415
-        import pinocchio as program  # noqa: PLC0415
+        np, program = required("numpy"), required("pinocchio")
     from benchmarks.aba import model_of  # noqa: PLC0415
 
     with clock.stage("build"):
@@ -278,7 +279,7 @@ def main() -> None:
     if how in PEERS:
         try:
             PEERS[how](int(count), clock)
-        except ImportError as error:
+        except MissingError as error:
             print(json.dumps({"missing": str(error)}))
             return
         more = memory()
