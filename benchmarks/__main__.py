@@ -225,7 +225,7 @@ def main(words: list[str] | None = None) -> int:
     given = arguments_of(words)
     size = Size(given.full)
     if given.base:
-        return commits.main(given.base, size, BUILD)
+        return commits.main(given.base, size, given.only, BUILD)
     os.environ.setdefault("KOUSOKU_CACHE", str(BUILD / "cache"))
     about = machine()
     answers = ask(given.known, given.only, size, journal_of(size))

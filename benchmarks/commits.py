@@ -1,10 +1,11 @@
-"""Two commits: does this tree evaluate more often, emit more code or take longer than another?
+"""Two commits: what this tree evaluates more often, emits more of, or takes longer for.
 
 ``make bench BASE=<commit>`` checks that commit out into a temporary folder and measures both trees
 with caches of their own, in the same environment. Counts are exact and may not rise by more than
 3 %.
 
-Times are judged by how much the same code differs from itself. Each tree runs in two processes, so
+Times are those of the processor, which other programs disturb less than the clock on the wall, and
+are judged by how much the same code differs from itself. Each tree runs in two processes, so
 that there are pairs of both kinds: two processes of one tree, and both trees. A repeat starts all
 four anew, since where the system puts memory and code stays for the life of a process; they run in
 turn. The spread is the largest ratio of a pair of one tree in all repeats, and at least 2 %. A time
@@ -30,7 +31,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.progress import Progress
 
-from benchmarks.kit import ROUNDS, SLICE, SPENT, Size, duration, table
+from benchmarks.kit import Size, duration, table
 from kousoku.model.cache import write_atomically
 
 if TYPE_CHECKING:
@@ -41,6 +42,9 @@ SIDE = Path(__file__).with_name("commit_side.py")
 #: The most that a count may rise, and the least that a time has to.
 MORE, LEAST_SPREAD = 1.03, 1.02
 REPEATS, QUICK_REPEATS = 5, 3
+#: Seconds that each process runs in a round, most rounds, and most seconds of all of them: short
+#: ones, so that some are not disturbed.
+SLICE, ROUNDS, SPENT = 0.005, 20, 1.0
 #: A second, but for scenes that move faster or that are large [s].
 ENDS = {
     "andrews_squeezer": 0.05,
@@ -309,17 +313,22 @@ def scene(name: str) -> dict[str, Any]:
     return {"do": "scene", "name": name, "file": file, "end": ENDS.get(name, 1.0)}
 
 
-def commands(size: Size) -> list[dict[str, Any]]:
+def commands(size: Size, only: Sequence[str]) -> list[dict[str, Any]]:
     """Return what each process opens: scenes as this tree has them, and its own kinds."""
-    return [
-        *map(scene, scenes(size)),
-        *({"do": "kernels", "package": name} for name in kinds(size)),
-    ]
+    opens = {name: scene(name) for name in scenes(size)}
+    opens |= {name: {"do": "kernels", "package": name} for name in kinds(size)}
+    return [one for name, one in opens.items() if not only or any(word in name for word in only)]
 
 
-def compare(trees: Trees, size: Size, tell: Callable[[str], object] = lambda _: None) -> Comparison:
-    """Return what differs between two trees."""
+def compare(
+    trees: Trees,
+    size: Size,
+    only: Sequence[str] = (),
+    tell: Callable[[str], object] = lambda _: None,
+) -> Comparison:
+    """Return what differs between two trees, of scenes and kinds whose names have such a word."""
     found, times = Comparison(), Times()
+    opens = commands(size, only)
     repeats = REPEATS if size.is_full else QUICK_REPEATS
     with tempfile.TemporaryDirectory(prefix="kousoku-two-") as name:
         for k in range(repeats):
@@ -336,7 +345,7 @@ def compare(trees: Trees, size: Size, tell: Callable[[str], object] = lambda _: 
                     stack.callback(started[-1][0].end)
                 _add(times, f"{COLD}: from empty caches", started)
                 running = [process for process, _ in started]
-                items = _opened(found, running, size)
+                items = _opened(found, running, opens)
                 for what in items:
                     tell(f"{about}: {what}")
                     _add(times, what, _timed(what, running))
@@ -354,10 +363,12 @@ def _add(times: Times, what: str, found: Sequence[tuple[Process, float | None]])
         times.add(what, by_side["base"], by_side["head"])
 
 
-def _opened(found: Comparison, running: Sequence[Process], size: Size) -> list[str]:
+def _opened(
+    found: Comparison, running: Sequence[Process], opens: Sequence[dict[str, Any]]
+) -> list[str]:
     """Let all processes open all scenes and kinds, and return what all of them can run."""
     items: list[str] = []
-    for command in commands(size):
+    for command in opens:
         name = command.get("name", command.get("package", ""))
         answers: dict[str, list[dict[str, Any]]] = {"base": [], "head": []}
         for process in running:
@@ -384,7 +395,8 @@ def _opened(found: Comparison, running: Sequence[Process], size: Size) -> list[s
 def _timed(what: str, running: Sequence[Process]) -> list[tuple[Process, float | None]]:
     """Return the fastest of several rounds of each process, all in turn."""
     about = min(running[0].ask(do="time", what=what, count=1)["seconds"] for _ in range(2))
-    count, rounds = max(1, int(SLICE / about)), max(2, min(ROUNDS, int(SPENT / max(about, SLICE))))
+    count = max(1, int(SLICE / about))
+    rounds = max(2, min(ROUNDS, int(SPENT / max(about, SLICE))))
     fastest = [math.inf] * len(running)
     for r in range(rounds):
         for n in range(len(running)):
@@ -434,7 +446,7 @@ def _percent(head: float, base: float) -> str:
     return f"{100 * (head / base - 1):+.1f} %" if base else ""
 
 
-def main(commit: str, size: Size, build: Path) -> int:
+def main(commit: str, size: Size, only: Sequence[str], build: Path) -> int:
     """Compare this tree with a commit, print and write what was found, and return the status."""
     start = time.monotonic()
     name = git("log", "-1", "--format=%h %s", commit)
@@ -447,7 +459,7 @@ def main(commit: str, size: Size, build: Path) -> int:
         def tell(text: str) -> None:
             progress.update(bar, description=text[:60].ljust(60))
 
-        found = compare({"base": tree, "head": ROOT}, size, tell)
+        found = compare({"base": tree, "head": ROOT}, size, only, tell)
     page = page_of(found, names, time.monotonic() - start)
     build.mkdir(parents=True, exist_ok=True)
     write_atomically(build / "commits.md", page.encode())
