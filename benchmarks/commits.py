@@ -438,7 +438,8 @@ def page_of(found: Comparison, names: Mapping[str, str], took: float) -> str:
     parts += [f"Not compared: {name}: {why}" for name, why in found.left_out.items()]
     parts += [f"better: {one}" for one in found.better]
     parts += [f"WORSE: {one}" for one in found.worse]
-    parts.append("something is worse" if found.worse else "nothing is worse")
+    verdict = "nothing is worse" if found.opened else "nothing can be compared"
+    parts.append("something is worse" if found.worse else verdict)
     return "\n\n".join(filter(None, parts)) + "\n"
 
 
@@ -466,4 +467,4 @@ def main(commit: str, size: Size, only: Sequence[str], build: Path) -> int:
     data = names | asdict(found)
     write_atomically(build / "commits.json", json.dumps(data, indent=0).encode())
     print(page)
-    return int(bool(found.worse))
+    return int(bool(found.worse) or not found.opened)
