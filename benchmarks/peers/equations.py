@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import subprocess
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from benchmarks.kit import required
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
 
     import numpy.typing as npt
 
@@ -103,17 +103,21 @@ def index_1(
     observed: Any,
     q_dot: Any = None,
     energy: Any = None,
+    held: Sequence[slice] = (),
 ) -> Equations:
-    """Return M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given."""
+    """Return M v̇ + Gᵀλ = forces and G v̇ = γ of constraints g(q) = 0; q̇ is v unless given.
+
+    ``held`` are the rows of each joint whose reaction is judged, by how large its force is.
+    """
     ca = required("casadi")
     q_dot = v if q_dot is None else q_dot
     jacobian = ca.jacobian(constraints, q)
     if q_dot is not v:
         jacobian = ca.mtimes(jacobian, ca.jacobian(q_dot, v))
-    gamma = -ca.jtimes(ca.mtimes(jacobian, v), q, q_dot)
+    gamma = -ca.jtimes(ca.jtimes(constraints, q, q_dot), q, q_dot)
     rows = constraints.numel()
     matrix = ca.vertcat(ca.horzcat(mass, jacobian.T), ca.horzcat(jacobian, ca.SX(rows, rows)))
-    return Equations(
+    made = Equations(
         ca.vertcat(q, v),
         np.asarray(start, dtype=np.float64),
         observed,
@@ -122,6 +126,11 @@ def index_1(
         right=ca.vertcat(forces, gamma),
         energy=energy,
     )
+    if not held:
+        return made
+    multipliers = made.solved()[v.numel() :]
+    norms = [ca.norm_2(multipliers[rows]) for rows in held]
+    return replace(made, reactions=ca.vertcat(*norms))
 
 
 def lagrange(
@@ -202,15 +211,22 @@ def compiled(function: Any) -> Any:
     return ca.external(function.name(), str(library))
 
 
-def caller(equations: Equations) -> Callable[[float, Array], Array]:
-    """Return f(t, x) over arrays, compiled, through CasADi's buffers."""
+def caller(
+    equations: Equations, what: Literal["rate", "jacobian"] = "rate"
+) -> Callable[[float, Array], Array]:
+    """Return f(t, x) or its Jacobian over arrays, compiled, through CasADi's buffers."""
     ca = required("casadi")
-    rate = ca.densify(equations.explicit)
-    function = compiled(ca.Function("rate", [equations.x], [rate], {"cse": True}))
+    wanted = equations.explicit
+    count = len(equations.start)
+    result = np.zeros(count)
+    if what == "jacobian":
+        wanted = ca.jacobian(wanted, equations.x)
+        result = np.zeros((count, count), order="F")
+    function = compiled(ca.Function(what, [equations.x], [ca.densify(wanted)], {"cse": True}))
     buffer, call = function.buffer()
-    state, result = np.zeros(len(equations.start)), np.zeros(len(equations.start))
+    state = np.zeros(count)
     buffer.set_arg(0, state.data)
-    buffer.set_res(0, result.data)
+    buffer.set_res(0, result.ravel(order="K").data)
     kept = (function, buffer)
 
     def of(_t: float, x: Array, _kept: Any = kept) -> Array:

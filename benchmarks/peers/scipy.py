@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 #: The least relative tolerance that it takes.
 LEAST = 3e-14
+IMPLICIT = ("Radau", "LSODA", "BDF")
 
 
 def solved(
@@ -27,14 +28,15 @@ def solved(
     tolerance: float,
     times: Array,
     method: str = "DOP853",
+    **more: object,
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """Return what runs to the last time, and what gives the states at all times."""
     integrate = required("scipy.integrate")
     end = float(times[-1])
-    options = {"method": method, "rtol": max(tolerance, LEAST), "atol": tolerance}
+    options = {"method": method, "rtol": max(tolerance, LEAST), "atol": tolerance, **more}
 
-    def solution(**more: Array) -> Array:
-        found = integrate.solve_ivp(rate, (0.0, end), start, **options, **more)
+    def solution(**wanted: Array) -> Array:
+        found = integrate.solve_ivp(rate, (0.0, end), start, **options, **wanted)
         if not found.success:
             raise ArithmeticError(f"SciPy stops: {found.message}")
         states: Array = found.y.T
@@ -46,5 +48,6 @@ def solved(
 def runs(
     equations: Equations, tolerance: float, times: Array, method: str = "DOP853"
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
-    """Return both for equations."""
-    return solved(caller(equations), equations.start, tolerance, times, method)
+    """Return both for equations; implicit methods get the exact Jacobian, as its manual advises."""
+    more = {"jac": caller(equations, "jacobian")} if method in IMPLICIT else {}
+    return solved(caller(equations), equations.start, tolerance, times, method, **more)

@@ -61,16 +61,17 @@ def write(problem: Problem) -> None:
     if energy.size:
         drift = float(np.ptp(energy))
         print(f"{problem.name}: energy changes by {drift:.1e} of {abs(energy).max():.3g} J")
-    for form in others:
+    for k, form in enumerate(others, 2):
         found = integrated(form(), times)
         difference = float(np.abs(found[0] - positions).max()) / problem.length
-        print(f"{problem.name}: {form.__name__} differs by {difference:.1e}")
+        print(f"{problem.name}: form {k} of its equations differs by {difference:.1e}")
         if not difference <= problem.agreed:
-            raise ArithmeticError(f"{problem.name}: {form.__name__} does not agree")
+            raise ArithmeticError(f"{problem.name}: form {k} does not agree")
         reactions = reactions if reactions.size else found[2]
     for time, wanted in problem.published.items():
         row = int(np.argmin(np.abs(times - time)))
-        difference = float(np.abs(positions[row, : len(wanted)] - wanted).max()) / problem.length
+        apart = np.abs(positions[row, : len(wanted)] - wanted)
+        difference = float(np.nanmax(apart)) / problem.length
         print(f"{problem.name}: published digits at {time:g} s differ by {difference:.1e}")
         if not (difference <= problem.agreed and abs(times[row] - time) < 1e-12):
             raise ArithmeticError(f"{problem.name}: published digits at {time:g} s are not met")

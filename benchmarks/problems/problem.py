@@ -96,7 +96,7 @@ class Problem:
     forms : tuple of callable
         Hand-written equations; the digits are those of the first, and the others agree.
     published : dict of tuple
-        By time, the first positions that others published.
+        By time, the first positions that others published; NaN for what they did not.
     agreed : float
         How well forms agree, and published digits are met, relative to the length.
     reactions : callable, optional
@@ -133,6 +133,12 @@ class Problem:
     def cases(self, size: Size) -> list[Case]:
         """Return the cases of kousoku and of all peers."""
         return [*kousoku_cases(self, size), *self.peers(self, size)]
+
+
+def reaction_norms(joints: Sequence[str], result: Any) -> Array:
+    """Return how large the forces of joints are, (rows, joints), of a result of kousoku."""
+    forces = [result.joint(name).force for name in joints]
+    return np.linalg.norm(np.stack(forces, axis=1), axis=2)
 
 
 def tolerances(size: Size) -> Sequence[float]:

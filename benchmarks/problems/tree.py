@@ -251,3 +251,65 @@ def equations(tree: Tree) -> Equations:
         constraints=made.closed(),
         forces=made.damping(),
     )
+
+
+def frames(tree: Tree, q: Array) -> tuple[Array, Array]:
+    """Return origins (links, 3) and matrices (links, 3, 3) of all frames."""
+    count = len(tree.links)
+    origins, turned = np.zeros((count, 3)), np.zeros((count, 3, 3))
+    for k, link in enumerate(tree.links):
+        is_ground = link.parent == GROUND
+        above = np.eye(3) if is_ground else turned[link.parent]
+        origins[k] = above @ link.at + (0.0 if is_ground else origins[link.parent])
+        turned[k] = above
+        if link.is_slide:
+            origins[k] += above[:, link.axis] * q[k]
+        else:
+            i, j = (link.axis + 1) % 3, (link.axis + 2) % 3
+            c, s = np.cos(q[k]), np.sin(q[k])
+            turned[k][:, i], turned[k][:, j] = (
+                c * above[:, i] + s * above[:, j],
+                c * above[:, j] - s * above[:, i],
+            )
+    return origins, turned
+
+
+def point_at(point: Point, where: tuple[Array, Array]) -> Array:
+    """Return where a point is, by all frames."""
+    link, place = point
+    if link == GROUND:
+        return np.array(place)
+    found: Array = where[0][link] + where[1][link] @ place
+    return found
+
+
+def placed(tree: Tree, q: Array) -> Array:
+    """Return the positions that are judged, of joint coordinates."""
+    where = frames(tree, q)
+    axes = ["xyz".index(axis) for axis in tree.axes]
+    return np.concatenate([point_at(point, where)[axes] for point in tree.observed])
+
+
+def slopes(tree: Tree, point: Point, where: tuple[Array, Array]) -> Array:
+    """Return the velocities of a point by unit rates of all joints, (links, 3)."""
+    found = np.zeros((len(tree.links), 3))
+    place, k = point_at(point, where), point[0]
+    while k != GROUND:
+        link = tree.links[k]
+        axis = where[1][k][:, link.axis]
+        found[k] = axis if link.is_slide else np.cross(axis, place - where[0][k])
+        k = link.parent
+    return found
+
+
+def pulled(tree: Tree, q: Array, v: Array) -> Array:
+    """Return the generalised forces of springs and dampers."""
+    where, total = frames(tree, q), np.zeros(len(tree.links))
+    for spring in tree.springs:
+        apart = point_at(spring.b, where) - point_at(spring.a, where)
+        length = float(np.sqrt(apart @ apart))
+        slope = slopes(tree, spring.b, where) - slopes(tree, spring.a, where)
+        stretch = slope @ (apart / length)
+        force = spring.stiffness * (length - spring.free_length) + spring.damping * (stretch @ v)
+        total -= force * stretch
+    return total
