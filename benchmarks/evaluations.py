@@ -20,20 +20,25 @@ from benchmarks.kit import (
     Record,
     Size,
     Target,
+    fastest_and_median,
+    interleave,
+    rounds_of,
+    seconds_of,
     table,
 )
-from benchmarks.limits import timed
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import finished, loaded
 from benchmarks.race import race
-from benchmarks.segments import PARTS, SEGMENTS, Segments, seconds_of_parts, share_of_factors
+from benchmarks.segments import PARTS, SEGMENTS, Loop, Segments, seconds_of_parts, share_of_factors
 from kousoku.runtime.dynamics import DynamicsSolver
+from kousoku.runtime.integrate.settings import KINEMATICS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     from benchmarks.problems.problem import Problem
     from benchmarks.race import Workers
+    from kousoku.mechanism import Mechanism
     from kousoku.runtime.run import Run
 
 #: Chains whose accelerations are compared with Pinocchio's, and one that is too long for it: its
@@ -42,6 +47,7 @@ CHAINS, LONG_CHAIN = (10, 100), 1000
 OF_PINOCCHIO, EQUAL = 1.0, 1e-9
 BY_LOOP, BY_CALL = "its algorithm, looped in C++", "its algorithm, called from Python"
 METHOD, TOLERANCE = "dop853", 1e-8
+EACH = ("factorisations", "corrections", "refinements")
 COLUMNS = ("projection", "factorisation", "equations", "others", "integrator")
 
 
@@ -80,48 +86,54 @@ def measure(problem: Problem) -> Iterator[Record]:
         note = "a linkage of nodes has no such parts"
         yield Record(problem.name, "kousoku", "all", "", note=note)
         return
-    end = float(problem.digits().times[-1])
     method = None if solver.is_driven else METHOD
     options: dict[str, Any] = {"checks": False, "tolerance": TOLERANCE, "method": method}
-    run = mechanism.begin([end], **options)
-    times = timed(lambda: finished(run))
+    run = mechanism.begin([problem.end], **options)
+    about = seconds_of(lambda: finished(run))
     made = _counts(run)
-    evaluations = max(1.0, made["derivatives"], made["factorisations"] * (method is None))
+    evaluations = made["factorisations" if method is None else "derivatives"]
     with tempfile.TemporaryDirectory() as name:
         segments = Segments.of(solver, Path(name))
-        again = segments.solver.begin([end], **options)
+        again = segments.solver.begin([problem.end], **options)
         segments.counted()
         finished(again)
         calls = {key: count / evaluations for key, count in segments.counted().items()}
-        middle = mechanism.begin([end / 2], **options)
-        finished(middle)
-        y = solver.state["y"].view(middle.state).copy()
-        parameters = np.array([value for _, value in solver.parameters])
-        alone = {key: segments.alone(key, end / 2, y, parameters) for key in SEGMENTS if calls[key]}
-    whole = min(times) / evaluations
-    setting = f"{method or 'kinematics'}, tolerance {TOLERANCE:.0e}"
+        loops = _loops(segments, mechanism, problem.end / 2, calls, options)
+        runs: dict[str, Callable[[], object]] = {"all": lambda: finished(run), **loops}
+        times = interleave(runs, max(2, rounds_of(about)))
+    alone = {key: min(times[key]) / loop.rounds for key, loop in loops.items()}
+    whole, median = fastest_and_median(times["all"], int(evaluations))
+    names = (problem.name, "kousoku", "all", f"{method or KINEMATICS}, tolerance {TOLERANCE:.0e}")
     extra = {key: made[key] / evaluations for key in made} | {"evaluations": evaluations}
-    yield Record(
-        problem.name,
-        "kousoku",
-        "all",
-        setting,
-        fastest=whole,
-        median=float(np.median(times)) / evaluations,
-        rounds=len(times),
-        extra=extra,
-    )
+    rounds = len(times["all"])
+    yield Record(*names, fastest=whole, median=median, rounds=rounds, extra=extra)
     share = share_of_factors(mechanism)
-    for part, seconds in seconds_of_parts(calls, alone.__getitem__, share, whole).items():
+    for part, seconds in seconds_of_parts(calls, alone, share, whole).items():
         own = {key: calls[key] for key in PARTS.get(part, ()) if calls[key]}
-        names = (problem.name, "kousoku", part, setting)
-        yield Record(*names, fastest=seconds, median=seconds, rounds=1, extra=own)
+        names = (problem.name, "kousoku", part, names[-1])
+        yield Record(*names, fastest=seconds, median=seconds, rounds=rounds, extra=own)
+
+
+def _loops(
+    segments: Segments,
+    mechanism: Mechanism,
+    time: float,
+    calls: dict[str, float],
+    options: dict[str, Any],
+) -> dict[str, Loop]:
+    """Return loops over all segments that are run, at the state of a time."""
+    run = mechanism.begin([time], **options)
+    finished(run)
+    solver = segments.solver
+    y = solver.state["y"].view(run.state).copy()
+    parameters = np.array([value for _, value in solver.parameters])
+    return {key: segments.alone(key, time, y, parameters) for key in SEGMENTS if calls[key]}
 
 
 def _counts(run: Run) -> dict[str, float]:
     """Return what a run has made, as its ledger counts it."""
     ledger = run.motion().ledger
-    names = ("steps", "rejected", "derivatives", "factorisations", "corrections", "refinements")
+    names = ("steps", "rejected", "derivatives", *EACH)
     return {name: float(getattr(ledger, name)) for name in names}
 
 
@@ -252,19 +264,20 @@ def body(records: Sequence[Record], _figures: Figures) -> str:
             continue
         cells = [_part(own[name], whole) for name in COLUMNS]
         parts.append([contest, f"{whole.fastest * 1e9:.4g}", *cells])
-        names = ("steps", "rejected", "factorisations", "corrections", "refinements")
         calls = own["projection"].extra | own["equations"].extra
+        evaluations = whole.extra["evaluations"]
         made.append(
             [
                 contest,
-                f"{whole.extra['evaluations']:.0f}",
-                *(f"{whole.extra[name]:.3g}" for name in names),
+                f"{evaluations:.0f}",
+                *(f"{whole.extra[name] * evaluations:.0f}" for name in ("steps", "rejected")),
+                *(f"{whole.extra[name]:.3g}" for name in EACH),
                 ", ".join(f"{name} {count:.3g}" for name, count in calls.items()),
             ]
         )
     heads = ("problem", "ns an evaluation", *COLUMNS)
-    counted = ("problem", "evaluations", "steps", "rejected", "factorisations", "corrections")
-    more = ("refinements", "runs of segments")
+    counted = ("problem", "evaluations", "steps", "rejected")
+    more = (*(f"{name} of each" for name in EACH), "runs of segments")
     tables = [
         table(heads, parts) if parts else "",
         table((*counted, *more), made) if made else "",
@@ -298,7 +311,7 @@ def words(records: Sequence[Record]) -> str:
     if not shares:
         return ""
     told = [f"{part} {min(x):.0f} to {max(x):.0f} %" for part, x in shares.items() if max(x) >= 1]
-    return f"Of an evaluation take {', '.join(told)}."
+    return f"Of an evaluation takes {', '.join(told)}."
 
 
 QUESTION = Question(
@@ -312,8 +325,7 @@ run; the time of a segment is that of a loop over it alone, at the state half-wa
 call waits for the one before. Projection is position and velocity onto the constraints with the
 geometry that it takes; the factors of C_q M⁻¹ C_qᵀ are made in the geometry, and take the part of
 its time that they have of its operations; equations are accelerations with their refinement; the
-integrator is what is left: sums of stages, estimates of errors, copies. The counts of a run are for
-each evaluation.
+integrator is what is left: sums of stages, estimates of errors, copies.
 
 Accelerations of chains are computed at 16 states in turn. Pinocchio runs its articulated-body
 algorithm in a loop in C++, compiled from its headers with `-O3 -march=native`, somewhat faster than

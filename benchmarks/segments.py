@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from benchmarks.limits import timed
+from benchmarks.kit import seconds_of
 from kousoku.codegen.dynamics.explanation.counts import counts
 from kousoku.codegen.dynamics.generate import composed
 from kousoku.runtime.dynamics_targets import CompiledSolver
@@ -49,6 +49,8 @@ PARTS = {
 }
 #: Kinds of tasks that factorise, in the geometry.
 FACTORISES = ("eliminate", "couple")
+#: How often a loop runs its segment in its trial, and how long it is then [s].
+FEW, LONG = 10, 2e-3
 END_OF_SOURCE = '#include "integrate/integrate.h"'
 
 _COUNTED = "#define {name}(w) (++counted[{k}], {name}(w))"
@@ -127,15 +129,39 @@ class Segments:
             array[k] = 0
         return found
 
-    def alone(self, name: str, time: float, y: np.ndarray, parameters: np.ndarray) -> float:
-        """Return the seconds that a segment takes at a state."""
+    def alone(self, name: str, time: float, y: np.ndarray, parameters: np.ndarray) -> Loop:
+        """Return a loop over a segment at a state, some milliseconds long."""
         work = np.zeros(self.solver.target.work_size)
         addresses = [ctypes.c_void_p(array.ctypes.data) for array in (y, parameters, work)]
         self.library.alone_begin(ctypes.c_double(time), *addresses)
-        function, rounds = self.library[f"alone_{name}"], 1000
+        function = self.library[f"alone_{name}"]
         function.restype = None
-        count = ctypes.c_size_t(rounds)
-        return min(timed(lambda: function(count, addresses[-1]))) / rounds
+        loop = Loop(function, work, FEW)
+        about = min(seconds_of(loop) for _ in range(3)) / FEW
+        return replace(loop, rounds=max(FEW, int(LONG / about)))
+
+
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """A segment, again and again.
+
+    Parameters
+    ----------
+    function : callable
+        Runs it so often on a workspace.
+    work : array
+        The workspace.
+    rounds : int
+        How often.
+    """
+
+    function: Callable[..., object]
+    work: np.ndarray
+    rounds: int
+
+    def __call__(self) -> None:
+        """Run it so often."""
+        self.function(ctypes.c_size_t(self.rounds), ctypes.c_void_p(self.work.ctypes.data))
 
 
 def instrumented(source: str) -> str:
@@ -168,7 +194,7 @@ def share_of_factors(mechanism: Mechanism) -> float:
 
 
 def seconds_of_parts(
-    calls: dict[str, float], alone: Callable[[str], float], share: float, whole: float
+    calls: dict[str, float], alone: dict[str, float], share: float, whole: float
 ) -> dict[str, float]:
     """Return the seconds of each part of an evaluation.
 
@@ -176,14 +202,14 @@ def seconds_of_parts(
     ----------
     calls : dict of float
         How often an evaluation runs each segment.
-    alone : callable
-        The seconds of a segment.
+    alone : dict of float [s]
+        What each of them takes alone.
     share : float
         The part of the geometry that factorises.
     whole : float [s]
         What an evaluation takes in a run: what no segment takes is the integrator's.
     """
-    own = {name: calls[name] * alone(name) for name in SEGMENTS if calls[name]}
+    own = {name: calls[name] * alone[name] for name in SEGMENTS if calls[name]}
     found = {part: sum(own.get(name, 0.0) for name in names) for part, names in PARTS.items()}
     factors = share * own.get("geometry", 0.0)
     found["projection"] -= factors
