@@ -20,7 +20,7 @@ import numpy as np
 from benchmarks import limits
 from benchmarks.kernel_peers import heyoka_functions, lambdified, stacked
 from benchmarks.kit import Call, Case, Figures, Judged, Question, Record, Size, Target, table
-from benchmarks.limits import Limits, aligned, measured, size_text, together
+from benchmarks.limits import Limits, aligned, measured, repeated, size_text, together
 from benchmarks.loops import Batch, casadi_loop, kousoku_loop, symforce_loop, sympy_loop
 from benchmarks.p2 import N_OUT, SAMPLE, Judge, inputs
 from benchmarks.plots import Line, growth
@@ -53,11 +53,13 @@ OF_CASADI, OF_HEYOKA, ROWS_OF_HEYOKA, OF_ARRAYS, OF_FLOATS = 0.7, 0.9, 2.0, 0.7,
 MICROSECONDS = {"call with out=": 2.0, "bound call": 0.6}
 #: Evaluations at once, and as many threads; most bytes of a batch.
 SIZES, FEW_SIZES, QUICK_SIZES = tuple(10**k for k in range(7)), (1, 100, 10_000, 10**6), (10_000,)
-LEAST_SHARED, MOST_BYTES = 1000, 1 << 30
+LEAST_SHARED, MOST_BYTES = 1000, 1 << 29
 #: Kinds of the quick run, and the kernel that is measured at all sizes.
 QUICK_KINDS, AT_ALL_SIZES = ("p2", "spring_damper"), ("p2", "constraint_z")
 CALL, BOUND, NUMPY = "C, one call", "C, from Python", "NumPy, from Python"
 LANES, ROWS, ARRAY = "C, lanes", "C, row-major", "NumPy, batch"
+#: NumPy gains nothing from a second thread where all goes through memory.
+MOST_SHARED = {ARRAY: 100_000}
 #: The ways of ``kousoku verify`` that tell the error of each.
 VERIFIED = {
     **{CALL: "C", BOUND: "C", NUMPY: "NumPy"},
@@ -332,9 +334,12 @@ class Measured:
         """Return it in C or NumPy."""
         return self.libraries[target][self.name]
 
-    def inputs(self, n: int) -> list[np.ndarray]:
-        """Return so many evaluations, some points again and again."""
-        return [aligned(np.resize(array, (n, *array.shape[1:]))) for array in self.points]
+    def inputs(self, n: int, *, width: int = 0) -> list[np.ndarray]:
+        """Return so many evaluations, the points over again; in blocks of a width if given."""
+        if not width:
+            return [repeated(array, n) for array in self.points]
+        packed = (runtime.to_lanes(array, width) for array in self.points)
+        return [repeated(array, -(-n // width)) for array in packed]
 
     def outputs(self, n: int, *, width: int = 0) -> tuple[np.ndarray, ...]:
         """Return arrays for the outputs, in blocks where they have a width."""
@@ -409,11 +414,11 @@ def _at_once(one: Measured, n: int) -> Iterator[Record]:
     for way in (LANES, ROWS, ARRAY):
         for count in limits.THREADS:
             setting = f"{n}, {count} thread{'s' * (count > 1)}"
-            if count > 1 and n < LEAST_SHARED:
+            if count > 1 and not LEAST_SHARED <= n <= MOST_SHARED.get(way, n):
                 continue
             if n * one.size > MOST_BYTES:
                 names = ("kousoku", f"{one.name}: {way}", setting)
-                note = f"more than {MOST_BYTES >> 30} GB"
+                note = f"more than {size_text(MOST_BYTES)}"
                 yield Record(_kind_name(one.package), *names, note=note)
                 continue
             call = together([_batch_call(one, way, part) for part in _parts(n, count)])
@@ -427,13 +432,12 @@ def _parts(n: int, count: int) -> list[int]:
 
 def _batch_call(one: Measured, way: str, n: int) -> Callable[[], object]:
     """Return a call that makes so many evaluations."""
-    kernel, given = one.kernel("numpy" if way == ARRAY else "c"), one.inputs(n)
+    kernel = one.kernel("numpy" if way == ARRAY else "c")
     if way != LANES:
-        out = one.outputs(n)
+        given, out = one.inputs(n), one.outputs(n)
         return lambda: kernel(*given, out=out)
     width = kernel.lane_width
-    blocks = [aligned(runtime.to_lanes(array, width)) for array in given]
-    packed = one.outputs(n, width=width)
+    blocks, packed = one.inputs(n, width=width), one.outputs(n, width=width)
     return lambda: kernel.lanes(*blocks, out=packed)
 
 

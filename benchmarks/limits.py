@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import math
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
@@ -66,12 +67,26 @@ def measured(
     return Record(contest, *names, fastest=fastest, median=median, rounds=len(times))
 
 
-def aligned(values: np.ndarray) -> np.ndarray:
-    """Return a copy, row-major, that begins at a multiple of 64 bytes."""
-    memory = np.empty(values.size + 8)
+def room(shape: tuple[int, ...]) -> np.ndarray:
+    """Return an array without values, row-major, that begins at a multiple of 64 bytes."""
+    size = math.prod(shape)
+    memory = np.empty(size + 8)
     start = -memory.ctypes.data // 8 % 8
-    array = memory[start : start + values.size].reshape(values.shape)
+    return memory[start : start + size].reshape(shape)
+
+
+def aligned(values: np.ndarray) -> np.ndarray:
+    """Return a copy that begins at a multiple of 64 bytes."""
+    array = room(values.shape)
     array[...] = values
+    return array
+
+
+def repeated(values: np.ndarray, n: int) -> np.ndarray:
+    """Return so many rows, the same ones over again."""
+    array = room((n, *values.shape[1:]))
+    for start in range(0, n, len(values)):
+        array[start : start + len(values)] = values[: n - start]
     return array
 
 

@@ -151,6 +151,13 @@ def test_threads_share_all_evaluations() -> None:
     assert sorted(ran) == [1, 2]
 
 
+def test_points_are_repeated_and_begin_a_cache_line() -> None:
+    values = np.arange(6.0).reshape(3, 2)
+    found = limits.repeated(values, 8)
+    assert (found == np.resize(values, (8, 2))).all()
+    assert found.ctypes.data % 64 == 0 and limits.aligned(values).ctypes.data % 64 == 0
+
+
 def test_what_a_machine_needs_at_least_is_arithmetic_or_memory() -> None:
     def record(line: str, setting: str, seconds: float, **extra: float) -> Record:
         return Record(limits.CONTEST, "machine", line, setting, fastest=seconds, extra=extra)
