@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.kit import required
 from benchmarks.peers.equations import Equations, one_freedom
-from benchmarks.problems.forms import observed_of
+from benchmarks.problems.forms import inertia_of, observed_of
 from benchmarks.problems.problem import SCENES, Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Link, Loop, Tree, equations, frames, symbols
@@ -66,7 +66,6 @@ def scene_of_slider_crank() -> Scene:
     tree = slider_crank()
     where = frames(tree, np.array(tree.q))
     builder = SceneBuilder("spatial_slider_crank", unit="m").gravity(*tree.gravity)
-    moments = ("xx", "yy", "zz")
     for name, k in (("crank", 0), ("slider", 1), ("rod", 3)):
         link = tree.links[k]
         builder.body(
@@ -75,8 +74,9 @@ def scene_of_slider_crank() -> Scene:
             orientation={"matrix": where[1][k].tolist()},
             mass=link.mass,
             center=link.center,
-            inertia=dict(zip(moments, link.inertia, strict=True)),
-            **({"angular_velocity": (RATE, 0, 0), "hold": ["angular_velocity"]} if not k else {}),
+            inertia=inertia_of(link.inertia),
+            angular_velocity=None if k else (RATE, 0, 0),
+            hold=[] if k else ["angular_velocity"],
         )
     x, z = ((1, 0, 0), (1, 0, 0)), ((0, 0, 1), (0, 1, 0))
     none = (0, 0, 0)
@@ -131,9 +131,9 @@ def _of_bricard(*, rows: str) -> Tree:
     """Return the tree from the hinge a on, whose end meets the hinge f."""
 
     def link(joint: Any, parent: int, at: Any, along: int, side: int) -> Link:
-        center, moments = [0.0] * 3, [_ACROSS] * 3
-        center[along], moments[along] = side / 2, _ALONG
-        return Link(joint, parent, at, 1.0, tuple(center), tuple(moments))
+        c, m = [0.0] * 3, [_ACROSS] * 3
+        c[along], m[along] = side / 2, _ALONG
+        return Link(joint, parent, at, 1.0, (c[0], c[1], c[2]), (m[0], m[1], m[2]))
 
     end = (0.0, 0.0, -1.0)
     return Tree(
@@ -198,7 +198,7 @@ def peers_of(
         *equation_lines(
             problem, size, "index 1", "equations", make, has_multipliers=True, is_long=True
         ),
-        *equation_lines(problem, size, "reduced", "reduced", reduced),
+        *equation_lines(problem, size, "reduced", "reduced", reduced, is_long=tree is BRICARD),
         *tree_lines(problem, size, tree),
     ]
 

@@ -40,7 +40,6 @@ ROD = Tree(
 def scene() -> Scene:
     """Return the scene: a carriage that is driven, and the rod on it."""
     builder = SceneBuilder("driven_pendulum", unit="m").gravity(*ROD.gravity)
-    turned = {"axis": (0, 0, 1), "angle": START}
     builder.body(
         "carriage",
         position=(0, 0, 0),
@@ -52,7 +51,7 @@ def scene() -> Scene:
         "rod",
         position=(0, 0, 0),
         velocity=(0, SHAKE * OFTEN, 0),
-        orientation=turned,
+        orientation={"axis": (0, 0, 1), "angle": START},
         mass=1,
         center=(0, -0.5, 0),
         inertia={"xx": INERTIA, "yy": 1e-3, "zz": INERTIA},

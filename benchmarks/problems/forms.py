@@ -13,6 +13,7 @@ from benchmarks.problems.tree import (
     Kinematics,
     Tree,
     frames,
+    is_damped,
     point_at,
     rotation,
     slopes,
@@ -21,7 +22,8 @@ from kousoku.model.builder import SceneBuilder
 from kousoku.runtime.motion import rotated
 
 if TYPE_CHECKING:
-    from benchmarks.problems.tree import Point
+    from benchmarks.problems.tree import Point, Vector
+    from kousoku.model.keys import InertiaKeys
     from kousoku.model.scene import Scene
 
 
@@ -50,7 +52,7 @@ def scene_of(name: str, tree: Tree) -> Scene:
             angular_velocity=omega.tolist(),
             mass=link.mass,
             center=link.center,
-            inertia=dict(zip(("xx", "yy", "zz"), link.inertia, strict=True)),
+            inertia=inertia_of(link.inertia),
         )
         builder.joint(
             f"joint_{k}",
@@ -66,7 +68,7 @@ def scene_of(name: str, tree: Tree) -> Scene:
             type="revolute" if is_flat else "spherical",
             bodies=(named(loop.a[0]), named(loop.b[0])),
             at=point_at(loop.a, where).tolist(),
-            **({"axis": (0, 0, 1)} if is_flat else {}),
+            axis=(0, 0, 1) if is_flat else None,
         )
     for k, spring in enumerate(tree.springs):
         builder.force(
@@ -82,6 +84,11 @@ def scene_of(name: str, tree: Tree) -> Scene:
         turn = np.eye(3)[tree.links[k].axis] * torque
         builder.force(f"torque_{k}", type="torque", body=names[k], torque=turn.tolist())
     return builder.build()
+
+
+def inertia_of(moments: Vector) -> InertiaKeys:
+    """Return moments as a scene has them."""
+    return {"xx": moments[0], "yy": moments[1], "zz": moments[2]}
 
 
 def observed_of(tree: Tree, names: list[str] | None = None) -> Any:
@@ -165,7 +172,7 @@ def flat(tree: Tree) -> Equations:
         forces=forces,
         constraints=ca.vertcat(*rows),
         observed=ca.vertcat(*(at(point)[places] for point in tree.observed)),
-        energy=energy,
+        energy=None if is_damped(tree) else energy,
         held=held,
     )
 
@@ -187,10 +194,13 @@ def recursive(tree: Tree) -> Equations:
     """
     ca = required("casadi")
     count = len(tree.links)
+    has_energy = count <= SMALL and not is_damped(tree)
     made = Kinematics(tree, ca.SX.sym("q", count), ca.SX.sym("v", count))
     q, v = made.q, made.v
     pulls = -_gradient(made)
-    ups, motions, biases, inertias, pushes = [], [], [], [], []
+    ups: list[Any] = []
+    motions: list[Any] = []
+    biases, inertias, pushes = [], [], []
     for k, link in enumerate(tree.links):
         axis = link.axis + 3 * link.is_slide
         turn = ca.SX.eye(3) if link.is_slide else _turn(link.axis, q[k])
@@ -209,7 +219,8 @@ def recursive(tree: Tree) -> Equations:
         inertias.append(ca.sparsify(_blocks(moments, c, -c, link.mass * ca.SX.eye(3))))
         swept = _blocks(w, u, ca.SX(3, 3), w)
         pushes.append(ca.mtimes(swept, ca.mtimes(inertias[k], motions[k])))
-    columns, pivots, rights = [None] * count, [None] * count, [None] * count
+    columns: list[Any] = [None] * count
+    pivots, rights = columns[:], columns[:]
     for k in reversed(range(count)):
         link = tree.links[k]
         axis = link.axis + 3 * link.is_slide
@@ -221,7 +232,8 @@ def recursive(tree: Tree) -> Equations:
             up = ups[k]
             inertias[link.parent] += ca.mtimes(up.T, ca.mtimes(left, up))
             pushes[link.parent] += ca.mtimes(up.T, push)
-    changes, moved = [], []
+    changes: list[Any] = []
+    moved: list[Any] = []
     ground = ca.SX([0, 0, 0, *(-x for x in tree.gravity)])
     for k, link in enumerate(tree.links):
         axis = link.axis + 3 * link.is_slide
@@ -237,7 +249,7 @@ def recursive(tree: Tree) -> Equations:
         tree.start,
         made.observed(),
         rate=ca.vertcat(v, *changes),
-        energy=made.kinetic() + made.weight() + made.stretched() if count <= SMALL else None,
+        energy=made.kinetic() + made.weight() + made.stretched() if has_energy else None,
     )
 
 

@@ -14,7 +14,6 @@ import numpy as np
 
 from benchmarks.kit import required
 from benchmarks.peers.equations import Equations, one_freedom
-from benchmarks.problems.forms import flat
 from benchmarks.problems.problem import Problem
 from benchmarks.problems.tools import equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Link, Loop, Tree
@@ -37,8 +36,8 @@ PUBLISHED = {
 def tree_of(count: int) -> Tree:
     """Return it as a tree of cranks, each with its coupler, whose ends meet the next crank."""
     moments = (1e-3, INERTIA, INERTIA)
-    links, loops = [], []
-    rates, angles = [], []
+    links: list[Link] = []
+    loops, rates, angles = [], [], []
     for k in range(count + 1):
         crank = len(links)
         at = (float(k), 0.0, 0.0)
@@ -97,17 +96,14 @@ def peers(count: int, problem: Problem, size: Size) -> list[Case]:
     """Return the cases of all peers."""
     cases = equation_lines(problem, size, "reduced", "reduced", partial(by_crank, count))
     tree = tree_of(count)
-    if count <= SMALL:
-        cases += equation_lines(
-            problem, size, "index 1", "equations", partial(flat, tree), has_multipliers=True
-        )
-    if count <= MIDDLE:
-        cases += tree_lines(problem, size, tree, steps=STEPS)
+    if count <= MIDDLE and size.is_full:
+        cases += tree_lines(problem, size, tree, steps=STEPS, is_singular=True)
     return cases
 
 
-#: Up to so many, peers get all bodies: index 1 by hand, and tools that take scenes.
-SMALL, MIDDLE = 2, 40
+#: Up to so many, tools that take scenes get all bodies. Equations of index 1 do not pass where
+#: rank is lost: their steps get shorter without end.
+MIDDLE = 40
 
 
 def problem_of(count: int) -> Problem:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import required
-from benchmarks.peers import heyoka, scipy
 from benchmarks.peers.equations import Equations, index_1, one_freedom
-from benchmarks.problems.problem import SCENES, Problem, equation_cases, tolerances
+from benchmarks.problems.problem import SCENES, Problem
+from benchmarks.problems.tools import equation_lines, tree_lines
+from benchmarks.problems.tree import GROUND, Link, Tree
 
 if TYPE_CHECKING:
     from benchmarks.kit import Case, Size
@@ -26,6 +27,16 @@ PUBLISHED = {
     5.0: (-0.942305435043757, -0.334754338414001),
     10.0: (-0.275087462576117, -0.961419205099125),
 }
+
+
+ROD = Tree(
+    links=(Link("z", GROUND, (0.0,) * 3, 1.0, (0.75, 0.0, 0.0), (0.001, 0.1875, 0.1875)),),
+    q=(np.pi,),
+    v=(0.0,),
+    gravity=(0.0, -WEIGHT, 0.0),
+    observed=((0, (1.0, 0.0, 0.0)),),
+    axes="xy",
+)
 
 
 def reduced() -> Equations:
@@ -60,12 +71,13 @@ def with_multiplier() -> Equations:
 
 
 def peers(problem: Problem, size: Size) -> list[Case]:
-    """Return the cases of all peers."""
-    tools = (("heyoka", "Taylor", heyoka.runs), ("SciPy", "DOP853", scipy.runs))
-    settings = tolerances(size)
+    """Return the cases of all peers; those that take scenes get the rod."""
     return [
-        *equation_cases(problem, "index 1", "equations", with_multiplier, tools, settings),
-        *equation_cases(problem, "reduced", "reduced", reduced, tools, settings),
+        *equation_lines(
+            problem, size, "index 1", "equations", with_multiplier, has_multipliers=True
+        ),
+        *equation_lines(problem, size, "reduced", "reduced", reduced),
+        *tree_lines(problem, size, ROD),
     ]
 
 

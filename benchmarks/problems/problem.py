@@ -138,7 +138,8 @@ class Problem:
 def reaction_norms(joints: Sequence[str], result: Any) -> Array:
     """Return how large the forces of joints are, (rows, joints), of a result of kousoku."""
     forces = [result.joint(name).force for name in joints]
-    return np.linalg.norm(np.stack(forces, axis=1), axis=2)
+    found: Array = np.linalg.norm(np.stack(forces, axis=1), axis=2)
+    return found
 
 
 def tolerances(size: Size) -> Sequence[float]:

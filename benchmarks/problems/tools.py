@@ -29,6 +29,8 @@ FEW, FEW_TAYLOR = (1e-6, 1e-8, 1e-10), (1e-7, 1e-10, 1e-15)
 #: Steps to the end; multiples of the number of times that are judged.
 STEPS = (1_000, 5_000, 20_000, 100_000)
 FEW_STEPS = (1_000, 10_000)
+#: MuJoCo's methods: of order 4, and of order 1 for what is stiff.
+MUJOCO = ("RK4", "implicit")
 
 
 def equation_lines(
@@ -71,16 +73,14 @@ def tree_lines(
     *,
     steps: Sequence[int] = STEPS,
     is_stiff: bool = False,
-    only: Sequence[str] = ("MuJoCo", "Pinocchio", "Exudyn"),
+    is_singular: bool = False,
 ) -> list[Case]:
     """Return the lines of tools that start from bodies and joints."""
     counts = steps if size.is_full else FEW_STEPS
     cases = []
-    if "MuJoCo" in only:
-        for method in ("implicit", "RK4") if is_stiff else ("RK4", "implicit"):
-            if size.is_full or not cases:
-                cases += stepped(problem, "MuJoCo", method, counts, partial(_mujoco, tree, method))
-    if "Pinocchio" in only and size.is_full:
+    for method in MUJOCO if size.is_full and not is_stiff else MUJOCO[is_stiff:][:1]:
+        cases += stepped(problem, "MuJoCo", method, counts, partial(_mujoco, tree, method))
+    if size.is_full and not is_stiff:  # DOP853 is explicit
         form = "constraintDynamics" if tree.loops else "ABA"
         cases += [
             Case(
@@ -92,11 +92,12 @@ def tree_lines(
             )
             for tolerance in STEPPERS
         ]
-    if "Exudyn" in only and size.is_full:
+    if size.is_full:
         lines = ["generalised alpha, index 3", "trapezoidal, index 2"]
         lines += [] if tree.loops or is_stiff else list(exudyn.EXPLICIT)
         for line in lines:
-            cases += stepped(problem, "Exudyn", line, counts, partial(_exudyn, tree, line))
+            make = partial(_exudyn, tree, line, is_tight=not is_singular)
+            cases += stepped(problem, "Exudyn", line, counts[: len(STEPS) - 1], make)
     return cases
 
 
@@ -104,8 +105,8 @@ def _mujoco(tree: Tree, method: str, steps: int, times: Array) -> Runs:
     return mujoco.runs(tree, method, steps, times)
 
 
-def _exudyn(tree: Tree, line: str, steps: int, times: Array) -> Runs:
-    return exudyn.runs(tree, line, steps, times)
+def _exudyn(tree: Tree, line: str, steps: int, times: Array, *, is_tight: bool) -> Runs:
+    return exudyn.runs(tree, line, steps, times, is_tight=is_tight)
 
 
 def _pinocchio(tree: Tree, tolerance: float, times: Array) -> Runs:

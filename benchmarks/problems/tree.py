@@ -6,7 +6,7 @@ heyoka and CasADi get. At zero coordinates all frames are parallel to frame O.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -237,11 +237,16 @@ def symbols(tree: Tree) -> Kinematics:
     return Kinematics(tree, ca.SX.sym("q", count), ca.SX.sym("v", count))
 
 
+def is_damped(tree: Tree) -> bool:
+    """Whether its energy changes."""
+    return any(spring.damping for spring in tree.springs)
+
+
 def equations(tree: Tree) -> Equations:
     """Return Lagrange's equations in joint coordinates, of index 1 where there are loops."""
     made = symbols(tree)
     torques = sum(torque * made.q[k] for k, torque in tree.torques.items())
-    return lagrange(
+    found = lagrange(
         made.q,
         made.v,
         tree.start,
@@ -251,6 +256,7 @@ def equations(tree: Tree) -> Equations:
         constraints=made.closed(),
         forces=made.damping(),
     )
+    return replace(found, energy=None) if is_damped(tree) else found
 
 
 def frames(tree: Tree, q: Array) -> tuple[Array, Array]:

@@ -153,7 +153,7 @@ def test_the_page_says_in_words_where_it_wins(tmp_path: Path) -> None:
     figures = Figures(tmp_path / "plots", "plots")
     page = command.page_of(chosen, answers, Size(), figures, {"processor": "a machine"})
     paragraph = page.split("\n\n")[1]
-    assert "faster on Pendulum A01, 10 s (4 times) and slower nowhere" in paragraph
+    assert "from a scene on Pendulum A01, 10 s (4 times), and slower on no problem" in paragraph
     assert "takes 2 to 2 times as long" in paragraph
     assert "Nothing else that starts from a scene gets there on Pendulum A01" in paragraph
     assert "processor: a machine." in page and "Left out: casadi (none); get it." in page
