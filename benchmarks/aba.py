@@ -1,4 +1,4 @@
-"""Pinocchio's accelerations of the chains: through a loop in C++, or call by call from Python."""
+"""Accelerations of the chains by peers: Pinocchio in a loop in C++ or from Python, and MuJoCo."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from benchmarks.chains import (
     ALONG,
+    AXES,
     CENTRE,
     GRAVITY,
     MASS,
@@ -108,6 +109,37 @@ def called(count: int) -> Accelerations:
                 change[k] = aba(model, data, theta[k], rate[k], torque)
 
     return Accelerations("Pinocchio, from Python", run, _of_bodies(theta, rate, change))
+
+
+def mujoco_model(count: int) -> Any:
+    """Return a chain as MuJoCo's model, body by body: XML may not be nested so deeply."""
+    mujoco = required("mujoco")
+    spec = mujoco.MjSpec()
+    spec.option.gravity = GRAVITY
+    spec.memory = 1 << 30
+    body = spec.worldbody
+    for k in range(count):
+        body = body.add_body(pos=ALONG * bool(k), mass=MASS, ipos=CENTRE, inertia=MOMENTS)
+        body.explicitinertial = True
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXES[k % 2])
+    return spec.compile()
+
+
+def forward(count: int) -> Accelerations:
+    """Return MuJoCo's accelerations, each through a call from Python."""
+    mujoco, model = required("mujoco"), mujoco_model(count)
+    data = mujoco.MjData(model)
+    theta, rate = joint_states(count)
+    change = np.zeros_like(theta)
+
+    def run(rounds: int) -> None:
+        for _ in range(rounds):
+            for k in range(STATES):
+                data.qpos[:], data.qvel[:] = theta[k], rate[k]
+                mujoco.mj_forward(model, data)
+                change[k] = data.qacc
+
+    return Accelerations("MuJoCo, from Python", run, _of_bodies(theta, rate, change))
 
 
 def _of_bodies(

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
 CHAINS, LONG_CHAIN = (10, 100), 1000
 OF_PINOCCHIO, EQUAL = 1.0, 1e-9
 BY_LOOP, BY_CALL = "its algorithm, looped in C++", "its algorithm, called from Python"
+FORWARD = "mj_forward, called from Python"
 METHOD, TOLERANCE = "dop853", 1e-8
 EACH = ("factorisations", "corrections", "refinements")
 COLUMNS = ("projection", "factorisation", "equations", "others", "integrator")
@@ -149,7 +150,7 @@ def cases(contest: str, size: Size) -> list[Case]:
     called = Case("Pinocchio", BY_CALL, "", "scene", partial(_called, count))
     if count not in CHAINS:
         return [called] if count == 1 else [ours]
-    found = [ours, called]
+    found = [ours, called, Case("MuJoCo", FORWARD, "", "scene", partial(_forward, count))]
     if size.is_full:  # it takes a minute to compile
         found.append(Case("Pinocchio", BY_LOOP, "", "scene", partial(_looped, count)))
     return found
@@ -199,6 +200,10 @@ def _kousoku(count: int) -> Call:
 
 def _called(count: int) -> Call:
     return _call(aba.called(count), count)
+
+
+def _forward(count: int) -> Call:
+    return _call(aba.forward(count), count)
 
 
 @cache

@@ -338,6 +338,9 @@ def _sizes(by: By, counts: Sequence[int]) -> str:
     rows = []
     for n in counts:
         empty = by.get((n, "kousoku", SETTINGS["empty"], TOTAL))
+        if empty is not None and empty.note:
+            rows.append([str(n), empty.note, *[""] * 6])
+            continue
         found = by.get((n, "kousoku", SETTINGS["found"], TOTAL))
         cells = [
             _size(empty, "bytes of C"),
@@ -414,8 +417,8 @@ its files, `compile` them with the flags that ship, `load`, and the first step o
 ends after 30 s. Slopes: a line through all chains, and the power of n through the longer half of
 them (on a logarithmic scale). Memory is the most that a process had; "before" is after the imports.
 
-Peers build the same chain with their own functions (Exudyn a kinematic tree, MuJoCo XML, Pinocchio
-joint by joint) and evaluate it once.""",
+Peers build the same chain with their own functions (Exudyn a kinematic tree, MuJoCo body by body,
+Pinocchio joint by joint) and evaluate it once.""",
     contests=contests,
     cases=cases,
     body=body,

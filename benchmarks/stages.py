@@ -227,21 +227,13 @@ def exudyn(count: int, clock: Clock) -> None:
 
 
 def mujoco(count: int, clock: Clock) -> None:
-    """Build a chain from its XML and evaluate it once."""
+    """Build a chain body by body, since XML may not be nested so deeply, and evaluate it once."""
     with clock.stage("import"):
         program = required("mujoco")
-    from benchmarks.chains import MASS, MOMENTS  # noqa: PLC0415
+    from benchmarks.aba import mujoco_model  # noqa: PLC0415
 
     with clock.stage("build"):
-        links = "".join(
-            f'<body pos="{int(k > 0)} 0 0"><joint axis="0 {(k + 1) % 2} {k % 2}"/>'
-            f'<inertial pos=".5 0 0" mass="{MASS}" diaginertia="{" ".join(map(str, MOMENTS))}"/>'
-            for k in range(count)
-        )
-        model = program.MjModel.from_xml_string(
-            '<mujoco><option gravity="0 0 -9.81"><flag contact="disable"/></option>'
-            f'<size memory="1G"/><worldbody>{links}{"</body>" * count}</worldbody></mujoco>'
-        )
+        model = mujoco_model(count)
         data = program.MjData(model)
     with clock.stage("first step"):
         program.mj_forward(model, data)

@@ -180,7 +180,7 @@ def test_without_pinocchio_its_case_says_so(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr(aba, "required", missing)
     cases = evaluations.cases(evaluations.chain_name(10), Size())
-    assert [case.tool for case in cases] == ["kousoku", "Pinocchio"]
+    assert [case.tool for case in cases] == ["kousoku", "Pinocchio", "MuJoCo"]
     with pytest.raises(MissingError, match="pinocchio"):
         cases[1].prepare()
 
