@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import subprocess
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,12 +24,16 @@ from benchmarks.chains import (
     joint_states,
 )
 from benchmarks.kit import MissingError, required
-from benchmarks.loops import cpp_compiler, eigen
+from benchmarks.loops import cpp_compiler, eigen, started
+from kousoku.model.cache import cache_folder
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+SOURCE = Path(__file__).with_name("pinocchio_loop.cpp")
+#: The longest time of its compiler [s].
+PATIENCE = 240.0
 #: Pinocchio's own flags; its list of joints is longer than Boost's prepared headers.
 _FLAGS = (
     *("-std=c++17", "-O3", "-march=native", "-DNDEBUG", "-shared", "-fPIC"),
@@ -35,28 +41,61 @@ _FLAGS = (
 )
 
 
-def build_loop(folder: Path) -> Path:
-    """Compile the loop with the headers that come with Pinocchio's package; it takes a minute.
+def loop_library() -> Path:
+    """Return where the loop is compiled to: another place for another Pinocchio or compiler.
 
     Raises
     ------
     MissingError
         Pinocchio, Eigen or a C++ compiler is not there.
     """
+    found = hashlib.sha256(SOURCE.read_bytes())
+    found.update(repr((_command(), version("pin"))).encode())
+    return cache_folder() / "bench" / found.hexdigest()[:32] / "pinocchio_loop.so"
+
+
+def _command() -> list[str]:
+    """Return the compiler with its flags."""
     prefix = Path(required("pinocchio").__file__).parents[4]
-    library = folder / "pinocchio_loop.so"
-    source = Path(__file__).with_name("pinocchio_loop.cpp")
     command = [*cpp_compiler(find_toolchain().command), *_FLAGS]
-    command += [f"-I{prefix / 'include'}", f"-isystem{eigen()}", "-o", str(library), str(source)]
-    command += [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise MissingError(f"{source.name} does not compile:\n{done.stderr[-2000:]}")
-    return library
+    command += [f"-I{prefix / 'include'}", f"-isystem{eigen()}", str(SOURCE)]
+    return [*command, f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
 
 
-def looped(count: int, library: Path) -> Accelerations:
-    """Return Pinocchio's accelerations through the loop."""
+def build_loop() -> None:
+    """Compile the loop with the headers that come with Pinocchio's package; it takes a minute.
+
+    Raises
+    ------
+    MissingError
+        What it needs is not there, or it does not compile in time.
+    """
+    library = loop_library()
+    if library.exists():
+        return
+    library.parent.mkdir(parents=True, exist_ok=True)
+    begun = library.with_suffix(".begun")
+    with started([*_command(), "-o", str(begun)]) as process:
+        try:
+            _, said = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise MissingError(f"{SOURCE.name} compiles for more than {PATIENCE:g} s") from None
+    if process.returncode:
+        raise MissingError(f"{SOURCE.name} does not compile: {said[-500:]}")
+    begun.rename(library)
+
+
+def looped(count: int) -> Accelerations:
+    """Return Pinocchio's accelerations through the loop.
+
+    Raises
+    ------
+    MissingError
+        It was not compiled.
+    """
+    library = loop_library()
+    if not library.exists():
+        raise MissingError(f"{SOURCE.name} was not compiled")
     exported = ctypes.CDLL(str(library))
     exported.chain_new.restype = ctypes.c_void_p
     numbers = [CENTRE, MOMENTS, GRAVITY]

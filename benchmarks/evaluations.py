@@ -28,7 +28,7 @@ from benchmarks.kit import (
 )
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import finished, loaded
-from benchmarks.race import race
+from benchmarks.race import MISSING, race
 from benchmarks.segments import PARTS, SEGMENTS, Loop, Segments, seconds_of_parts, share_of_factors
 from kousoku.runtime.dynamics import DynamicsSolver
 from kousoku.runtime.integrate.settings import KINEMATICS
@@ -71,9 +71,19 @@ def _chain_of(contest: str) -> int:
 
 def run(contest: str, size: Size, workers: Workers) -> list[Record]:
     """Measure a contest: a problem here, a chain by all programs in turn."""
-    if _chain_of(contest):
-        return race(contest, cases(contest, size), workers, QUESTION.seconds)
-    return list(measure(PROBLEMS[contest]))
+    if not _chain_of(contest):
+        return list(measure(PROBLEMS[contest]))
+    reason = ""
+    if size.is_full and _chain_of(contest) in CHAINS:
+        try:
+            aba.build_loop()
+        except MissingError as error:
+            reason = str(error)
+    found = race(contest, cases(contest, size), workers, QUESTION.seconds)
+    for one in found:
+        if one.line == BY_LOOP and reason:
+            one.note = f"{MISSING}{reason}"
+    return found
 
 
 # ---------------------------------------------------------------- problems
@@ -206,13 +216,8 @@ def _forward(count: int) -> Call:
     return _call(aba.forward(count), count)
 
 
-@cache
-def _library() -> Path:
-    return aba.build_loop(_folder("pinocchio"))
-
-
 def _looped(count: int) -> Call:
-    return _call(aba.looped(count, _library()), count)
+    return _call(aba.looped(count), count)
 
 
 # ---------------------------------------------------------------- the page

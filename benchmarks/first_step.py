@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +29,7 @@ from benchmarks.kit import (
     table,
 )
 from benchmarks.limits import size_text
+from benchmarks.loops import started
 from benchmarks.plots import Line, growth
 from benchmarks.race import CAP, MISSING, TOO_LONG
 from benchmarks.stages import ORDER, PEERS, WARMED
@@ -39,6 +39,7 @@ from kousoku.runtime.toolchain import EXTENSION
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
+    from contextlib import AbstractContextManager
 
     from benchmarks.race import Workers
 
@@ -134,28 +135,13 @@ def scene_file(folder: Path, count: int) -> Path:
     return file
 
 
-@contextmanager
-def process(how: str, count: int, file: Path, cache: Path) -> Iterator[subprocess.Popen[str]]:
-    """Give a process of :mod:`benchmarks.stages`, which is ended with all that it started."""
+def process(
+    how: str, count: int, file: Path, cache: Path
+) -> AbstractContextManager[subprocess.Popen[str]]:
+    """Return a process of :mod:`benchmarks.stages`, which is ended with all that it started."""
     command = [sys.executable, "-m", "benchmarks.stages", how, str(count), str(time.time())]
-    own = subprocess.Popen(
-        [*command, str(file)],
-        cwd=ROOT,
-        env={**os.environ, "KOUSOKU_CACHE": str(cache)},
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        yield own
-    finally:
-        if own.poll() is None:
-            if os.name == "posix":
-                os.killpg(own.pid, signal.SIGKILL)  # compilers that it started, too
-            own.kill()
-        own.communicate()
+    environment = {**os.environ, "KOUSOKU_CACHE": str(cache)}
+    return started([*command, str(file)], cwd=ROOT, env=environment, stdin=subprocess.PIPE)
 
 
 def ask(how: str, count: int, file: Path, cache: Path) -> Answer:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import shutil
+import signal
 import subprocess
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from benchmarks.kernel_peers import casadi_source, symforce_header, sympy_source
 from benchmarks.kit import MissingError, required
@@ -17,7 +19,7 @@ from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     import numpy as np
 
@@ -191,6 +193,23 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
     if done.returncode:
         raise MissingError(f"{loop.name} does not compile:\n{done.stderr}")
     return Loop(library)
+
+
+@contextmanager
+def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[str]]:
+    """Give a process that is ended in the end, with all processes that it started."""
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(
+        command, stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            if os.name == "posix":
+                os.killpg(process.pid, signal.SIGKILL)
+            process.kill()
+        process.communicate()
 
 
 def eigen() -> Path:
