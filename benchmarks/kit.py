@@ -32,7 +32,7 @@ KINDS: dict[Kind, str] = {
     "reduced": "reduced by hand",
 }
 #: Seconds that a case runs in a round, most rounds, and the most seconds for all rounds of a case.
-SLICE, ROUNDS, SPENT = 0.02, 7, 1.5
+SLICE, ROUNDS, SPENT = 0.02, 7, 1.0
 
 
 class MissingError(Exception):

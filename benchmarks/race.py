@@ -32,6 +32,8 @@ CAP, SET_UP = 30.0, 120.0
 SHORT = 0.05
 #: How the note of a case begins whose tool is not installed.
 MISSING = "missing: "
+#: Whose lines run first, and what the first case of another line is taken to cost [s].
+OURS, UNKNOWN = "kousoku", 1.0
 TOO_LONG = f"> {CAP:g} s"
 #: One thread each: a library that divides its work would be measured against one that does not.
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "EXUDYN_NUM_THREADS")
@@ -69,7 +71,6 @@ def answer(question: str, command: str) -> Answer:
     if wanted["do"] == "judge":
         judged = call.judge()
         return {"error": judged.error, "extra": judged.extra}
-    gc.collect()
     gc.disable()
     try:
         about = wanted.get("about")
@@ -157,36 +158,54 @@ def race(
     """
     records = [Record(contest, case.tool, case.line, case.setting, case.kind) for case in cases]
     late = time.monotonic() + seconds
-    over: set[tuple[str, str]] = set()
     missing: dict[str, str] = {}
-    # One of each line, then the next of each: what time is left for, all lines have alike.
-    for k in _in_turn(cases):
-        case, record = cases[k], records[k]
-        tell(f"{contest}: {case.tool} {case.line} {case.setting}")
-        if case.tool in missing:
-            record.note = missing[case.tool]
-        elif (case.tool, case.line) in over:
-            record.note = TOO_LONG
-        elif time.monotonic() > late:
+    waiting: dict[tuple[str, str], list[int]] = {}
+    for k, case in enumerate(cases):
+        waiting.setdefault((case.tool, case.line), []).append(k)
+    # What a line cost last. Those that are cheap run to their ends first, and kousoku's before all:
+    # what there is no time left for is the slowest.
+    cost = {line: 0.0 if line[0] == OURS else UNKNOWN for line in waiting}
+    while cost:
+        line = min(cost, key=lambda one: cost[one])
+        record = records[k := waiting[line].pop(0)]
+        tell(f"{contest}: {record.tool} {record.line} {record.setting}")
+        start = time.monotonic()
+        if record.tool in missing:
+            record.note = missing[record.tool]
+        elif start > late:
             record.note = "not run: the time of the contest was over"
         else:
             _try(record, k, workers)
-            if record.note == TOO_LONG:
-                over.add((case.tool, case.line))
+            cost[line] = 0.0 if record.tool == OURS else time.monotonic() - start
             if record.note.startswith(MISSING):
-                missing[case.tool] = record.note
-    _time_in_turn(contest, records, workers, tell)
+                missing[record.tool] = record.note
+            if record.note == TOO_LONG:
+                for after in waiting[line]:
+                    records[after].note = TOO_LONG
+                waiting[line].clear()
+        if not waiting[line]:
+            del cost[line]
+    _time_in_turn(contest, records, workers, late, tell)
     workers.forget(contest)
     return records
 
 
 def _time_in_turn(
-    contest: str, records: list[Record], workers: Workers, tell: Callable[[str], object]
+    contest: str,
+    records: list[Record],
+    workers: Workers,
+    late: float,
+    tell: Callable[[str], object],
 ) -> None:
-    """Run the cases that are short enough in rounds, and tell the fastest and the median."""
+    """Run the cases that are short enough in rounds, and tell the fastest and the median.
+
+    When it is late one round is made, so that times of one contest are of one kind.
+    """
     times: dict[int, list[float]] = {k: [] for k, one in enumerate(records) if one.fastest}
     most = {k: rounds_of(records[k].fastest or 0.0) for k in times}
     for r in range(max(most.values(), default=0)):
+        if r and time.monotonic() > late:
+            break
         tell(f"{contest}: round {r + 1}")
         for k, found in times.items():
             if r < most[k]:
@@ -197,17 +216,6 @@ def _time_in_turn(
         record.rounds = len(all_times)
         count = int(record.extra.pop("count", 1))
         record.fastest, record.median = fastest_and_median(all_times, count)
-
-
-def _in_turn(cases: list[Case]) -> list[int]:
-    """Return the places of the first case of each line, then of the second of each, and so on."""
-    seen: dict[tuple[str, str], int] = {}
-    ranks = []
-    for k, case in enumerate(cases):
-        rank = seen.get((case.tool, case.line), 0)
-        seen[case.tool, case.line] = rank + 1
-        ranks.append((rank, k))
-    return [k for _, k in sorted(ranks)]
 
 
 def _try(record: Record, k: int, workers: Workers) -> None:

@@ -9,6 +9,7 @@ from benchmarks.kit import KINDS, Figures, Question, Record, Size, Target, durat
 from benchmarks.plots import Line, work_precision
 from benchmarks.problems import linkage
 from benchmarks.problems.catalog import PROBLEMS
+from benchmarks.problems.problem import ROWS
 from benchmarks.race import TOO_LONG
 
 if TYPE_CHECKING:
@@ -74,7 +75,9 @@ class Beside:
     ours : Record or None
         A user's call.
     scene : Record or None
-        The best tool that starts from a scene, or from equations of all bodies.
+        The best tool that starts from a scene.
+    equations : Record or None
+        The best one on equations of all bodies.
     reduced : Record or None
         The best one on equations that were reduced by hand.
     """
@@ -83,16 +86,22 @@ class Beside:
     error: float
     ours: Record | None
     scene: Record | None
+    equations: Record | None
     reduced: Record | None
 
     @property
+    def bodies(self) -> Record | None:
+        """The best of those that get all bodies: a scene, or their equations."""
+        return best((one for one in (self.scene, self.equations) if one), self.error)
+
+    @property
     def ratio(self) -> float | None:
-        """Kousoku's time over that of the best from a scene."""
-        return _ratio(self.ours, self.scene)
+        """The time of kousoku over that of the best that gets all bodies."""
+        return _ratio(self.ours, self.bodies)
 
     @property
     def ratio_reduced(self) -> float | None:
-        """Kousoku's time over that of the best on reduced equations."""
+        """The time of kousoku over that of the best on reduced equations."""
         return _ratio(self.ours, self.reduced)
 
 
@@ -112,8 +121,10 @@ def beside(records: Sequence[Record], error: float) -> list[Beside]:
                 contest,
                 error,
                 best((one for one in own if is_door(one)), error),
-                best((one for one in own if one.kind in ("scene", "equations")), error),
-                best((one for one in own if one.kind == "reduced"), error),
+                *(
+                    best((one for one in own if one.kind == kind), error)
+                    for kind in ("scene", "equations", "reduced")
+                ),
             )
         )
     return found
@@ -143,12 +154,13 @@ def _overview(records: Sequence[Record]) -> str:
                     f"{error:.0e}",
                     _told(one.ours, with_tool=False),
                     _told(one.scene),
+                    _told(one.equations),
                     _times(one.ratio),
                     _told(one.reduced),
                     _times(one.ratio_reduced),
                 ]
             )
-    heads = ["problem", "error", "kousoku", "best from a scene", "ratio"]
+    heads = ["problem", "error", "kousoku", "best from a scene", "on equations given", "ratio"]
     return table([*heads, "best reduced by hand", "ratio"], rows)
 
 
@@ -224,31 +236,49 @@ def _levels(records: Sequence[Record]) -> str:
 
 
 def _own_columns(records: Sequence[Record]) -> str:
-    """Return kousoku's runs: what a tolerance gives."""
-    rows = [
-        [
-            one.line,
-            one.setting.removeprefix("tolerance "),
-            duration(one.fastest),
-            duration(one.median),
-            *(number(value) for value in (one.error, one.extra.get("reactions"))),
-            number(one.extra.get("energy")),
-            *(f"{one.extra.get(name, 0):.0f}" for name in ("steps", "evaluations")),
-        ]
-        for one in records
-        if one.tool == "kousoku" and one.fastest is not None
-    ]
-    heads = ["kousoku", "tolerance", "fastest", "median", "error", "of reactions", "energy [J]"]
-    return table([*heads, "steps", "evaluations"], rows)
+    """Return kousoku's runs: what a tolerance gives, method by method."""
+    own = {(one.line, one.setting): one for one in records if one.tool == "kousoku"}
+    has_methods = any(is_door(one) and one.line != "auto" for one in own.values())
+    rows = []
+    for (line, setting), one in own.items():
+        if not is_door(one) or (line == "auto" and has_methods) or one.fastest is None:
+            continue
+        rows.append(
+            [
+                line,
+                setting.removeprefix("tolerance "),
+                duration(one.fastest),
+                duration(one.median),
+                *(duration(_fastest(own.get((other, setting)))) for other in _others(line)),
+                number(one.error),
+                number(one.extra.get("reactions")),
+                number(one.extra.get("energy")),
+                *(f"{one.extra.get(name, 0):.0f}" for name in ("steps", "evaluations")),
+            ]
+        )
+    heads = ["kousoku", "tolerance", "fastest", "median", f"with {ROWS} rows", "C alone"]
+    more = ["error", "of reactions", "energy [J]", "steps", "evaluations"]
+    return table([*heads, *more], rows)
+
+
+def _others(line: str) -> tuple[str, str]:
+    """Return the lines of the same method with a table of rows, and of the C alone."""
+    return f"{line}, {ROWS} rows", f"{line}, C alone"
+
+
+def _fastest(record: Record | None) -> float | None:
+    return None if record is None else record.fastest
 
 
 def targets(records: Sequence[Record]) -> list[Target]:
     """Return what the page promises."""
     found = [
-        Target(one.contest, f"time over the best from a scene, error {error:.0e}", one.ratio, 1.0)
+        Target(
+            one.contest, f"time over the best with all bodies, error {error:.0e}", one.ratio, 1.0
+        )
         for error in JUDGED
         for one in beside([one for one in records if one.contest in PROBLEMS], error)
-        if one.scene is not None
+        if one.bodies is not None
     ]
     found += _over_exudyn(records)
     for contest in dict.fromkeys(one.contest for one in records):
@@ -286,13 +316,13 @@ def words(records: Sequence[Record]) -> str:
         ratios = {one.contest: one.ratio for one in compared if one.ratio is not None}
         wins = {name: 1 / ratio for name, ratio in ratios.items() if ratio < 1}
         losses = {name: ratio for name, ratio in ratios.items() if ratio >= 1}
-        unmatched = [one.contest for one in compared if one.ours and not one.scene]
+        unmatched = [one.contest for one in compared if one.ours and not one.bodies]
         lost = [one.contest for one in compared if not one.ours]
         said = [f"To an error of {error:.0e} kousoku is"]
-        said.append(f"faster than the best tool that starts from a scene on {_list(wins)},")
+        said.append(f"faster than the best tool that gets all bodies on {_list(wins)},")
         said.append(f"and slower on {_list(losses)}.")
         if unmatched:
-            said.append(f"Nothing else that starts from a scene gets there on {_names(unmatched)}.")
+            said.append(f"Nothing else that gets all bodies reaches it on {_names(unmatched)}.")
         if lost:
             said.append(f"kousoku does not get there on {_names(lost)}.")
         reduced = [one.ratio_reduced for one in compared if one.ratio_reduced is not None]
@@ -330,12 +360,26 @@ QUESTION = Question(
         " problem, from a run with the same settings; that of reactions is relative to the largest"
         " one. *From a scene*: bodies and joints are enough; *equations given*: a person wrote"
         " constraints and forces of all bodies; *reduced by hand*: a person reduced them to as few"
-        " coordinates as there are freedoms first."
+        " coordinates as there are freedoms first. The first two get all bodies: the faster one of"
+        " them is what kousoku is judged by.\n\n"
+        "Digits come from equations written by hand, integrated by a Taylor series in quadruple"
+        " precision; two forms of them agree, and published digits are met (`benchmarks/problems`)."
+        "\n\n"
+        "What decides the numbers of others: **heyoka**, **SciPy** and **CasADi** get the rates as"
+        " compiled code, whose derivatives CasADi wrote; implicit methods get the exact Jacobian."
+        " heyoka's code is inlined where it compiles in seconds, and compact for longer equations."
+        " IDAS controls its steps by positions and velocities alone. **Exudyn** gets planar bodies"
+        " where the motion is in a plane, its sparse solver from twenty bodies on, modified Newton,"
+        " and a spectral radius of 0.95: with 1 it does not pass singular positions, with 0.6 it"
+        " loses forty times more energy; its explicit methods get a tree in joint coordinates."
+        " **MuJoCo** steps in C; RK4 is its method of order 4, loops are as stiff as it takes them."
+        " **Pinocchio** gives accelerations in joint coordinates to SciPy's DOP853, with its own"
+        " constraints for loops. Fixed steps reach the 100 times exactly."
     ),
     contests=contests,
     cases=cases,
     body=body,
     targets=targets,
     words=words,
-    seconds=90.0,
+    seconds=80.0,
 )

@@ -98,6 +98,7 @@ def runs(
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """Return what steps to the end, and what gives the observed positions at all times."""
     mujoco = required("mujoco")
+    mujoco.set_mju_user_warning(lambda _text: None)  # or it writes a file: errors tell the same
     model = mujoco.MjModel.from_xml_string(text(tree))
     model.opt.timestep = float(times[-1]) / steps
     model.opt.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{method.upper()}")

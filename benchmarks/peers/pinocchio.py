@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Of loops: how exact the proximal iterations are, their damping, and how many at most.
 PROXIMAL = (1e-14, 1e-10, 20)
+#: The same where rows in space depend on each other: less damping loses the motion.
+REDUNDANT = (1e-14, 1e-4, 200)
 
 
 def model_of(tree: Tree) -> tuple[Any, list[int]]:
@@ -46,7 +48,7 @@ def _at(pin: Any, place: Any) -> Any:
     return pin.SE3(np.eye(3), np.array(place, dtype=np.float64))
 
 
-def rate_of(tree: Tree) -> Callable[[float, Array], Array]:
+def rate_of(tree: Tree, *, is_redundant: bool = False) -> Callable[[float, Array], Array]:
     """Return ẋ of x = (q, v): links by the articulated-body algorithm, loops by its constraints."""
     pin = required("pinocchio")
     model, joints = model_of(tree)
@@ -68,7 +70,7 @@ def rate_of(tree: Tree) -> Callable[[float, Array], Array]:
     models.extend(constraints)
     constraint_data = [one.createData() for one in constraints]
     datas.extend(constraint_data)
-    settings = pin.ProximalSettings(*PROXIMAL)
+    settings = pin.ProximalSettings(*(REDUNDANT if is_redundant else PROXIMAL))
     if constraints:
         pin.initConstraintDynamics(model, data, models, datas)
     q, v = np.zeros(count), np.zeros(count)
@@ -91,9 +93,9 @@ def rate_of(tree: Tree) -> Callable[[float, Array], Array]:
 
 
 def runs(
-    tree: Tree, tolerance: float, times: Array
+    tree: Tree, tolerance: float, times: Array, *, is_redundant: bool = False
 ) -> tuple[Callable[[], object], Callable[[], Array]]:
     """Return what runs to the end, and what gives the observed positions at all times."""
-    run, states = solved(rate_of(tree), tree.start, tolerance, times)
+    run, states = solved(rate_of(tree, is_redundant=is_redundant), tree.start, tolerance, times)
     count = len(tree.links)
     return run, lambda: np.array([placed(tree, x[:count]) for x in states()])

@@ -199,7 +199,7 @@ def peers_of(
             problem, size, "index 1", "equations", make, has_multipliers=True, is_long=True
         ),
         *equation_lines(problem, size, "reduced", "reduced", reduced, is_long=tree is BRICARD),
-        *tree_lines(problem, size, tree),
+        *tree_lines(problem, size, tree, is_redundant=tree is BRICARD),
     ]
 
 

@@ -30,7 +30,7 @@ FOLDER = Path(__file__).with_name("digits")
 SCENES = Path(__file__).parents[2] / "scenes"
 #: Of kousoku, and of peers with tolerances.
 FULL = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-12)
-QUICK = (1e-4, 1e-6, 1e-9)
+QUICK = (1e-4, 1e-7, 1e-10)
 #: How many times are judged; the line with a table writes more.
 TIMES, ROWS = 100, 200
 

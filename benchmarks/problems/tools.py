@@ -43,10 +43,12 @@ def equation_lines(
     is_stiff: bool = False,
     is_long: bool = False,
     has_multipliers: bool = False,
+    tolerances: Sequence[float] = TAYLOR,
 ) -> list[Case]:
     """Return the lines of heyoka, SciPy and CasADi on equations that are given.
 
-    Code of equations that are long is compact in heyoka: inlined it compiles for minutes.
+    Code of equations that are long is compact in heyoka: inlined it compiles for minutes. Where
+    that takes half a minute, too, heyoka gets fewer tolerances.
     """
     taylor = [("heyoka", "Taylor", partial(heyoka.runs, compact=is_long))]
     steppers: list[tuple[str, str, Callable[[Equations, float, Array], Runs]]]
@@ -61,7 +63,9 @@ def equation_lines(
         if has_multipliers:
             steppers.append(("CasADi", "IDAS", casadi.idas))
     return [
-        *equation_cases(problem, form, kind, make, taylor, TAYLOR if size.is_full else FEW_TAYLOR),
+        *equation_cases(
+            problem, form, kind, make, taylor, tolerances if size.is_full else FEW_TAYLOR
+        ),
         *equation_cases(problem, form, kind, make, steppers, STEPPERS if size.is_full else FEW),
     ]
 
@@ -74,6 +78,7 @@ def tree_lines(
     steps: Sequence[int] = STEPS,
     is_stiff: bool = False,
     is_singular: bool = False,
+    is_redundant: bool = False,
 ) -> list[Case]:
     """Return the lines of tools that start from bodies and joints."""
     counts = steps if size.is_full else FEW_STEPS
@@ -88,7 +93,9 @@ def tree_lines(
                 f"{form} and DOP853",
                 f"tolerance {tolerance:.0e}",
                 "scene",
-                partial(called, problem, partial(_pinocchio, tree, tolerance)),
+                partial(
+                    called, problem, partial(_pinocchio, tree, tolerance, is_redundant=is_redundant)
+                ),
             )
             for tolerance in STEPPERS
         ]
@@ -109,8 +116,8 @@ def _exudyn(tree: Tree, line: str, steps: int, times: Array, *, is_tight: bool) 
     return exudyn.runs(tree, line, steps, times, is_tight=is_tight)
 
 
-def _pinocchio(tree: Tree, tolerance: float, times: Array) -> Runs:
-    return pinocchio.runs(tree, tolerance, times)
+def _pinocchio(tree: Tree, tolerance: float, times: Array, *, is_redundant: bool) -> Runs:
+    return pinocchio.runs(tree, tolerance, times, is_redundant=is_redundant)
 
 
 def stepped(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from benchmarks.problems.forms import flat, observed_of, recursive, scene_of
 from benchmarks.problems.problem import Problem, reaction_norms
-from benchmarks.problems.tools import equation_lines, tree_lines
+from benchmarks.problems.tools import FEW_TAYLOR, TAYLOR, equation_lines, tree_lines
 from benchmarks.problems.tree import GROUND, Link, Spring, Tree, equations
 from kousoku.model.families import chain
 
@@ -76,7 +76,14 @@ def peers(
     """Return the cases of all peers: joint coordinates are what a person reduced it to."""
     make = partial(recursive, tree)
     cases = equation_lines(
-        problem, size, "reduced", "reduced", make, is_stiff=is_stiff, is_long=is_long
+        problem,
+        size,
+        "reduced",
+        "reduced",
+        make,
+        is_stiff=is_stiff,
+        is_long=is_long,
+        tolerances=FEW_TAYLOR[1:2] if is_long else TAYLOR,
     )
     if all(link.joint == "z" for link in tree.links):
         make = partial(flat, tree)

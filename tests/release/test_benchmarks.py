@@ -153,9 +153,9 @@ def test_the_page_says_in_words_where_it_wins(tmp_path: Path) -> None:
     figures = Figures(tmp_path / "plots", "plots")
     page = command.page_of(chosen, answers, Size(), figures, {"processor": "a machine"})
     paragraph = page.split("\n\n")[1]
-    assert "from a scene on Pendulum A01, 10 s (4 times), and slower on no problem" in paragraph
+    assert "all bodies on Pendulum A01, 10 s (4 times), and slower on no problem" in paragraph
     assert "takes 2 to 2 times as long" in paragraph
-    assert "Nothing else that starts from a scene gets there on Pendulum A01" in paragraph
+    assert "Nothing else that gets all bodies reaches it on Pendulum A01" in paragraph
     assert "processor: a machine." in page and "Left out: casadi (none); get it." in page
     assert TOO_LONG in page
     assert "![Time against error: Pendulum A01, 10 s](plots/solvers_pendulum.svg)" in page
@@ -166,7 +166,7 @@ def test_the_page_says_in_words_where_it_wins(tmp_path: Path) -> None:
 
 def test_the_targets_of_the_solvers_are_judged_by_the_records() -> None:
     found = {target.quantity: target for target in solvers.targets(CANNED)}
-    beside = found["time over the best from a scene, error 1e-06"]
+    beside = found["time over the best with all bodies, error 1e-06"]
     assert beside.value == pytest.approx(0.25) and beside.is_met
     slow = [replace(one, fastest=1.0) if one.tool == "kousoku" else one for one in CANNED]
     assert not all(target.is_met for target in solvers.targets(slow))
