@@ -596,15 +596,28 @@ def _plot(records: Sequence[Record], package: str, kernel: str) -> str:
 
 def words(records: Sequence[Record]) -> str:
     """Return where kousoku's kernels win and lose, in a sentence."""
-    found = [one for one in targets(records) if one.value is not None and " over " in one.quantity]
-    if not found:
+    ratios: dict[tuple[str, str], list[float]] = {}
+    for contest in dict.fromkeys(one.contest for one in records):
+        own = [one for one in records if one.contest == contest and one.fastest]
+        ours = [one for one in own if one.tool == "kousoku"]
+        what = contest.partition(", ")[2].rstrip("0123456789 ")
+        for peer in own if ours and contest.startswith("p2, ") else ():
+            if peer.tool != "kousoku":
+                ratio = _ratio(min(ours, key=lambda one: one.fastest or 0.0), peer)
+                found = ratios.setdefault((what, f"{peer.tool} ({peer.line})"), [])
+                found += [ratio] if ratio is not None else []
+    if not ratios:
         return ""
-    told = [
-        f"{one.value:.2g} of the time of {one.quantity.partition(' over ')[2]} ({one.contest})"
-        for one in found
-        if one.value is not None
-    ]
-    return f"A kernel of p2 takes {'; '.join(told)}."
+    parts: dict[str, list[str]] = {}
+    for (what, peer), found in ratios.items():
+        parts.setdefault(what, []).append(f"{_range(found)} of {peer}")
+    told = "; ".join(f"{what}: {', '.join(each)}" for what, each in parts.items())
+    return f"Time of the kernel of p2 over that of others: {told}."
+
+
+def _range(found: Sequence[float]) -> str:
+    low, high = f"{min(found):.2g}", f"{max(found):.2g}"
+    return low if low == high else f"{low} to {high}"
 
 
 QUESTION = Question(
