@@ -93,6 +93,8 @@ def run(contest: str, size: Size, _workers: Workers) -> list[Record]:
         for k in range(rounds):
             cache = place / f"cache_{k}"
             for how, setting in SETTINGS.items():
+                if how == "warm" and not size.is_full:
+                    continue
                 own = place / f"warm_{k}" if how == "warm" else cache
                 answer = ask(how, count, file, own)
                 if how == "empty":

@@ -87,7 +87,7 @@ def arrays_name(n: int) -> str:
 def contests(size: Size) -> list[str]:
     """Return the limits, the contests of p2, and the kinds."""
     if not size.is_full:
-        names = [SINGLE, batch_name(BATCHES[1]), arrays_name(ARRAYS[0]), FLOATS, CALLS]
+        names = [SINGLE, batch_name(BATCHES[1]), CALLS]
         return [limits.CONTEST, *names, *map(_kind_name, QUICK_KINDS)]
     batches = [batch_name(n) for n in (*BATCHES, EXTRA_BATCH)]
     names = [SINGLE, *batches, *map(arrays_name, ARRAYS), FLOATS, CALLS]
@@ -601,6 +601,7 @@ def words(records: Sequence[Record]) -> str:
         own = [one for one in records if one.contest == contest and one.fastest]
         ours = [one for one in own if one.tool == "kousoku"]
         what = contest.partition(", ")[2].rstrip("0123456789 ")
+        what = what.removesuffix(" of").removesuffix(" on")
         for peer in own if ours and contest.startswith("p2, ") else ():
             if peer.tool != "kousoku":
                 ratio = _ratio(min(ours, key=lambda one: one.fastest or 0.0), peer)
@@ -609,10 +610,10 @@ def words(records: Sequence[Record]) -> str:
     if not ratios:
         return ""
     parts: dict[str, list[str]] = {}
-    for (what, peer), found in ratios.items():
-        parts.setdefault(what, []).append(f"{_range(found)} of {peer}")
+    for (what, name), found in ratios.items():
+        parts.setdefault(what, []).append(f"{_range(found)} of {name}")
     told = "; ".join(f"{what}: {', '.join(each)}" for what, each in parts.items())
-    return f"Time of the kernel of p2 over that of others: {told}."
+    return f"A kernel, p2, takes of the time of others: {told}."
 
 
 def _range(found: Sequence[float]) -> str:

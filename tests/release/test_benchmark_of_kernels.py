@@ -67,10 +67,10 @@ def test_loops_and_batches_are_judged_by_what_they_wrote(
         assert judge.worst(c, c_q) < 4
 
 
-@pytest.mark.parametrize("is_full", [False, True])
-def test_every_contest_of_p2_has_ours_first_and_peers(is_full: bool) -> None:
-    size = Size(is_full)
+def test_every_contest_of_p2_has_ours_first_and_peers() -> None:
+    size = Size(is_full=True)
     raced = [name for name in kernels.contests(size) if name.startswith("p2, ")]
+    assert set(kernels.contests(Size())) <= set(kernels.contests(size))
     tools = {name: [case.tool for case in kernels.cases(name, size)] for name in raced}
     assert {found[0] for found in tools.values()} == {"kousoku"}
     peers = {tool for found in tools.values() for tool in found} - {"kousoku"}
@@ -95,6 +95,18 @@ def test_a_target_is_met_up_to_its_limit(ours: float, is_met: bool) -> None:
     assert [target.limit for target in found] == [0.7, 0.7]
     assert [target.is_met for target in found] == [is_met, is_met]
     assert found[0].value == pytest.approx(ours)
+
+
+def test_words_tell_where_kernels_win_and_lose() -> None:
+    records = records_of([kernels.batch_name(n) for n in (1000, 4000)], 0.5)
+    told = "takes of the time of others: batch: 0.5 of heyoka (cfunc)"
+    assert told in kernels.words(records)
+    records[0].fastest = 2e-6
+    assert "0.5 of heyoka (cfunc)" in kernels.words(records[4:])
+    for one in records[:2]:
+        one.fastest = 2e-6
+    assert "0.5 to 2 of heyoka (cfunc)" in kernels.words(records)
+    assert kernels.words([]) == ""
 
 
 def test_a_peer_that_is_missing_misses_its_target() -> None:
