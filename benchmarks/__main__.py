@@ -22,6 +22,7 @@ import jinja2
 from rich.progress import Progress
 
 import benchmarks
+from benchmarks import commits
 from benchmarks.kit import Figures, Question, Record, Size, Target
 from benchmarks.machine import machine
 from benchmarks.race import MISSING, Workers, race
@@ -201,6 +202,9 @@ def arguments_of(words: list[str] | None) -> argparse.Namespace:
     parser.add_argument("--full", action="store_true", default=bool(given.get("FULL")))
     parser.add_argument("--only", action="append", help="contests whose names have this word")
     parser.add_argument("--page", type=Path, default=given.get("PAGE") or None)
+    parser.add_argument(
+        "--base", default=given.get("BASE"), help="compare with this commit instead"
+    )
     parser.add_argument("--check", action="store_true", default=bool(given.get("CHECK")))
     arguments = parser.parse_args(words)
     arguments.questions = arguments.questions or [word for word in named if word in known]
@@ -220,6 +224,8 @@ def main(words: list[str] | None = None) -> int:
     """Measure, and return the exit status: 1 where a target is missed that was to be checked."""
     given = arguments_of(words)
     size = Size(given.full)
+    if given.base:
+        return commits.main(given.base, size, given.only, BUILD)
     os.environ.setdefault("KOUSOKU_CACHE", str(BUILD / "cache"))
     about = machine()
     answers = ask(given.known, given.only, size, journal_of(size))

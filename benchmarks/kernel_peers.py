@@ -52,6 +52,23 @@ def symforce_header(folder: Path) -> Path:
     return Path(files.generated_files[0])
 
 
+def sympy_source(folder: Path, *, cse: bool) -> Path:
+    """Write the C of SymPy's code generation, with or without common subexpressions once."""
+    sympy = required("sympy")
+    codegen = required("sympy.utilities.codegen")
+    name = "sympy_cse" if cse else "sympy_plain"
+    arrays = [sympy.MatrixSymbol(key, size, 1) for key, size in SIZES.items()]
+    c, rows = p2(*([x[k, 0] for k in range(x.rows)] for x in arrays))
+    outputs = sympy.MatrixSymbol("C", 2, 1), sympy.MatrixSymbol("C_q", 2, 12)
+    values = sympy.Matrix(c), sympy.Matrix(rows)
+    results = [sympy.Eq(one, value) for one, value in zip(outputs, values, strict=True)]
+    writer = codegen.C99CodeGen(cse=cse)
+    routine = writer.routine(name, results, [*arrays, *outputs])
+    for file, text in writer.write([routine], name):
+        (folder / file).write_text(text, encoding="utf-8")
+    return folder / f"{name}.c"
+
+
 def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
     """Return calls of heyoka's compiled function, from (23, n) into (26, n), on one thread.
 
@@ -64,8 +81,8 @@ def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
     outputs, variables = [*c, *rows[0], *rows[1]], [x for xs in arguments for x in xs]
     function = heyoka.cfunc(outputs, variables)
     return {
-        "heyoka cfunc": lambda columns, values: function(columns, outputs=values),
-        "heyoka cfunc, batch_parallel=False (extra)": lambda columns, values: function(
+        "cfunc": lambda columns, values: function(columns, outputs=values),
+        "cfunc, not divided": lambda columns, values: function(
             columns, outputs=values, batch_parallel=False
         ),
     }

@@ -8,7 +8,7 @@ from others by its label, its dashes and its markers, without colour.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -92,14 +92,19 @@ class Axis:
 def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
     """Return the plot."""
     found = [
-        (line, [(max(x, LEAST), y) for x, y in line.points if x < LARGEST and y > 0])
+        replace(line, points=[(max(x, LEAST), y) for x, y in line.points if x < LARGEST and y > 0])
         for line in lines
     ]
-    shown = [(line, points) for line, points in found if points]
+    return growth(title, error, found, falls=True)
+
+
+def growth(title: str, across: str, lines: Sequence[Line], *, falls: bool = False) -> str:
+    """Return a plot of times over numbers that grow to the right, or fall as errors do."""
+    shown = [(line, line.points) for line in lines if line.points]
     everything = [point for _, points in shown for point in points]
     if not everything:
         return ""
-    x = Axis.of([point[0] for point in everything], LEFT, WIDTH - RIGHT, falls=True)
+    x = Axis.of([point[0] for point in everything], LEFT, WIDTH - RIGHT, falls=falls)
     y = Axis.of([point[1] for point in everything], HEIGHT - BOTTOM, TOP)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" '
@@ -107,7 +112,7 @@ def work_precision(title: str, error: str, lines: Sequence[Line]) -> str:
         f"<title>{escape(title)}</title>",
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
         f'<text x="{LEFT}" y="22" font-size="15">{escape(title)}</text>',
-        *_grid(x, y, error),
+        *_grid(x, y, across),
     ]
     places = _labels([(y.at(points[-1][1]), k) for k, (_, points) in enumerate(shown)])
     for k, (line, points) in enumerate(shown):

@@ -213,8 +213,10 @@ def kousoku_call(problem: Problem, method: str | None, tolerance: float, what: s
 def finished(run: Any) -> None:
     """Run the C alone: it starts over and goes to the end, and makes no tables."""
     run.restart()
-    while run.advance(10**9, 10**6):
+    while (status := run.advance(10**9, 10**6)) > 0:
         pass
+    if status < 0:
+        run.finish()  # raises, and says why
 
 
 def equation_cases(
