@@ -9,6 +9,7 @@ from __future__ import annotations
 import subprocess
 import tempfile
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 LONG_SOURCE = 4_000_000
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, eq=False)  # told apart by identity, so that code is kept
 class Equations:
     """ẋ = f(x), or with multipliers ẋ = (q̇, v̇) from the system of index 1.
 
@@ -211,6 +212,7 @@ def compiled(function: Any) -> Any:
     return ca.external(function.name(), str(library))
 
 
+@lru_cache(maxsize=8)
 def caller(
     equations: Equations, what: Literal["rate", "jacobian"] = "rate"
 ) -> Callable[[float, Array], Array]:

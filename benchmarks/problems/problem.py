@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import dataclass, field
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -241,6 +241,12 @@ def equation_cases(
     ]
 
 
+@lru_cache(maxsize=4)
+def written(make: Callable[[], Equations]) -> Equations:
+    """Return equations, written and compiled once for all tolerances of a tool."""
+    return make()
+
+
 def equation_call(
     problem: Problem,
     make: Callable[[], Equations],
@@ -248,7 +254,7 @@ def equation_call(
     tolerance: float,
 ) -> Call:
     """Return the run of a tool on equations."""
-    digits, equations = problem.digits(), make()
+    digits, equations = problem.digits(), written(make)
     call, states = run(equations, tolerance, digits.times)
 
     def judge() -> Judged:

@@ -19,6 +19,7 @@ from benchmarks.kit import (
     Record,
     Size,
     Target,
+    fastest_and_median,
     interleave,
     required,
     rounds_of,
@@ -53,6 +54,10 @@ def test_a_long_case_gets_fewer_rounds() -> None:
     assert rounds_of(1e-6) == ROUNDS
     assert 1 <= rounds_of(0.5) < ROUNDS
     assert rounds_of(20.0) == 0
+
+
+def test_times_are_those_of_a_unit() -> None:
+    assert fastest_and_median([4.0, 2.0, 9.0], count=2) == (1.0, 2.0)
 
 
 def test_a_short_case_is_timed_in_rounds_by_its_unit(workers: Workers) -> None:
