@@ -538,6 +538,9 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
         return ""
     rows = []
     for (package, kernel), own in found.items():
+        if (CALL, "1 thread") not in own:  # the contest failed
+            rows += [[package, one.note, *[""] * 10] for one in own.values()]
+            continue
         single = own[CALL, "1 thread"]
         cells = [f"{(own[way, '1 thread'].fastest or 0) * 1e9:.3g}" for way in (BOUND, NUMPY)]
         batches = [own[way, f"{SHOWN}, 1 thread"] for way in (LANES, ROWS, ARRAY)]

@@ -202,3 +202,9 @@ def test_the_limits_are_those_of_what_is_computed(compiler: Toolchain, tmp_path:
     run = limits._passes(library, "triad", 8, [x, y, z])
     run.call(ctypes.c_size_t(1), *run.arguments[1:])
     assert (z == x + y / 2).all()
+
+
+def test_a_kind_that_fails_is_a_line_of_the_table() -> None:
+    known = Limits({("vector", 1): 1e-10, ("scalar", 1): 1e-10}, FLAT)
+    failed = Record("kind p2", "kousoku", "all", "", note="fails: LoadError: p2 is edited")
+    assert "| p2 | fails: LoadError: p2 is edited |" in kernels._table_of_kinds([failed], known)
