@@ -109,6 +109,8 @@ class Problem:
         kousoku's methods here.
     is_quick : bool
         Whether the quick run has it.
+    is_large : bool
+        Whether a run takes seconds, so that the default method stands for all.
     """
 
     name: str
@@ -125,6 +127,7 @@ class Problem:
     magnifies: bool = False
     methods: tuple[str, ...] = ("dopri5", "dop853")
     is_quick: bool = False
+    is_large: bool = False
 
     def digits(self) -> Digits:
         """Return what is right."""
@@ -149,12 +152,14 @@ def tolerances(size: Size) -> Sequence[float]:
 
 def kousoku_cases(problem: Problem, size: Size) -> list[Case]:
     """Return kousoku's lines: every method and the default, a table of rows, and the C alone."""
-    last = problem.methods[-1]
+    has_all = size.is_full and not problem.is_large
+    method = problem.methods[-1] if has_all else None
+    name = method or "auto"
     lines: list[tuple[str, str | None, str]] = [
         ("auto", None, "end"),
-        *((method, method, "end") for method in problem.methods if size.is_full),
-        *([(f"{last}, {ROWS} rows", last, "rows")] if size.is_full else []),
-        (f"{last}, C alone", last, "c"),
+        *((one, one, "end") for one in problem.methods if has_all),
+        *([(f"{name}, {ROWS} rows", method, "rows")] if size.is_full else []),
+        (f"{name}, C alone", method, "c"),
     ]
     return [
         Case(
