@@ -320,8 +320,8 @@ def words(records: Sequence[Record]) -> str:
             shares.setdefault(one.line, []).append(100 * one.fastest / whole[one.contest])
     if not shares:
         return ""
-    told = [f"{part} {min(x):.0f} to {max(x):.0f} %" for part, x in shares.items() if max(x) >= 1]
-    return f"Of an evaluation takes {', '.join(told)}."
+    told = [f"{min(x):.0f} to {max(x):.0f} % {part}" for part, x in shares.items() if max(x) >= 1]
+    return f"Of an evaluation are {', '.join(told)}."
 
 
 QUESTION = Question(

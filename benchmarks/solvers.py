@@ -171,7 +171,8 @@ def _told(record: Record | None, *, with_tool: bool = True) -> str:
 
 
 def _times(ratio: float | None) -> str:
-    return "–" if ratio is None else f"{ratio:.2g}"
+    """Return a ratio of two digits, without an exponent."""
+    return "–" if ratio is None else f"{float(f'{ratio:.2g}'):g}"
 
 
 def _lines(records: Sequence[Record]) -> dict[tuple[str, str], list[Record]]:
@@ -318,19 +319,22 @@ def words(records: Sequence[Record]) -> str:
         losses = {name: ratio for name, ratio in ratios.items() if ratio >= 1}
         unmatched = [one.contest for one in compared if one.ours and not one.bodies]
         lost = [one.contest for one in compared if not one.ours]
-        said = [f"To an error of {error:.0e} kousoku is"]
-        said.append(f"faster than the best tool that gets all bodies on {_list(wins)},")
-        said.append(f"and slower on {_list(losses)}.")
+        said = []
+        if ratios:
+            said.append(
+                f"To an error of {error:.0e} kousoku is faster than the best tool that gets all"
+                f" bodies on {_list(wins)}, and slower on {_list(losses)}."
+            )
         if unmatched:
             said.append(f"Nothing else that gets all bodies reaches it on {_names(unmatched)}.")
         if lost:
-            said.append(f"kousoku does not get there on {_names(lost)}.")
+            said.append(f"kousoku does not reach {error:.0e} on {_names(lost)}.")
         reduced = [one.ratio_reduced for one in compared if one.ratio_reduced is not None]
         if reduced:
             few, many = min(reduced), max(reduced)
             said.append(
                 "Beside equations that a person reduced by hand first it takes"
-                f" {few:.2g} to {many:.2g} times as long."
+                f" {_times(few)} to {_times(many)} times as long."
             )
         parts.append(" ".join(said))
     return " ".join(parts)
@@ -340,7 +344,7 @@ def _list(ratios: dict[str, float]) -> str:
     if not ratios:
         return "no problem"
     ordered = sorted(ratios.items(), key=lambda item: -item[1])
-    return _joined([f"{title_of(name)} ({ratio:.2g} times)" for name, ratio in ordered])
+    return _joined([f"{title_of(name)} ({_times(ratio)} times)" for name, ratio in ordered])
 
 
 def _names(contests: Sequence[str]) -> str:
