@@ -140,7 +140,11 @@ def run(name: str, question: Question, contest: str, size: Size, tell: Any) -> l
     workers = Workers(f"benchmarks.{name}", size)
     try:
         if question.run is not None:
-            return question.run(contest, size, workers)
+            try:
+                return question.run(contest, size, workers)
+            except Exception as error:  # the rest runs
+                note = f"fails: {type(error).__name__}: {error}".partition("\n")[0]
+                return [Record(contest, "kousoku", "all", "", note=note)]
         return race(contest, question.cases(contest, size), workers, question.seconds, tell)
     finally:
         workers.stop()

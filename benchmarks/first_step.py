@@ -241,8 +241,9 @@ def targets(records: Sequence[Record]) -> list[Target]:
             if limit is not None:
                 quantity = "seconds from scene to first step"
                 found.append(Target(one.contest, quantity, one.median, limit))
-    spread = next((one.extra["spread"] for one in records if one.contest == STEPS), None)
-    if spread is not None:
+    timed = [one for one in records if one.contest == STEPS]
+    if timed:
+        spread = timed[0].extra.get("spread")
         found.append(Target(STEPS, "largest over smallest time of a step and bar", spread, GROWTH))
     return found
 
@@ -371,7 +372,7 @@ def _peers(by: By, counts: Sequence[int]) -> str:
 
 
 def _of_steps(records: Sequence[Record]) -> str:
-    rows = [[one.line, duration(one.median)] for one in records if one.contest == STEPS]
+    rows = [[one.line, _cell(one)] for one in records if one.contest == STEPS]
     return table(("", "a step and bar"), rows) if rows else ""
 
 

@@ -28,7 +28,7 @@ from benchmarks.race import race
 from kousoku import runtime
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.toolchain import EXTENSION, find_toolchain
-from kousoku.runtime.verify import verify
+from kousoku.runtime.verify import LIMIT, Row, verify
 from kousoku.symbolic import KINDS
 
 if TYPE_CHECKING:
@@ -318,8 +318,9 @@ class Measured:
         Inputs of some evaluations, row-major.
     operations, size : int
         Operations of an evaluation, and bytes that it reads and writes.
-    units : dict of float
-        The worst error in each way of ``kousoku verify``.
+    units : dict of (float, float)
+        The worst error in each way of ``kousoku verify``, and where it is known to be larger than
+        rounding: 0 where that is nowhere.
     """
 
     package: str
@@ -328,7 +329,7 @@ class Measured:
     points: list[np.ndarray]
     operations: int
     size: int
-    units: dict[str, float]
+    units: dict[str, tuple[float, float]]
 
     def kernel(self, target: str) -> Kernel:
         """Return it in C or NumPy."""
@@ -354,8 +355,9 @@ class Measured:
         """Return the record of a way to call it."""
         names = ("kousoku", f"{self.name}: {way}", setting)
         found = measured(_kind_name(self.package), names, call, count)
-        known = {"operations": float(self.operations), "bytes": float(self.size)}
-        return replace(found, error=self.units[VERIFIED[way]], extra=known | extra)
+        worst, known = self.units[VERIFIED[way]]
+        own = {"operations": float(self.operations), "bytes": float(self.size), "known": known}
+        return replace(found, error=worst, extra=own | extra)
 
 
 def measure_kind(package: str, size: Size) -> Iterator[Record]:
@@ -368,7 +370,7 @@ def measure_kind(package: str, size: Size) -> Iterator[Record]:
         if kernel.name.endswith(("_x", "_y")):
             continue
         rows = [row for row in report.rows if row.kernel == kernel.name]
-        units = {way: max(r.worst for r in rows if r.way == way) for way in VERIFIED.values()}
+        units = {way: _worst(rows, way) for way in VERIFIED.values()}
         shapes = [q.shape for q in (*kernel.inputs, *kernel.outputs)]
         one = Measured(
             package,
@@ -383,6 +385,13 @@ def measure_kind(package: str, size: Size) -> Iterator[Record]:
         sizes = FEW_SIZES if size.is_full else QUICK_SIZES
         for n in SIZES if size.is_full and (package, kernel.name) == AT_ALL_SIZES else sizes:
             yield from _at_once(one, n)
+
+
+def _worst(rows: Sequence[Row], way: str) -> tuple[float, float]:
+    """Return the largest errors in units: as rounding, and where they are known to be larger."""
+    own = [row for row in rows if row.way == way]
+    rounding, known = ([r.worst for r in own if (r.limit == LIMIT) is x] for x in (True, False))
+    return max(rounding, default=0.0), max(known, default=0.0)
 
 
 def _random_points(quantities: Sequence[Any]) -> list[np.ndarray]:
@@ -538,6 +547,9 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
         return ""
     rows = []
     for (package, kernel), own in found.items():
+        if (CALL, "1 thread") not in own:  # the contest failed
+            rows += [[package, one.note, *[""] * 10] for one in own.values()]
+            continue
         single = own[CALL, "1 thread"]
         cells = [f"{(own[way, '1 thread'].fastest or 0) * 1e9:.3g}" for way in (BOUND, NUMPY)]
         batches = [own[way, f"{SHOWN}, 1 thread"] for way in (LANES, ROWS, ARRAY)]
@@ -551,13 +563,18 @@ def _table_of_kinds(records: Sequence[Record], known: Limits) -> str:
                 *(_with_share(one, known) for one in batches),
                 _with_share(own[LANES, f"{SHOWN}, 2 threads"], known),
                 f"{_with_share(largest, known)} at {largest.extra['n']:g}",
-                f"{single.error:.2f}",
-                f"{own[NUMPY, '1 thread'].error:.2f}",
+                _units_of(single),
+                _units_of(own[NUMPY, "1 thread"]),
             ]
         )
     heads = ("kernel", "operations", CALL, BOUND, NUMPY, LANES, ROWS, ARRAY)
     more = ("C, lanes, 2 threads", "C, lanes, most, 2 threads", "units, C", "units, NumPy")
     return table((*heads, *more), rows)
+
+
+def _units_of(one: Record) -> str:
+    known = one.extra.get("known")
+    return f"{_units(one.error)}, known {known:.3g}" if known else _units(one.error)
 
 
 def _size_of(one: Record) -> tuple[bool, float, float]:
@@ -639,7 +656,8 @@ Of all kinds: nanoseconds, and in brackets the share of them that this machine n
 arithmetic (a) or to read and write what an evaluation reads and writes (m): measured in the same
 run, by twelve independent chains of products and sums, and by the faster of y = x / 2 and y = a + b
 / 2 through as many bytes. One call is made in a loop in C through the library as it ships, and
-compared with scalar operations. Threads are Python's; each takes its part of the evaluations.""",
+compared with scalar operations. Threads are Python's; each takes its part of the evaluations. Where
+an error is known to be larger than rounding, as `kousoku verify` knows it, it stands beside.""",
     contests=contests,
     cases=cases,
     body=body,

@@ -2,16 +2,19 @@
 
 import shutil
 import subprocess
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
 
+from benchmarks import __main__ as command
 from benchmarks import commits
 from benchmarks.commit_side import code_size
 from benchmarks.commits import Comparison, Count, Time, compare, page_of
-from benchmarks.kit import Size
+from benchmarks.kit import Record, Size
 from kousoku.runtime.toolchain import Toolchain
+from tests.release import bench_question
 
 ROOT = Path(__file__).parents[2]
 SOURCES = ("codegen", "generated", "kousoku", "ledger", "model", "runtime", "symbolic")
@@ -133,6 +136,29 @@ def test_every_scene_of_the_quick_run_is_committed() -> None:
 def test_a_commit_that_is_not_there_is_one_line() -> None:
     with pytest.raises(SystemExit, match="git log: fatal"):
         commits.git("log", "-1", "no-such-commit", "--")
+
+
+def test_make_bench_compares_where_a_base_is_given(monkeypatch: pytest.MonkeyPatch) -> None:
+    given: list[object] = []
+
+    def main(*arguments: object) -> int:
+        given.extend(arguments)
+        return 1
+
+    monkeypatch.setattr(commits, "main", main)
+    monkeypatch.setenv("BASE", "HEAD~1")
+    monkeypatch.setenv("ONLY", "bricard")
+    assert command.main([]) == 1
+    assert given == ["HEAD~1", Size(), ["bricard"], command.BUILD]
+
+
+def test_a_question_that_fails_says_so_and_the_rest_runs() -> None:
+    def fail(*_: object) -> list[Record]:
+        raise ValueError("a line\nand another")
+
+    question = replace(bench_question.QUESTION, run=fail)
+    (found,) = command.run("bench_question", question, "quick", Size(), print)
+    assert found.contest == "quick" and found.note == "fails: ValueError: a line"
 
 
 def test_a_planted_correction_is_found_and_the_rest_is_the_same(

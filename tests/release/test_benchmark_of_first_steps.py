@@ -143,3 +143,11 @@ def test_the_page_tells_stages_sizes_and_peers(tmp_path: Path) -> None:
     assert "| 10 | 2 kB |  |  | 2 MB |" in page
     assert "250 ms" in page and "here/first_step.svg" in page
     assert (tmp_path / "first_step.svg").exists()
+
+
+def test_a_contest_that_fails_is_told_and_misses_its_targets(tmp_path: Path) -> None:
+    failed = Record(first_step.STEPS, "kousoku", "all", "", note="fails: RuntimeError: ended")
+    page = first_step.body([*totals(10), failed], Figures(tmp_path, "here"))
+    assert "fails: RuntimeError: ended" in page
+    *_, growth = first_step.targets([*totals(10), failed])
+    assert growth.value is None and not growth.is_met

@@ -13,6 +13,7 @@ from benchmarks.kit import Record, Size
 from benchmarks.limits import Limits
 from benchmarks.loops import Batch, kousoku_loop, sympy_loop
 from kousoku import runtime
+from kousoku.runtime.report import Row
 from kousoku.runtime.toolchain import Toolchain
 
 ROOT = Path(__file__).parents[2]
@@ -202,3 +203,20 @@ def test_the_limits_are_those_of_what_is_computed(compiler: Toolchain, tmp_path:
     run = limits._passes(library, "triad", 8, [x, y, z])
     run.call(ctypes.c_size_t(1), *run.arguments[1:])
     assert (z == x + y / 2).all()
+
+
+def test_a_kind_that_fails_is_a_line_of_the_table() -> None:
+    known = Limits({("vector", 1): 1e-10, ("scalar", 1): 1e-10}, FLAT)
+    failed = Record("kind p2", "kousoku", "all", "", note="fails: LoadError: p2 is edited")
+    assert "| p2 | fails: LoadError: p2 is edited |" in kernels._table_of_kinds([failed], known)
+
+
+def test_an_error_that_is_known_stands_beside_that_of_rounding() -> None:
+    def row(worst: float, limit: float, way: str = "C") -> Row:
+        return Row("k", "y", way, worst, (), 0, "", (), 0.0, 0.0, limit)
+
+    rows = [row(0.5, 4.0), row(1.5, 4.0), row(80.0, 90.0), row(3.0, 4.0, "NumPy")]
+    assert kernels._worst(rows, "C") == (1.5, 80.0)
+    assert kernels._worst(rows, "NumPy") == (3.0, 0.0)
+    one = Record("kind k", "kousoku", "k: C, one call", "", error=1.5, extra={"known": 80.0})
+    assert kernels._units_of(one) == "1.50, known 80"
