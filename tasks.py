@@ -109,13 +109,8 @@ TASKS: dict[str, tuple[str, list[tuple[str, ...]], str]] = {
     ),
     "bench": (
         "bench",
-        [("benchmarks/kernels.py",)],
-        "the speed of a kernel, beside CasADi, heyoka, SymForce and lambdify: some minutes",
-    ),
-    "bench-solvers": (
-        "bench",
-        [("benchmarks/solvers.py",)],
-        "the speed of scenes' solvers, beside Exudyn and Pinocchio: some minutes",
+        [("-m", "benchmarks")],
+        "run time against error, beside other tools: 3 minutes on two cores, an hour with FULL=1",
     ),
     "compiler": ("compiler", [], "installs a C compiler as a Python package: 20 s"),
     "clean": ("", [], "removes .venv, build, dist and plots"),

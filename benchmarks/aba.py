@@ -1,22 +1,39 @@
-"""Pinocchio's accelerations of the chains: through a loop in C++, or call by call from Python."""
+"""Accelerations of the chains by peers: Pinocchio in a loop in C++ or from Python, and MuJoCo."""
 
 from __future__ import annotations
 
 import ctypes
+import hashlib
 import subprocess
+from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from chains import ALONG, CENTRE, GRAVITY, MASS, MOMENTS, STATES, Accelerations, bars, joint_states
-from loops import INCLUDES, cpp_compiler
-from peers import MissingPeerError, required
 
+from benchmarks.chains import (
+    ALONG,
+    AXES,
+    CENTRE,
+    GRAVITY,
+    MASS,
+    MOMENTS,
+    STATES,
+    Accelerations,
+    bars,
+    joint_states,
+)
+from benchmarks.kit import MissingError, required
+from benchmarks.loops import cpp_compiler, eigen, started
+from kousoku.model.cache import cache_folder
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+SOURCE = Path(__file__).with_name("pinocchio_loop.cpp")
+#: The longest time of its compiler [s].
+PATIENCE = 240.0
 #: Pinocchio's own flags; its list of joints is longer than Boost's prepared headers.
 _FLAGS = (
     *("-std=c++17", "-O3", "-march=native", "-DNDEBUG", "-shared", "-fPIC"),
@@ -24,31 +41,61 @@ _FLAGS = (
 )
 
 
-def build_loop(folder: Path) -> Path:
+def loop_library() -> Path:
+    """Return where the loop is compiled to: another place for another Pinocchio or compiler.
+
+    Raises
+    ------
+    MissingError
+        Pinocchio, Eigen or a C++ compiler is not there.
+    """
+    found = hashlib.sha256(SOURCE.read_bytes())
+    found.update(repr((_command(), version("pin"))).encode())
+    return cache_folder() / "bench" / found.hexdigest()[:32] / "pinocchio_loop.so"
+
+
+def _command() -> list[str]:
+    """Return the compiler with its flags."""
+    prefix = Path(required("pinocchio").__file__).parents[4]
+    command = [*cpp_compiler(find_toolchain().command), *_FLAGS]
+    command += [f"-I{prefix / 'include'}", f"-isystem{eigen()}", str(SOURCE)]
+    return [*command, f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
+
+
+def build_loop() -> None:
     """Compile the loop with the headers that come with Pinocchio's package; it takes a minute.
 
     Raises
     ------
-    MissingPeerError
-        Pinocchio, Eigen or a C++ compiler is not there.
+    MissingError
+        What it needs is not there, or it does not compile in time.
     """
-    prefix = Path(required("pinocchio").__file__).parents[4]
-    eigen = [path for base in INCLUDES if (path := Path(base) / "eigen3").is_dir()]
-    if not eigen:
-        raise MissingPeerError("Pinocchio's headers need those of Eigen (libeigen3-dev)")
-    library = folder / "pinocchio_loop.so"
-    source = Path(__file__).with_name("pinocchio_loop.cpp")
-    command = [*cpp_compiler(find_toolchain().command), *_FLAGS]
-    command += [f"-I{prefix / 'include'}", f"-isystem{eigen[0]}", "-o", str(library), str(source)]
-    command += [f"-L{prefix / 'lib'}", "-lpinocchio_default", f"-Wl,-rpath,{prefix / 'lib'}"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise MissingPeerError(f"{source.name} does not compile:\n{done.stderr[-2000:]}")
-    return library
+    library = loop_library()
+    if library.exists():
+        return
+    library.parent.mkdir(parents=True, exist_ok=True)
+    begun = library.with_suffix(".begun")
+    with started([*_command(), "-o", str(begun)]) as process:
+        try:
+            _, said = process.communicate(timeout=PATIENCE)
+        except subprocess.TimeoutExpired:
+            raise MissingError(f"{SOURCE.name} compiles for more than {PATIENCE:g} s") from None
+    if process.returncode:
+        raise MissingError(f"{SOURCE.name} does not compile: {said[-500:]}")
+    begun.rename(library)
 
 
-def looped(count: int, library: Path) -> Accelerations:
-    """Return Pinocchio's accelerations through the loop."""
+def looped(count: int) -> Accelerations:
+    """Return Pinocchio's accelerations through the loop.
+
+    Raises
+    ------
+    MissingError
+        It was not compiled.
+    """
+    library = loop_library()
+    if not library.exists():
+        raise MissingError(f"{SOURCE.name} was not compiled")
     exported = ctypes.CDLL(str(library))
     exported.chain_new.restype = ctypes.c_void_p
     numbers = [CENTRE, MOMENTS, GRAVITY]
@@ -71,8 +118,8 @@ def looped(count: int, library: Path) -> Accelerations:
     return Accelerations("Pinocchio, C++ loop", run, _of_bodies(theta, rate, change))
 
 
-def called(count: int) -> Accelerations:
-    """Return Pinocchio's accelerations, each through a call from Python."""
+def model_of(count: int) -> Any:
+    """Return a chain as Pinocchio's model, built joint by joint."""
     pinocchio = required("pinocchio")
     model: Any = pinocchio.Model()
     model.gravity.linear = GRAVITY
@@ -84,6 +131,12 @@ def called(count: int) -> Accelerations:
         parent = model.addJoint(parent, joint, place, f"joint_{k}")
         bar = pinocchio.Inertia(MASS, CENTRE, np.diag(MOMENTS))
         model.appendBodyToJoint(parent, bar, pinocchio.SE3.Identity())
+    return model
+
+
+def called(count: int) -> Accelerations:
+    """Return Pinocchio's accelerations, each through a call from Python."""
+    pinocchio, model = required("pinocchio"), model_of(count)
     data, torque = model.createData(), np.zeros(count)
     theta, rate = joint_states(count)
     change = np.zeros_like(theta)
@@ -95,6 +148,37 @@ def called(count: int) -> Accelerations:
                 change[k] = aba(model, data, theta[k], rate[k], torque)
 
     return Accelerations("Pinocchio, from Python", run, _of_bodies(theta, rate, change))
+
+
+def mujoco_model(count: int) -> Any:
+    """Return a chain as MuJoCo's model, body by body: XML may not be nested so deeply."""
+    mujoco = required("mujoco")
+    spec = mujoco.MjSpec()
+    spec.option.gravity = GRAVITY
+    spec.memory = 1 << 30
+    body = spec.worldbody
+    for k in range(count):
+        body = body.add_body(pos=ALONG * bool(k), mass=MASS, ipos=CENTRE, inertia=MOMENTS)
+        body.explicitinertial = True
+        body.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=AXES[k % 2])
+    return spec.compile()
+
+
+def forward(count: int) -> Accelerations:
+    """Return MuJoCo's accelerations, each through a call from Python."""
+    mujoco, model = required("mujoco"), mujoco_model(count)
+    data = mujoco.MjData(model)
+    theta, rate = joint_states(count)
+    change = np.zeros_like(theta)
+
+    def run(rounds: int) -> None:
+        for _ in range(rounds):
+            for k in range(STATES):
+                data.qpos[:], data.qvel[:] = theta[k], rate[k]
+                mujoco.mj_forward(model, data)
+                change[k] = data.qacc
+
+    return Accelerations("MuJoCo, from Python", run, _of_bodies(theta, rate, change))
 
 
 def _of_bodies(

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from kousoku.runtime.integrate.body_tables import BodyPlaces
 
 MASS = 1.0
 #: Of a box of 1 m x 0.1 m x 0.1 m, about its centre and its axes [kg m²].
@@ -253,7 +252,7 @@ def kousoku_accelerations(count: int, folder: Path) -> Accelerations:
 
 
 def _coordinates(
-    bodies: tuple[BodyPlaces, ...], motion: Bars, q_start: np.ndarray, v_start: np.ndarray
+    bodies: Any, motion: Bars, q_start: np.ndarray, v_start: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return q and v of all states: centres and principal frames."""
     q, v = np.tile(q_start, (STATES, 1)), np.tile(v_start, (STATES, 1))

@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import ctypes
+import os
 import shutil
+import signal
 import subprocess
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from p2 import SIZES
-from peers import MissingPeerError, casadi_source, symforce_header
-
+from benchmarks.kernel_peers import casadi_source, symforce_header, sympy_source
+from benchmarks.kit import MissingError, required
+from benchmarks.p2 import SIZES
 from kousoku.runtime.library import LANES
 from kousoku.runtime.toolchain import find_toolchain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Iterator, Sequence
 
     import numpy as np
 
@@ -49,9 +53,8 @@ class Loop:
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
     ) -> Callable[[], None]:
         """Return a function without arguments that evaluates all rows."""
-        ins, outs = _pointers(inputs), _pointers(outputs)
         n = ctypes.c_size_t(len(inputs[0]))
-        return lambda: self._loop(n, ins, outs)
+        return _Bound(self._loop, (n, _pointers(inputs), _pointers(outputs)), (inputs, outputs))
 
 
 def kousoku_loop(folder: Path, package: Path) -> Loop:
@@ -74,20 +77,26 @@ def casadi_loop(folder: Path, *, cse: bool) -> Loop:
     return _build(folder / f"{source.stem}_loop.c", text, [source], [])
 
 
+def sympy_loop(folder: Path, *, cse: bool) -> Loop:
+    """Build the loop over the C of SymPy's code generation, whose arguments are not const."""
+    source = sympy_source(folder, cse=cse)
+    steps = [f"(double *)({step})" for step in _STEPS]
+    text = f'#include <stddef.h>\n#include "{source.stem}.h"\n' + _LOOP.replace(
+        "BODY", f"{source.stem}({', '.join([*steps, *_OUT])});"
+    )
+    return _build(folder / f"{source.stem}_loop.c", text, [source], [])
+
+
 def symforce_loop(folder: Path) -> Loop:
     """Build the loop over SymForce's C++; its matrices are column-major.
 
     Raises
     ------
-    MissingPeerError
+    MissingError
         SymForce, Eigen or a C++ compiler is not there.
     """
     header = symforce_header(folder)
-    eigen = [path for base in INCLUDES if (path := Path(base) / "eigen3").is_dir()]
-    if not eigen:
-        raise MissingPeerError(
-            "SymForce's C++ needs the headers of Eigen (apt-get install libeigen3-dev)"
-        )
+    headers = eigen()
     types = [f"Eigen::Matrix<double, {size}, 1>" for size in SIZES.values()]
     parameters = [f"const {kind} &{name}" for kind, name in zip(types, SIZES, strict=True)]
     declaration = (
@@ -112,7 +121,7 @@ def symforce_loop(folder: Path) -> Loop:
         f"#include <Eigen/Core>\n#include <cstddef>\nusing std::size_t;\n{declaration};\n"
         'extern "C"' + _LOOP.replace("BODY", call)
     )
-    return _build(folder / "symforce_loop.cpp", text, [unit], [f"-I{eigen[0]}"])
+    return _build(folder / "symforce_loop.cpp", text, [unit], [f"-I{headers}"])
 
 
 class Batch:
@@ -140,18 +149,30 @@ class Batch:
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
     ) -> Callable[[], None]:
         """Return a function that evaluates arrays with the batch axis first."""
-        ins, outs = _pointers(inputs), _pointers(outputs)
         strides = (ctypes.c_size_t * len(inputs))(*SIZES.values())
         n = ctypes.c_size_t(len(inputs[0]))
-        return lambda: self._rows(n, ins, strides, outs)
+        arguments = (n, _pointers(inputs), strides, _pointers(outputs))
+        return _Bound(self._rows, arguments, (inputs, outputs))
 
     def lanes(
         self, inputs: Sequence[np.ndarray], outputs: Sequence[np.ndarray]
     ) -> Callable[[], None]:
         """Return a function that evaluates arrays laid out [block][element][lane]."""
-        ins, outs = _pointers(inputs), _pointers(outputs)
         n_blocks = ctypes.c_size_t(len(inputs[0]))
-        return lambda: self._lanes(n_blocks, ins, outs)
+        arguments = (n_blocks, _pointers(inputs), _pointers(outputs))
+        return _Bound(self._lanes, arguments, (inputs, outputs))
+
+
+@dataclass(frozen=True, slots=True)
+class _Bound:
+    """A call with its arguments, and the arrays that these point into."""
+
+    function: Callable[..., object]
+    arguments: tuple[object, ...]
+    arrays: tuple[Sequence[np.ndarray], ...]
+
+    def __call__(self) -> None:
+        self.function(*self.arguments)
 
 
 def _pointers(arrays: Sequence[np.ndarray]) -> ctypes.Array[ctypes.c_void_p]:
@@ -170,8 +191,42 @@ def _build(loop: Path, text: str, sources: Sequence[Path], extra: Sequence[str])
         command[command.index("-std=c99")] = "-std=c++17"
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise MissingPeerError(f"{loop.name} does not compile:\n{done.stderr}")
+        raise MissingError(f"{loop.name} does not compile:\n{done.stderr}")
     return Loop(library)
+
+
+@contextmanager
+def started(command: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[str]]:
+    """Give a process that is ended in the end, with all processes that it started."""
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(
+        command, stdout=pipe, stderr=pipe, text=True, start_new_session=True, **options
+    )
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            if os.name == "posix":
+                os.killpg(process.pid, signal.SIGKILL)
+            process.kill()
+        process.communicate()
+
+
+def eigen() -> Path:
+    """Return the headers of Eigen: the system's, or those that CasADi brings.
+
+    Raises
+    ------
+    MissingError
+        There are none.
+    """
+    places = [Path(base) for base in INCLUDES]
+    with suppress(MissingError):
+        places.append(Path(required("casadi").__file__).parent / "include")
+    for place in places:
+        if (place / "eigen3" / "Eigen").is_dir():
+            return place / "eigen3"
+    raise MissingError("headers of Eigen are missing; apt-get install libeigen3-dev")
 
 
 def cpp_compiler(command: Sequence[str]) -> list[str]:
@@ -184,4 +239,4 @@ def cpp_compiler(command: Sequence[str]) -> list[str]:
             found = other if before else shutil.which(other)
             if found:
                 return [*before, found]
-    raise MissingPeerError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")
+    raise MissingError(f"no C++ compiler beside {' '.join(command)}; SymForce's code is C++")

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from benchmarks.limits import aligned
 from kousoku.codegen.tape import record, run
 from kousoku.symbolic.kinds import derive
 
@@ -111,15 +112,6 @@ def inputs(n: int) -> list[np.ndarray]:
         aligned(part / np.linalg.norm(part, axis=1, keepdims=True) if name[0] == "p" else part)
         for name, part in zip(SIZES, parts, strict=True)
     ]
-
-
-def aligned(values: np.ndarray) -> np.ndarray:
-    """Return a copy, row-major, that begins at a multiple of 64 bytes."""
-    memory = np.empty(values.size + 8)
-    start = -memory.ctypes.data // 8 % 8
-    array = memory[start : start + values.size].reshape(values.shape)
-    array[...] = values
-    return array
 
 
 class Judge:

@@ -13,7 +13,6 @@ import json
 import os
 import pkgutil
 import platform
-import re
 import shutil
 import sys
 import tempfile
@@ -156,12 +155,8 @@ def ask(
 
 def machine() -> str:
     """Return the machine and what kousoku runs on there, in words."""
-    words = Path("/proc/cpuinfo")
-    text = words.read_text(encoding="utf-8") if words.exists() else ""
-    found = re.search(r"model name\s*:\s*(.+)", text)
-    processor = found[1] if found else platform.processor() or platform.machine()
     return (
-        f"{processor}, {os.cpu_count()} processors, {platform.system()},"
+        f"{processor()}, {os.cpu_count()} processors, {platform.system()},"
         f" Python {platform.python_version()}, NumPy {np.__version__}, {compiler()}"
     )
 

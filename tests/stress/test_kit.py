@@ -11,7 +11,7 @@ import pytest
 
 from tests.stress import __main__ as command
 from tests.stress.kit import Finding, Outcome, Question, Size
-from tests.stress.workers import Answered, StoppedError, Worker
+from tests.stress.workers import Answered, StoppedError, Worker, run_case
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -47,7 +47,7 @@ def test_a_worker_that_is_stopped_leaves_no_process(
     monkeypatch.syspath_prepend(str(tmp_path))
     os.mkfifo(tmp_path / "pipe")
     pipe = os.open(tmp_path / "pipe", os.O_RDONLY | os.O_NONBLOCK)
-    worker = Worker()
+    worker = Worker(run_case)
     try:
         for seconds in (3.0, 60.0):  # once more where the machine has more to do
             with pytest.raises(StoppedError, match=said):

@@ -1,19 +1,25 @@
-"""Processes that run cases: one that a case ends, or that takes too long, is replaced."""
+"""Processes that run cases: one that a case ends, or that takes too long, is replaced.
+
+The processor they run on is named here, too: the benchmarks use both.
+"""
 
 from __future__ import annotations
 
 import os
+import platform
+import re
 import signal
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from contextlib import suppress
 from importlib import import_module
 from multiprocessing import get_context
+from pathlib import Path
 from queue import SimpleQueue
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 from unittest.mock import patch
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Callable, Iterable, Iterator
     from multiprocessing.connection import Connection
 
     from tests.stress.kit import Outcome
@@ -27,9 +33,19 @@ Answered = tuple["Outcome", float]
 SPAWN = get_context("spawn")
 HAS_GROUPS = hasattr(os, "setpgid")
 
+T = TypeVar("T")
+
 
 class StoppedError(Exception):
     """What a case raises, or how it ended its process."""
+
+
+def processor() -> str:
+    """Return the processor's name, as far as the system tells."""
+    words = Path("/proc/cpuinfo")
+    text = words.read_text(encoding="utf-8") if words.exists() else ""
+    found = re.search(r"model name\s*:\s*(.+)", text)
+    return found[1] if found else platform.processor() or platform.machine()
 
 
 def run_case(name: str, case: str) -> Answered:
@@ -40,7 +56,7 @@ def run_case(name: str, case: str) -> Answered:
     return outcome, sum(os.times()[:4]) - start
 
 
-def _serve(pipe: Connection) -> None:
+def _serve(pipe: Connection, answer: Callable[[str, str], Any]) -> None:
     """Run the cases that come through a pipe until it is closed.
 
     The process and all that it starts are a group, where the system has groups.
@@ -53,25 +69,32 @@ def _serve(pipe: Connection) -> None:
         except EOFError:
             return
         try:
-            pipe.send(run_case(name, case))
+            pipe.send(answer(name, case))
         except Exception as error:
             pipe.send(f"{type(error).__name__}: {error}")
 
 
-class Worker:
-    """A process that runs one case after the other, and one in its place when it is gone."""
+class Worker(Generic[T]):
+    """A process that runs one case after the other, and one in its place when it is gone.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    answer : callable
+        Runs a case there, by the name of its question and its own; what it returns is no text.
+    """
+
+    def __init__(self, answer: Callable[[str, str], T]) -> None:
+        self._answer = answer
         self._start()
 
     def _start(self) -> None:
         self._pipe, other = SPAWN.Pipe()
         # It may have children of its own: cases start and kill processes.
-        self._process = SPAWN.Process(target=_serve, args=(other,))
+        self._process = SPAWN.Process(target=_serve, args=(other, self._answer))
         self._process.start()
         other.close()
 
-    def run(self, name: str, case: str, seconds: float) -> Answered:
+    def run(self, name: str, case: str, seconds: float) -> T:
         """Run a case there.
 
         Raises
@@ -84,7 +107,7 @@ class Worker:
             if not self._pipe.poll(seconds):
                 self._replace()
                 raise StoppedError(f"takes longer than {seconds:g} s")
-            answer: Answered | str = self._pipe.recv()
+            answer: T | str = self._pipe.recv()
         except (EOFError, ConnectionError) as error:
             self._process.join()
             status = self._process.exitcode
@@ -122,8 +145,8 @@ def run_cases(
     processes : int
         How many run at the same time.
     """
-    workers = [Worker() for _ in range(processes)]
-    idle: SimpleQueue[Worker] = SimpleQueue()
+    workers = [Worker(run_case) for _ in range(processes)]
+    idle: SimpleQueue[Worker[Answered]] = SimpleQueue()
     for worker in workers:
         idle.put(worker)
 

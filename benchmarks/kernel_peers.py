@@ -2,35 +2,16 @@
 
 from __future__ import annotations
 
-from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from p2 import SIZES, p2, symbols
+
+from benchmarks.kit import required
+from benchmarks.p2 import SIZES, p2, symbols
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
-
-
-class MissingPeerError(Exception):
-    """A program to compare with is not installed."""
-
-
-def required(name: str) -> Any:
-    """Import a peer.
-
-    Raises
-    ------
-    MissingPeerError
-        It is not installed.
-    """
-    try:
-        return import_module(name)
-    except ImportError as error:
-        raise MissingPeerError(
-            f"the benchmark needs {name} ({error}); pip install 'kousoku[bench]'"
-        ) from error
 
 
 def casadi_source(folder: Path, *, cse: bool) -> Path:
@@ -71,6 +52,23 @@ def symforce_header(folder: Path) -> Path:
     return Path(files.generated_files[0])
 
 
+def sympy_source(folder: Path, *, cse: bool) -> Path:
+    """Write the C of SymPy's code generation, with or without common subexpressions once."""
+    sympy = required("sympy")
+    codegen = required("sympy.utilities.codegen")
+    name = "sympy_cse" if cse else "sympy_plain"
+    arrays = [sympy.MatrixSymbol(key, size, 1) for key, size in SIZES.items()]
+    c, rows = p2(*([x[k, 0] for k in range(x.rows)] for x in arrays))
+    outputs = sympy.MatrixSymbol("C", 2, 1), sympy.MatrixSymbol("C_q", 2, 12)
+    values = sympy.Matrix(c), sympy.Matrix(rows)
+    results = [sympy.Eq(one, value) for one, value in zip(outputs, values, strict=True)]
+    writer = codegen.C99CodeGen(cse=cse)
+    routine = writer.routine(name, results, [*arrays, *outputs])
+    for file, text in writer.write([routine], name):
+        (folder / file).write_text(text, encoding="utf-8")
+    return folder / f"{name}.c"
+
+
 def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
     """Return calls of heyoka's compiled function, from (23, n) into (26, n), on one thread.
 
@@ -83,8 +81,8 @@ def heyoka_functions() -> dict[str, Callable[[np.ndarray, np.ndarray], object]]:
     outputs, variables = [*c, *rows[0], *rows[1]], [x for xs in arguments for x in xs]
     function = heyoka.cfunc(outputs, variables)
     return {
-        "heyoka cfunc": lambda columns, values: function(columns, outputs=values),
-        "heyoka cfunc, batch_parallel=False (extra)": lambda columns, values: function(
+        "cfunc": lambda columns, values: function(columns, outputs=values),
+        "cfunc, not divided": lambda columns, values: function(
             columns, outputs=values, batch_parallel=False
         ),
     }
@@ -96,7 +94,10 @@ def lambdified() -> Callable[..., Sequence[Any]]:
     arguments = symbols(sympy.Symbol)
     c, rows = p2(*arguments)
     flat = [x for xs in arguments for x in xs]
-    return sympy.lambdify(flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True)
+    made: Callable[..., Sequence[Any]] = sympy.lambdify(
+        flat, [*c, *rows[0], *rows[1]], modules="numpy", cse=True
+    )
+    return made
 
 
 def stacked(values: Sequence[Any], c: np.ndarray, c_q: np.ndarray) -> None:

@@ -1,0 +1,23 @@
+"""All problems, in the order of the page."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from benchmarks.problems import andrews, closed, driven, n_four_bar, pendulum, top, trees
+
+if TYPE_CHECKING:
+    from benchmarks.problems.problem import Problem
+
+PROBLEMS: dict[str, Problem] = {
+    one.name: one
+    for one in (
+        pendulum.PROBLEM,
+        andrews.PROBLEM,
+        *n_four_bar.PROBLEMS,
+        *top.PROBLEMS,
+        *trees.PROBLEMS,
+        *closed.PROBLEMS,
+        driven.PROBLEM,
+    )
+}
