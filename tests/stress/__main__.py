@@ -31,7 +31,7 @@ from kousoku.model.errors import CompilerError
 from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
 from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
-from tests.stress.workers import Answered, StoppedError, run_case, run_cases
+from tests.stress.workers import Answered, StoppedError, processor, run_case, run_cases
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
