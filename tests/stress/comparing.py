@@ -142,7 +142,7 @@ class Comparison:
 
         So a coupler of angles with a displacement is measured as the angle that it is.
         """
-        return self._of(found.C_q * self.units(found))[:, 0]
+        return self._of(found.C_q * self.units(found)).ravel()
 
     def _constraints(self, found: Evaluation) -> Iterator[Measured]:
         scales = self.scales(found)
