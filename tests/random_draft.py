@@ -234,12 +234,17 @@ class Draft:
             (name, sort)
             for name, joint in joints
             for sort in leaves_of(joint["type"])
-            if sort in sorts
+            if sort in sorts and (sort != "displacement" or self._counts(joint))
         ]
         if found:
             return self.draw.choice(found)
         kind = "revolute" if "angle" in sorts else "prismatic"
         return self.hang(kind), leaves_of(kind)[0]
+
+    @staticmethod
+    def _counts(joint: Tree) -> bool:
+        """Return whether a joint says along which direction its displacement counts."""
+        return "zero" in joint or "second_displacement" not in leaves_of(joint["type"])
 
     def hang(self, kind: str, *, name: str = "") -> str:
         """Add a body on the ground, and return its joint."""

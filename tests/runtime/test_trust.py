@@ -79,6 +79,32 @@ def test_rows_between_steps_that_are_off_the_constraints_are_told() -> None:
     assert "rows between steps are off the constraints by" in trust.why
 
 
+def test_corrections_where_nothing_is_free_are_no_error() -> None:
+    def hinge(bodies: list[str], at: list[int], axis: list[int]) -> dict[str, Any]:
+        return {"type": "revolute", "bodies": bodies, "at": at, "axis": axis}
+
+    tree: dict[str, Any] = {
+        "name": "wiper",
+        "unit": "m",
+        "bodies": {"arm": {"position": [0, 0, 0]}, "blade": {"position": [1, 0, 0]}},
+        "joints": {
+            "pivot": hinge(["ground", "arm"], [0, 0, 0], [0, 0, 1]),
+            "hinge": hinge(["arm", "blade"], [1, 0, 0], [0, 1, 0]),
+        },
+        "drivers": {
+            "motor": {"joint": "pivot", "value": "0.3*sin(2*t)"},
+            "tilt": {"joint": "hinge", "value": "t"},
+        },
+        "outputs": [],
+    }
+    run = kousoku.load(tree, target="numpy").simulate(1, samples=11, method="dopri5")
+    assert run.ledger.drift > 10 * run.ledger.trust.limit
+    angle = 0.3 * np.sin(2 * run.time)
+    np.testing.assert_allclose(run["blade.x"], np.cos(angle), rtol=0, atol=1e-15)
+    np.testing.assert_allclose(run["blade.y"], np.sin(angle), rtol=0, atol=1e-15)
+    assert run.ledger.trust.is_trusted
+
+
 @pytest.mark.compiles
 @pytest.mark.parametrize("target", ["numpy", "c"])
 def test_rows_that_are_not_finite_are_told_with_their_time(target: str) -> None:

@@ -68,6 +68,8 @@ class Change:
         How far it is moved, in the unit of the scene.
     cost : float
         What the change costs by itself, in metres or radians.
+    tolerance : float
+        Of the changed motion: none is tighter than what doubles know of positions there.
     """
 
     of: Callable[[Tree], Tree]
@@ -76,6 +78,7 @@ class Change:
     turn: Any = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
     offset: float = 0.0
     cost: float = UNIT
+    tolerance: float = TOLERANCE
 
 
 def _scaled(length: float = 1.0, mass: float = 1.0, time: float = 1.0) -> Change:
@@ -90,6 +93,7 @@ CHANGES: dict[str, Change] = {
         lambda tree: changes.moved(tree, (FAR * UNITS[tree["unit"]], 0.0, 0.0)),
         offset=FAR,
         cost=FAR * 2.0**-52,
+        tolerance=FAR * 2.0**-52,
     ),
     "metres times 1e9": _scaled(length=1e9),
     "metres times 1e-9": _scaled(length=1e-9),
@@ -159,7 +163,7 @@ def off(tree: Tree, motion: Any, change: Change) -> tuple[float, str]:
     other_tree = change.of(tree)
     try:
         other: Any = ks.load(other_tree, target="c").simulate(
-            END * change.time, samples=SAMPLES, tolerance=TOLERANCE
+            END * change.time, samples=SAMPLES, tolerance=change.tolerance
         )
     except KousokuError as error:
         return np.inf, f"is refused: {reason_of(error)}; {error}"

@@ -28,6 +28,7 @@ from kousoku.model.errors import KousokuError, MotionError, SceneError
 from kousoku.model.system_forces import events_of
 from kousoku.model.write import toml_of
 from kousoku.runtime import run_ledger
+from kousoku.runtime.integrate import trust
 from tests.random_draft import UNITS
 from tests.random_scenes import numbered_scenes, random_scene
 from tests.stress.comparing import Comparison, nodes, size_of
@@ -60,12 +61,19 @@ WAYS: dict[str, dict[str, Any]] = {
 }
 """How a motion is computed: no two of them by the same method with the same steps."""
 
-AGREE, AT_JUMPS = 5.0, 1e3
-"""How far two methods may be from each other, in metres and radians, in tolerances; where a force
-jumps with the state runs are known to be up to some hundred tolerances off, as `forces` tells."""
+AGREE, AGREE_BY_STEP, AT_JUMPS = 5.0, 0.01, 1e3
+"""How far two methods may be from each other in tolerances, for a motion and for each of its steps.
+A tolerance is the root mean square of two errors of each freedom, one of them may have it all, and
+is relative to a length of the scene. Where a force jumps with the state runs are known to be up to
+some hundred tolerances off, as `forces` tells."""
 
 FIXED, FIXED_AT_JUMPS = 1e-11, 1e-10
-"""What counts as the tolerance of steps of fixed length."""
+"""What counts as the tolerance of steps of fixed length, unless the method itself takes more steps:
+then they are too long, and as far off as the verdict on them lets energies be."""
+
+FIXED_AT_ROOTS = 5 * (END / 100) ** 2.5
+"""How far they may be off where a force is the root of a coordinate: one that starts at zero does
+not have the derivatives that an order needs, and a motion has one and a half powers less of it."""
 
 IS_GLIBC = platform.libc_ver()[0] == "glibc"
 """Whether C and Python call the same sines."""
@@ -204,22 +212,38 @@ def moved(mechanism: Mechanism) -> tuple[dict[str, Any], dict[str, MotionError]]
 
 def methods(tree: Tree, runs: dict[str, Any], outcome: Outcome, place: str) -> None:
     """Compare each motion with one of another method, and its verdict with what is true."""
-    jumps = "sign(" in str(tree.get("forces"))
-    fixed, times = (FIXED_AT_JUMPS, AT_JUMPS) if jumps else (FIXED, AGREE)
     for name, one in runs.items():
         other = OTHER if runs[OTHER].method != one.method else BEST
-        off, limit = apart(tree, one, runs[other]), times * WAYS[name].get("tolerance", fixed)
+        off, limit = apart(tree, one, runs[other]), most_apart(tree, runs, name, other)
         pair = " and ".join(sorted((name, other)))
         outcome.measure(f"{pair} (m, rad)", off, place)
         outcome.count("verdicts")
-        trust = one.ledger.trust
-        if trust.is_trusted and not off <= limit:
+        verdict = one.ledger.trust
+        if verdict.is_trusted and not off <= limit:
             outcome.find(f"{name} and {other} are apart, and trusted", f"{off:.3g}; {place}")
-        if not trust.is_trusted:
+        if not verdict.is_trusted:
             outcome.count("verdicts 'not trusted'")
             if off <= limit:
                 outcome.count("false alarms")
-                outcome.find(f"{name}: a false alarm", f"{trust}; {place}")
+                outcome.find(f"{name}: a false alarm", f"{verdict}; {place}")
+
+
+def most_apart(tree: Tree, runs: dict[str, Any], name: str, other: str) -> float:
+    """Return how far a motion may be from another one, in metres and radians."""
+    forces, layout = str(tree.get("forces")), runs[name].layout
+    jumps, limit = "sign(" in forces, 0.0
+    size = max(1.0, layout.length) * (2 * layout.sizes["v"]) ** 0.5
+    for one in (name, other):
+        steps = runs[one].ledger.steps
+        times = max(size * (AGREE + AGREE_BY_STEP * steps), AT_JUMPS if jumps else 0.0)
+        if "step" not in WAYS[one]:
+            limit += WAYS[one]["tolerance"] * times
+        elif runs[BEST].ledger.steps > steps:  # the method itself takes shorter steps
+            limit += trust.FIXED * max(times, trust.HEALTHY * size)
+        else:
+            limit += (FIXED_AT_JUMPS if jumps else FIXED) * times
+            limit += FIXED_AT_ROOTS if "sqrt(" in forces else 0.0
+    return limit
 
 
 def apart(tree: Tree, one: Any, other: Any) -> float:

@@ -17,6 +17,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
 from kousoku.codegen.dynamics.assembly.least import Metric, Solver
+from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
@@ -65,6 +66,16 @@ def assemble(system: System, left_out: Collection[tuple[int, int]] = ()) -> Syst
     return placed if fixed is system else _with_places(system, placed)
 
 
+def _nearest(system: System, left_out: Collection[tuple[int, int]], metric: Metric) -> Pose:
+    """Return the nearest positions at which all rows hold, searched for near the origin.
+
+    Far from it doubles do not tell positions well enough for a search to settle.
+    """
+    there, offset = brought_near(system, metric.size)
+    rows = Residuals.of(there, there.constraints + there.held, left_out)
+    return nearest(there, rows, metric).shifted(offset)
+
+
 def _with_places(system: System, placed: System) -> System:
     """Return a system whose numbers depend on parameters, where its bodies were placed."""
     bodies = tuple(
@@ -95,7 +106,7 @@ def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
         )
     pose = Pose.of(system.bodies, system.coordinates)
     if not fits:
-        pose = nearest(system, positions, metric)
+        pose = _nearest(system, left_out, metric)
     v = _velocities(system, speeds, metric, pose)
     fastest = max(_speed(v, k, metric.size) for k in range(len(system.bodies)))
     bodies = tuple(

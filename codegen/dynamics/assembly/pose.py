@@ -54,6 +54,11 @@ class Pose:
             p.append(precise.compose(self.p[k], _from_turn(turn)))
         return Pose((*r, ZERO), (*p, IDENTITY), self.near)
 
+    def shifted(self, offset: Sequence[float]) -> Pose:
+        """Return the positions of all bodies but the ground, moved by the same vector [m]."""
+        by = precise.triple(offset)
+        return Pose((*(precise.add(r, by) for r in self.r[:-1]), ZERO), self.p, self.near)
+
     def since(self, start: Pose) -> list[High]:
         """Return the displacement (δr, δθ′) of each body from ``start`` to here."""
         step: list[High] = []

@@ -2,19 +2,35 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from kousoku.model.mechanism import System
+    from kousoku.model.mechanism import Coordinate, Instance, System
+
+LEAST = 2.0**-18
+"""The least length, as a part of the distance from the origin: doubles know a position to 6e-11 of
+it, which is less than what corrections settle at, and what is left of constraints may be."""
 
 
 def characteristic_length(system: System) -> float:
-    """Return the largest distance of a joint from the origin of a frame [m]; 1 where none is."""
-    constants = [pair for instance in system.constraints for pair in instance.constants]
-    constants += [pair for coordinate in system.coordinates for pair in coordinate.constants]
-    lengths = [
-        max(abs(x) for x in numbers)
-        for name, numbers in constants
-        if name.startswith("s_") or name == "length"
-    ]
-    return max(lengths, default=0.0) or 1.0
+    """Return a length of a system that is the same wherever it stands, unless very far off [m].
+
+    The largest distance, along an axis, of a joint from the centre of mass of a body, or between
+    two points of the ground; 1 where none is.
+    """
+    sources: tuple[Instance | Coordinate, ...] = (*system.constraints, *system.coordinates)
+    lengths, ground = [0.0], []
+    for source in sources:
+        for name, numbers in source.constants:
+            if name == "length":
+                lengths += map(abs, numbers)
+            elif name.startswith("s_"):
+                body = source.i if name[2] == "i" else source.j
+                if body >= 0:
+                    lengths += map(abs, numbers)
+                else:
+                    ground.append([float(x) for x in numbers])
+    lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
+    places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
+    return max(max(lengths) or 1.0, LEAST * max(map(abs, places), default=0.0))

@@ -69,7 +69,8 @@ class Trust:
         What rows that are left out miss at most, in the same units, and what they may.
     drift, row_drift : float or None
         Largest correction onto the constraints of a step, and of a row between steps, which the
-        dense output tells, relative to a length of the scene; None where drivers lead.
+        dense output tells, relative to a length of the scene; None where joints and drivers leave
+        nothing free: corrections then take away all of the error of a step or row.
     pivot_ratio : float or None
         Smallest pivot ratio: near zero at a singular configuration; None without constraints.
     unresolved : int
@@ -124,7 +125,7 @@ class Trust:
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         if self.unresolved:
-            yield f"{self.unresolved} steps may pass over what acts for a moment"
+            yield f"steps unresolved: {self.unresolved}"
         yield "error not estimated" if self.error is None else str(self.error)
 
     def __str__(self) -> str:
@@ -171,8 +172,9 @@ def trust_of(
     joints = missed_by(state["violations"][0], rows, layout) if checks else {}
     missed = max((one.part for one in joints.values()), default=0.0)
     constraints = _constraints(state["violations"][0], rows, layout) if checks else None
+    is_determined = layout.sizes["v"] == len(rows.rows) + len(rows.reduced)
     # joints hold all that could move: what energy there is is rounding
-    is_still = not is_driven and layout.sizes["v"] == len(rows.rows) + len(rows.reduced)
+    is_still = is_determined and not is_driven
     is_led, advice = method == KINEMATICS, "a smaller tolerance or largest_step"
     if step is not None:
         tolerance, advice = FIXED, "a smaller step"
@@ -184,7 +186,7 @@ def trust_of(
         for name in ("energy_error", "energy_moved", "work_error")
     )
     unseen = unseen if is_led else None
-    drift, row_drift = (None if is_led else single[name] for name in ("drift", "row_drift"))
+    drift, row_drift = (None if is_determined else single[name] for name in ("drift", "row_drift"))
     advice = "a smaller largest_step, or more rows" if is_led else advice
     problems, beyond = [], []
     if single["not_finite"]:

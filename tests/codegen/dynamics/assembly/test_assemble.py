@@ -14,6 +14,7 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly, notes_of_assembly
+from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.generate import generate_dynamics
@@ -87,6 +88,32 @@ def test_what_fits_stays_as_it_is(name: str) -> None:
             assert places[0] == places[1]
         else:
             assert (found is system) is (name not in NEAR | IN_DIGITS)
+
+
+def test_it_is_no_matter_how_far_away_a_system_is_assembled() -> None:
+    def assembled(far: float) -> np.ndarray[Any, Any]:
+        bodies = {
+            name: {**TILTED, "position": [far + x, 0.01, 0]} for name, x in (("a", 0.02), ("b", 1))
+        }
+        pin = {"type": "revolute", "axes": [[0, 0, 1]] * 2}
+        joints = {
+            "first": {**pin, "bodies": ["ground", "a"], "points": [[far, 0, 0], [0, 0, 0]]},
+            "second": {**pin, "bodies": ["a", "b"], "points": [[1, 0.5, 0], [0, 0.25, 0]]},
+        }
+        return np.array([body.r for body in assemble(built(bodies, joints)).bodies])
+
+    far = 2.0**20
+    off = assembled(far) - assembled(0.0) - np.array([far, 0, 0])
+    # what the positions of the scene are rounded by, and what is found
+    assert np.abs(off).max() <= 2 * far * ULP
+
+
+def test_what_is_spread_from_the_origin_to_far_away_keeps_its_digits() -> None:
+    system = on_a_rod()
+    bodies = tuple(replace(system.bodies[0], r=(x, 0.1, -0.3)) for x in (0.1, 2.0**30, 2.0**30))
+    there, offset = brought_near(replace(system, bodies=bodies), 1.0)
+    assert offset == (0.0, 0.0, 0.0)
+    assert there.bodies == bodies
 
 
 ON_A_ROD = {"rod": {"type": "rod", "bodies": ["ground", "b"], "points": [[0] * 3] * 2, "length": 1}}

@@ -256,3 +256,15 @@ def test_a_driver_beside_the_plane_has_forces_that_lead_out_of_it(
     assert program.is_planar
     assert is_flat(program, system) == flat
     assert characteristic_length(system) == 2.0
+
+
+@pytest.mark.parametrize(("far", "length"), [(0.0, 2.0), (1e5, 2.0), (2.0**20, 4.0)])
+def test_the_length_of_a_system_is_the_same_wherever_it_stands(
+    mechanisms: SimpleNamespace, far: float, length: float
+) -> None:
+    """So far away that doubles know no positions it is what they do know, times a number."""
+    system = mechanisms.planar_pendulum(1)
+    ends = (("s_i_b", (far, 2.0, 0.0)), ("s_j_b", (0.1, 0.0, 0.0)))
+    other = (("s_i_b", (far, 0.0, 0.0)), ("s_j_b", (0.1, 0.0, 0.0)))
+    rods = tuple(Coordinate("rod", "length", GROUND_INDEX, 0, own) for own in (ends, other))
+    assert characteristic_length(replace(system, constraints=(), coordinates=rods)) == length
