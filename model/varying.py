@@ -128,4 +128,5 @@ def fixed(value: T) -> T:
 
 def fixed_system(system: System) -> System:
     """Return a system with the numbers of the scene: for what is decided before it runs."""
-    return replace(fixed(system), positive=()) if system.parameters else system
+    found = fixed(system) if system.parameters else system
+    return replace(found, positive=()) if found.positive else found

@@ -14,6 +14,7 @@ from tests.stress.kit import Finding, Outcome, Question, Size
 from tests.stress.workers import Answered, StoppedError, Worker, run_case
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from pathlib import Path
 
 #: A question whose cases start a process that holds a pipe open, and then do not end well.
@@ -90,8 +91,8 @@ def test_findings_of_a_question_that_is_asked_again_go(
     monkeypatch.setattr(command, "questions", lambda: {"any": asked_of(found)})
     monkeypatch.setattr(command, "journal_of", lambda _: build / "journal")
 
-    def answered(keys: object, *_: object) -> list[tuple[object, Answered]]:
-        return [(key, (found, 1.0)) for key in keys]  # type: ignore[attr-defined]
+    def answered(keys: Iterable[object], *_: object) -> list[tuple[object, Answered]]:
+        return [(key, (found, 1.0)) for key in keys]
 
     monkeypatch.setattr(command, "run_cases", answered)
     assert command.main(["any"]) == 1
