@@ -62,7 +62,7 @@ WAYS: dict[str, dict[str, Any]] = {
 
 AGREE, AT_JUMPS = 5.0, 1e3
 """How far two methods may be from each other, in metres and radians, in tolerances; where a force
-jumps with the state runs are known to be up to some hundred tolerances off, as `forces` tells."""
+jumps with the state runs are known to be up to some tens of tolerances off, as `forces` tells."""
 
 FIXED, FIXED_AT_JUMPS = 1e-11, 1e-10
 """What counts as the tolerance of steps of fixed length."""
