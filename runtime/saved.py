@@ -31,6 +31,13 @@ FINITE = (
     *("parameters", "momenta", "sides", "counts", "fired"),
     *("error", "fastest", "stride", "untold", "is_refined", "longest"),
 )
+#: What else steps go by, and what the verdict rests on.
+NUMBERS = (
+    *("limit", "behind", "largest_pivot_ratio", "least_pivot_ratio", "drift", "row_drift"),
+    "momentum_errors",
+)
+#: These are NaN where formulas of a row have no value, which is counted and never trusted.
+OF_ROWS = ("energy_error", "energy_moved", "work_error", "violations")
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,6 +145,11 @@ def _problems(solver: DynamicsSolver, saved: SavedRun) -> Iterator[str]:
         f"{name} in the state is not finite"
         for name in FINITE
         if not np.isfinite(fields[name].view(saved.state)).all()
+    )
+    yield from (
+        f"{name} in the state is no number"
+        for name in (*NUMBERS, *OF_ROWS * (number["not_finite"] == 0.0))
+        if np.isnan(fields[name].view(saved.state)).any()
     )
     yield from _disagreements(solver, saved, int(number["next_row"]), number["method"])
 

@@ -162,6 +162,21 @@ def test_a_wall_where_a_cart_starts_takes_no_energy(
 
 @pytest.mark.usefixtures("numpy_solver")
 @pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+def test_a_bead_that_starts_on_a_jump_loses_no_energy_there(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    solver = solver_of(HILL.replace("LAW", "-force*sign(x - at)"), target)
+    for force in (0.1, 1.0, 10.0):
+        run = solver.simulate(1.0 / force, samples=2, parameters={"at": 0.0, "force": force}, **way)
+        assert run.velocity["bead"][-1, 0] == pytest.approx(0.0, abs=3e-9)  # else 1e-8
+        assert run.position["bead"][-1, 0] == pytest.approx(0.5 / force, rel=3e-9)
+    still = solver.simulate(1.0, samples=2, parameters={"at": 5.0}, **way)
+    assert still.ledger.steps < 20  # it starts beside the jump
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
 def test_fixed_steps_are_shorter_over_a_narrow_hill(
     solver_of: Callable[..., Any], target: str
 ) -> None:

@@ -188,6 +188,13 @@ def test_saved_run_that_does_not_fit_itself_is_refused(
         ("y", np.nan, "y in the state is not finite"),
         ("f", np.inf, "f in the state is not finite"),
         ("dense", np.nan, "dense in the state is not finite"),
+        *(
+            (name, np.nan, f"{name} in the state is no number")
+            for name in (
+                *("drift", "row_drift", "limit", "behind", "largest_pivot_ratio"),
+                *("energy_error", "energy_moved", "work_error", "violations"),
+            )
+        ),
     ],
 )
 def test_saved_state_that_was_forged_is_refused(
@@ -198,6 +205,15 @@ def test_saved_state_that_was_forged_is_refused(
     run.advance(3, 5)
     with pytest.raises(SolveError, match=words):
         solver.resume(changed(solver, run.save(), name, value))
+
+
+def test_run_that_had_no_value_somewhere_is_resumed_and_not_trusted(load: Load) -> None:
+    solver = load(chain(2))
+    run = solver.begin(TIMES)
+    run.advance(3, 5)
+    saved = changed(solver, run.save(), "not_finite", 1.0)
+    resumed = solver.resume(changed(solver, saved, "energy_error", np.nan)).finish()
+    assert not resumed.ledger.trust.is_trusted
 
 
 def test_parameters_of_options_and_state_must_agree(load: Load) -> None:

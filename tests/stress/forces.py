@@ -32,8 +32,6 @@ MOST_STEPS = 20_000
 EXACT = 1e3
 """Error that is right, in tolerances: ten times what the verdict lets a healthy run lose. Below a
 tolerance of 1e-11 rounding of places in units of their widths is no less."""
-JUMPS, KNOWN = ("weight", "step_wall", "brake"), 1e4
-"""Forms that jump where the body is: errors that are known, in tolerances, and may not grow."""
 MISSED = 0.01
 """A force is missed of which this part is missing, told or not."""
 
@@ -121,8 +119,6 @@ class Asked:
             outcome.count(f"{self.form.kind}: right, but not trusted", int(is_told))
         elif is_told:
             outcome.count(f"{self.form.kind}: less exact, and told")
-        elif worst <= KNOWN * tolerance and self.name in JUMPS:
-            self.tell(outcome, "is less exact where it jumps, and nothing is told", where)
         else:
             self.tell(outcome, "is less exact than tolerances, and nothing is told", where)
         if not is_told and not is_fixed:
@@ -159,10 +155,6 @@ def blind(*names: str) -> AbstractContextManager[object]:
     )
 
 
-JUMP = (
-    "a step that ends behind a jump of the state sees it in its last stage alone, so that its error"
-    " is a hundred times what the estimate says; of steps of 1e-7 s velocities count less"
-)
 TIGHT = (
     "a jump of 1e5 m/s² and more is known no better than to the rounding of time, 1e-15 s; what the"
     " speed gains meanwhile is more than this tolerance allows, and the run says so"
@@ -189,7 +181,6 @@ QUESTION = Question(
             "gauss_wall c 1 0 30",
         ),
     ),
-    known={f"{name} is less exact where it jumps": JUMP for name in JUMPS}
-    | {f"{name} stops, tolerance 1e-12": TIGHT for name in ("brake", "step_wall")}
+    known={f"{name} stops, tolerance 1e-12": TIGHT for name in ("brake", "step_wall")}
     | {"step_wall stops, tolerance 1e-09": TIGHT},
 )
