@@ -217,8 +217,7 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
 
 /* when the first function but for events is on a side that was near to zero so far: formulas at
  * zero, where jumps are, tell nothing of what follows */
-static double first_left(
-    const Node *a, const Node *b, const Look *look, const State *s, Work *work)
+static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
     double first = INFINITY;
     for (size_t k = EVENTS; k < N_CROSSINGS; ++k) {

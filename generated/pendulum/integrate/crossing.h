@@ -25,6 +25,8 @@
 #define FINEST 1e-9
 /* the part of a step by which an event may be off where the step was cut, to be found again */
 #define SMALL 1e-3
+/* a step in which what was near to zero gets on a side within this part of it ends there */
+#define SOON 0.1
 /* what rates are known to of a length in a step, in units of the tolerance */
 #define SLOW 1e-4
 
@@ -213,6 +215,18 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
     return first;
 }
 
+/* when the first function but for events is on a side that was near to zero so far: formulas at
+ * zero, where jumps are, tell nothing of what follows */
+static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
+{
+    double first = INFINITY;
+    for (size_t k = EVENTS; k < N_CROSSINGS; ++k) {
+        if (s->sides[k] != 0.0 || side_at(b, k) == 0) continue;
+        first = smaller(first, time_of(k, a, b, look, s, work));
+    }
+    return first;
+}
+
 /* where a step to an end must end: where a function first crosses, or how far was looked */
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
@@ -232,6 +246,11 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
             look->crosses[k] = side != 0 && side_at(&b, k) == -side;
             any = any || look->crosses[k];
+        }
+        const double left = larger(first_left(&a, &b, look, s, work), look->start + 8.0 * tiny);
+        if (left - look->start < SOON * (end - look->start)) {
+            memset(look->crosses, 0, sizeof look->crosses);
+            return left;
         }
         if (!is_known && b.time - a.time > tiny) {
             width = 0.5 * (b.time - a.time);

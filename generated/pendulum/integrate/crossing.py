@@ -10,6 +10,7 @@ beyond polynomials are bounded likewise: where samples do not tell how, the step
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -47,6 +48,8 @@ STEADY = 0.5
 FINEST = 1e-9
 #: The part of a step by which an event may be off where the step was cut, to be found again.
 SMALL = 1e-3
+#: A step in which what was near to zero gets on a side within this part of it ends there.
+SOON = 0.1
 #: What rates are known to of a length in a step, in units of the tolerance.
 SLOW = 1e-4
 
@@ -268,6 +271,18 @@ def first_time(a: Node, b: Node, look: Look) -> float:
     return first
 
 
+def first_left(a: Node, b: Node, look: Look) -> float:
+    """Return when the first function but for events is on a side that was near to zero so far.
+
+    Formulas at zero, where jumps are, tell nothing of what follows.
+    """
+    first, sides, now = math.inf, look.state.sides, side_at(b)
+    for k in range(len(look.work.scene.events), len(sides)):
+        if sides[k] == 0.0 and now[k] != 0.0:
+            first = smaller(first, time_of(k, a, b, look))
+    return first
+
+
 def seen_end(end: float, look: Look) -> float:
     """Return where a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
@@ -284,6 +299,10 @@ def seen_end(end: float, look: Look) -> float:
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
         is_known = bool(is_told(sides, a, b, bounds).all())
         look.crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
+        left = larger(first_left(a, b, look), start + 8.0 * tiny)
+        if left - start < SOON * (end - start):
+            look.crosses[:] = False
+            return left
         if not is_known and b.time - a.time > tiny:
             width = 0.5 * (b.time - a.time)
             continue
