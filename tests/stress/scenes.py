@@ -65,7 +65,7 @@ AGREE, AGREE_BY_STEP, AT_JUMPS = 5.0, 0.01, 1e3
 """How far two methods may be from each other in tolerances, for a motion and for each of its steps.
 A tolerance is the root mean square of two errors of each freedom, one of them may have it all, and
 is relative to a length of the scene. Where a force jumps with the state runs are known to be up to
-some tens of tolerances off in `forces`; here, with several of them, nobody measured a closer one."""
+some tens of tolerances off in `forces`; a closer limit was not measured here."""
 
 FIXED, FIXED_AT_JUMPS = 1e-11, 1e-10
 """What counts as the tolerance of steps of fixed length, unless the method itself takes more steps:
