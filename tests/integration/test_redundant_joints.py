@@ -140,16 +140,17 @@ def test_hinges_of_a_door_share_its_weight_and_say_that_this_is_not_unique(
     assert motion.note().startswith(
         "not unique: fx, fy, fz, mx, my of joints.hinge_0, joints.hinge_1"
     )
-    # of 1 m, the longest arm of a point of a joint in a body is 0.8 m
-    assert motion.reaction_length == pytest.approx(0.8)
+    # the ground's points are 1.6 m apart, the longest arm of one in a body is 0.8 m
+    length = 1.6
+    assert motion.reaction_length == pytest.approx(length)
     forces = np.array([motion.force[f"hinge_{k}"][0] for k in range(3)])
     torques = np.array([motion.torque[f"hinge_{k}"][0] for k in range(3)])
     assert forces[:, 2] == pytest.approx([8 * 9.81] * 3, rel=1e-12)
     # least squares with a torque m of each hinge and forces ±f at the outer two: 3 m + 1.6 f = M
     # and 3 m²/ℓ² + 2 f² is least for f = 0.8 m/ℓ²
-    m = -12 * 9.81 / (3 + 1.6 * 0.8 / 0.64)
+    m = -12 * 9.81 / (3 + 1.6 * 0.8 / length**2)
     assert torques[:, 1] == pytest.approx([m] * 3, rel=1e-12)
-    assert forces[2, 0] == pytest.approx(0.8 * m / 0.64, rel=1e-12)
+    assert forces[2, 0] == pytest.approx(0.8 * m / length**2, rel=1e-12)
     assert forces[:, 0].sum() == pytest.approx(0.0, abs=1e-10)
 
 

@@ -220,7 +220,7 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
 static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
     double first = INFINITY;
-    for (size_t k = EVENTS; k < N_CROSSINGS; ++k) {
+    for (size_t k = EVENTS; k != N_CROSSINGS; ++k) {
         if (s->sides[k] != 0.0 || side_at(b, k) == 0) continue;
         first = smaller(first, time_of(k, a, b, look, s, work));
     }
