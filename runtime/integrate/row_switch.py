@@ -198,9 +198,11 @@ def refine_all_rows(all_rows: RowMemory, work: Work) -> None:
 
 def accelerate_all_rows(all_rows: RowMemory, work: Work) -> None:
     """Find q_dot, v_dot and the multipliers of all rows."""
+    kept = work.w.pivots.copy()  # others may read a number that is equal to one
     work.w.pivots[:] = 0.0  # without them no row has a force: then all get theirs
     all_rows.lam[:] = 0.0
     work.w.run("acceleration")
+    work.w.pivots[:] = kept
     refine_all_rows(all_rows, work)
 
 

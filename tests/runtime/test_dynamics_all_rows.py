@@ -9,6 +9,7 @@ kept here are independent at the start, and lose rank where the cranks have turn
 from __future__ import annotations
 
 import math
+import random
 import sys
 from importlib import import_module
 from itertools import pairwise
@@ -18,6 +19,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 import pytest
 
+import kousoku
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
@@ -34,6 +36,7 @@ from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
 from kousoku.runtime.integrate.scene import Work
 from kousoku.runtime.integrate.settings import Status
+from tests.random_scenes import random_scene
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -321,3 +324,14 @@ def test_code_shares_out_what_is_little_and_loops_what_is_much() -> None:
     assert not left_out.shares_out(29, 1)
     assert left_out.shares_out(150, 39)
     assert not left_out.shares_out(190, 39), "loops are over 200 rows at most"
+
+
+@pytest.mark.compiles
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["numpy", "c"])
+def test_rates_of_drivers_are_checked_where_all_rows_are_solved_for(target: Any) -> None:
+    # three cranks in line, one driven at 1 rad/s: one of the numbers that are equal to a pivot
+    scene = random_scene(random.Random("1 21 7"))
+    run = kousoku.load(scene, target=target).simulate(0.25, samples=3, method="kinematics")
+    assert run.ledger.fallbacks > 0
+    assert max(run.ledger.worst("velocity")) < 1e-9

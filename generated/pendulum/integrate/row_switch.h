@@ -232,12 +232,16 @@ static void refine_all_rows(Work *work)
     for (size_t r = 0; r != NC; ++r) all->lam[(size_t)all->order[r]] += all->solution[r];
 }
 
-/* without the inverse pivots no row has a force: then all rows get theirs */
+/* without the inverse pivots no row has a force: then all rows get theirs; others may read a number
+ * that is equal to a pivot */
 static void accelerate_all_rows(Work *work)
 {
-    memset(work->w + W_PIVOTS, 0, NC * sizeof(double));
+    double *pivots = work->w + W_PIVOTS, *kept = work->all.solution;
+    memcpy(kept, pivots, NC * sizeof(double));
+    memset(pivots, 0, NC * sizeof(double));
     memset(work->all.lam, 0, NCHECK * sizeof(double));
     acceleration(work->w);
+    memcpy(pivots, kept, NC * sizeof(double));
     refine_all_rows(work);
 }
 
