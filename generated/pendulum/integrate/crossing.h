@@ -219,7 +219,7 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
  * zero, where jumps are, tell nothing of what follows */
 static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
-    double first = INFINITY;
+    double first = HUGE_VAL;
     for (size_t k = EVENTS; k != N_CROSSINGS; ++k) {
         if (s->sides[k] != 0.0 || side_at(b, k) == 0) continue;
         first = smaller(first, time_of(k, a, b, look, s, work));
