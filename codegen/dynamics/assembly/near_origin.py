@@ -8,6 +8,8 @@ from itertools import chain
 from statistics import median
 from typing import TYPE_CHECKING, TypeVar
 
+from kousoku.codegen.dynamics.composition.length import is_ground_point
+
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
@@ -60,19 +62,13 @@ def brought_near(system: System, size: float) -> tuple[System, Vector]:
     return near, by
 
 
-def _is_ground_point(source: Instance | Coordinate, name: str) -> bool:
-    """Return whether a constant is a point in frame O."""
-    return name.startswith("s_") and (source.i if name[2] == "i" else source.j) < 0
-
-
 def _ground_points(source: Instance | Coordinate) -> Iterator[tuple[float, ...]]:
-    yield from (x for name, x in source.constants if _is_ground_point(source, name))
+    yield from (x for name, x in source.constants if is_ground_point(source, name))
 
 
 def _moved(source: Source, by: Vector) -> Source:
     constants = tuple(
-        (name, _less(x, by) if _is_ground_point(source, name) else x)
-        for name, x in source.constants
+        (name, _less(x, by) if is_ground_point(source, name) else x) for name, x in source.constants
     )
     return replace(source, constants=constants)
 

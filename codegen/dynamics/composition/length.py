@@ -13,6 +13,11 @@ LEAST = 2.0**-18
 it, which is less than what corrections settle at, and what is left of constraints may be."""
 
 
+def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
+    """Return whether a constant is a point in frame O."""
+    return name.startswith("s_") and (source.i if name[2] == "i" else source.j) < 0
+
+
 def characteristic_length(system: System) -> float:
     """Return a length of a system that is the same wherever it stands, unless very far off [m].
 
@@ -26,11 +31,10 @@ def characteristic_length(system: System) -> float:
             if name == "length":
                 lengths += map(abs, numbers)
             elif name.startswith("s_"):
-                body = source.i if name[2] == "i" else source.j
-                if body >= 0:
-                    lengths += map(abs, numbers)
-                else:
+                if is_ground_point(source, name):
                     ground.append([float(x) for x in numbers])
+                else:
+                    lengths += map(abs, numbers)
     lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
     places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
     return max(max(lengths) or 1.0, LEAST * max(map(abs, places), default=0.0))
