@@ -7,7 +7,6 @@ that was cut goes on; prints the page, and writes records, plots and page into `
 from __future__ import annotations
 
 import argparse
-import hashlib
 import json
 import os
 import pkgutil
@@ -18,7 +17,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import jinja2
 from rich.progress import Progress
 
 import benchmarks
@@ -27,11 +25,11 @@ from benchmarks.kit import Figures, Question, Record, Size, Target
 from benchmarks.machine import machine
 from benchmarks.race import MISSING, Workers, race
 from kousoku.model.cache import write_atomically
+from tests.stress.journal import ROOT, digest_of, done_in, page_in
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-ROOT = Path(__file__).parents[1]
 BUILD = ROOT / "build" / "bench"
 #: In the order of the page.
 ORDER = ("solvers", "kernels", "first_step", "evaluations")
@@ -48,12 +46,6 @@ SOURCES = (
 )
 SUFFIXES = {".py", ".c", ".h", ".cpp", ".toml", ".json", ".jinja"}
 NOT_MEASURED = {"plots.py", "page.md.jinja", "__main__.py"}
-PAGE = jinja2.Environment(
-    loader=jinja2.FileSystemLoader(Path(__file__).parent),
-    undefined=jinja2.StrictUndefined,
-    trim_blocks=True,
-    autoescape=False,  # Markdown
-)
 
 
 @dataclass(slots=True)
@@ -73,22 +65,17 @@ def questions() -> dict[str, Question]:
 
 def journal_of(size: Size) -> Path:
     """Return the journal of a run: another one for other sources, and on another machine."""
-    digest = hashlib.sha256(repr((size, sorted(machine().items()))).encode())
-    for folder in SOURCES:
-        for path in sorted(Path(ROOT, folder).rglob("*")):
-            if path.suffix in SUFFIXES and path.is_file() and path.name not in NOT_MEASURED:
-                digest.update(path.relative_to(ROOT).as_posix().encode())
-                digest.update(path.read_bytes())
-    return BUILD / f"{digest.hexdigest()[:16]}.jsonl"
+    run = size, sorted(machine().items())
+    return BUILD / f"{digest_of(run, SOURCES, _is_measured)}.jsonl"
+
+
+def _is_measured(path: Path) -> bool:
+    return path.suffix in SUFFIXES and path.name not in NOT_MEASURED
 
 
 def resumed(journal: Path) -> Iterator[tuple[str, str, list[Record], float]]:
-    """Yield the contests of a journal; a line that was cut is no contest."""
-    for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
-        try:
-            done = json.loads(line)
-        except ValueError:
-            continue
+    """Yield the contests of a journal."""
+    for done in done_in(journal):
         records = [Record.from_dict(one) for one in done["records"]]
         yield done["question"], done["contest"], records, done["seconds"]
 
@@ -186,7 +173,7 @@ def page_of(
     ]
     took = sum(answer.seconds for answer in answers.values())
     words = [chosen[name].words(answer.records) for name, answer in answers.items()]
-    return PAGE.get_template("page.md.jinja").render(
+    return page_in(Path(__file__).parent).render(
         words=" ".join(filter(None, words)),
         date=time.strftime("%Y-%m-%d"),
         machine=about,

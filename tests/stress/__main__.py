@@ -20,9 +20,7 @@ import time
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
-import jinja2
 import numpy as np
 from rich.progress import Progress
 
@@ -30,13 +28,11 @@ from kousoku.model.cache import write_atomically
 from kousoku.model.errors import CompilerError
 from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
+from tests.stress.journal import digest_of, done_in, page_in
 from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
 from tests.stress.workers import Answered, StoppedError, processor, run_case, run_cases
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator
-
-NO_QUESTIONS = {"__main__", "kit", "workers"}
+NO_QUESTIONS = {"__main__", "journal", "kit", "workers"}
 SOURCES = (
     *(
         "codegen",
@@ -52,12 +48,6 @@ SOURCES = (
 )
 OPTIONS = ("FULL", "N", "ONLY", "PAGE", "SEED")
 """What the environment says in place of options."""
-PAGE = jinja2.Environment(
-    loader=jinja2.FileSystemLoader(Path(__file__).parent),
-    undefined=jinja2.StrictUndefined,
-    trim_blocks=True,
-    autoescape=False,  # Markdown
-)
 
 
 @dataclass(slots=True)
@@ -88,22 +78,12 @@ def questions() -> dict[str, Question]:
 
 def journal_of(size: Size) -> Path:
     """Return the journal of a run: another one for other sources."""
-    digest = hashlib.sha256(repr((size.is_full, size.seed, machine())).encode())
-    for folder in SOURCES:
-        for path in sorted(Path(ROOT, folder).rglob("*")):
-            if path.is_file() and "__pycache__" not in path.parts:
-                digest.update(path.relative_to(ROOT).as_posix().encode())
-                digest.update(path.read_bytes())
-    return BUILD / f"{digest.hexdigest()[:16]}.jsonl"
+    run = size.is_full, size.seed, machine()
+    return BUILD / f"{digest_of(run, SOURCES, _is_source)}.jsonl"
 
 
-def resumed(journal: Path) -> Iterator[dict[str, Any]]:
-    """Yield the cases of a journal; a line that was cut is no case."""
-    for line in journal.read_text(encoding="utf-8").splitlines() if journal.exists() else ():
-        try:
-            yield json.loads(line)
-        except ValueError:
-            continue
+def _is_source(path: Path) -> bool:
+    return "__pycache__" not in path.parts
 
 
 def stopped(error: StoppedError, name: str, case: str) -> Outcome:
@@ -128,7 +108,7 @@ def ask(
     answers: dict[str, Answer] = {name: Answer() for name in chosen}
     cases = [(name, case) for name, question in chosen.items() for case in question.cases(size)]
     left = dict.fromkeys(cases)
-    for done in resumed(journal):
+    for done in done_in(journal):
         name, case = done["question"], done["case"]
         before = max(before, done["clock"])
         if (name, case) in left:
@@ -192,7 +172,7 @@ def page_of(
             }
         )
     took = sum(answer.seconds for answer in answers.values())
-    return PAGE.get_template("page.md.jinja").render(
+    return page_in(Path(__file__).parent).render(
         date=time.strftime("%Y-%m-%d"),
         machine=machine(),
         seed=size.seed,
