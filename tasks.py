@@ -25,8 +25,8 @@ SOURCES = ("codegen", "generated", "kousoku", "ledger", "model", "runtime", "sym
 
 KOUSOKU = ("-m", "kousoku")
 PYTEST = ("-m", "pytest", "--quiet")
-# The tests of a file share what its fixtures make, so that they stay in one process.
-PARALLEL = (*PYTEST, "--numprocesses", "auto", "--dist", "loadfile")
+# tests/conftest.py says which process runs a test, and when.
+PARALLEL = (*PYTEST, "--numprocesses", "auto", "--dist", "loadscope", "--no-loadscope-reorder")
 
 #: Extras that are installed, commands, and what is said first. A command is arguments of Python,
 #: or clang-format; the last may be ``> file``. TESTS stands for what follows the name of the task.

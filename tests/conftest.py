@@ -25,6 +25,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 from msgspec.structs import astuple
+from xdist.scheduler import LoadScopeScheduling
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
@@ -51,6 +52,8 @@ QUICK_TO_COMPILE = "-O0 -fno-sanitize=undefined"
 #: Tests by their ids without parameters, of which a case took too long for ``make quick``.
 SLOW = TESTS / "slow.txt"
 TOO_LONG = 0.25
+#: Files with tests of many seconds.
+LONG = {"tests/release/test_stress.py", "tests/release/test_reproducibility.py"}
 FOUND_SLOW = pytest.StashKey[set[str]]()
 NOT_QUICK = {"compiles", "numpy_solver", "release"}
 #: What ``make quick`` takes of a test with many sets of parameters.
@@ -83,6 +86,30 @@ def pytest_configure(config: pytest.Config) -> None:
         config.add_cleanup(lambda: shutil.rmtree(shared, ignore_errors=True))
 
 
+def together(nodeid: str) -> str:
+    """Return what tests of one process have in common: their file, and what fixtures make for it.
+
+    In long files only tests with the same first parameter share anything.
+    """
+    file = nodeid.partition("::")[0]
+    return nodeid.partition("-")[0] if file in LONG else file
+
+
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> LoadScopeScheduling:
+    """Return what distributes the tests to processes."""
+    scheduler = LoadScopeScheduling(config, log)
+    scheduler._split_scope = together
+    return scheduler
+
+
+def long_first(items: list[pytest.Item]) -> None:
+    """Order tests so that at the end no process waits long for another one."""
+    files = [item.nodeid.partition("::")[0] for item in items]
+    counts = Counter(files)
+    order = sorted(range(len(items)), key=lambda k: (files[k] not in LONG, -counts[files[k]]))
+    items[:] = [items[k] for k in order]
+
+
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Mark tests by what they ask for and by where they are, and choose the quick ones."""
     for item in items:
@@ -90,6 +117,8 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(MARKS[fixture])
         if TESTS / "release" in item.path.parents:
             item.add_marker("release")
+    if hasattr(config, "workerinput"):
+        long_first(items)
     if config.getoption("--quick") or config.getoption("--but-quick"):
         slow, seen = set(SLOW.read_text(encoding="utf-8").split()), Counter[str]()
         chosen: dict[bool, list[pytest.Item]] = {True: [], False: []}

@@ -366,7 +366,7 @@ def test_batches_stay_in_bounds_and_have_no_undefined_behaviour(
     command = [
         *compiler.command,
         *(flag for flag in compiler.flags if flag != "-O3"),
-        *("-O1", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
+        *("-O0", "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"),
         *(f"-DKOUSOKU_LANES={lanes}", f"-DN_IN={len(kernel.inputs)}"),
         *(f"-DN_OUT={len(kernel.outputs)}", f"-DBATCH={prefix}_batch"),
         f"-DSIZES_IN={','.join(str(q.size) for q in kernel.inputs)}",

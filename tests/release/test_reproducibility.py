@@ -20,7 +20,6 @@ WHICH = "import sympy, mpmath.libmp; print(sympy.__version__, mpmath.libmp.BACKE
 #: What is laid over the environment of the tests, and what must then be found there.
 ENVIRONMENTS = {
     "oldest SymPy, no gmpy2": (("sympy==1.13.*",), "1.13", "python"),
-    "oldest SymPy, gmpy2": (("sympy==1.13.*", "gmpy2"), "1.13", "gmpy"),
     "newest SymPy, gmpy2": (("sympy==1.14.*", "gmpy2"), "1.14", "gmpy"),
 }
 

@@ -20,6 +20,7 @@ import time
 from dataclasses import dataclass, field
 from importlib import import_module
 from pathlib import Path
+from unittest.mock import patch
 
 import numpy as np
 from rich.progress import Progress
@@ -28,6 +29,7 @@ from kousoku.model.cache import write_atomically
 from kousoku.model.errors import CompilerError
 from kousoku.runtime.toolchain import find_toolchain
 from tests import stress
+from tests.stress import smaller
 from tests.stress.journal import digest_of, done_in, page_in
 from tests.stress.kit import BUILD, ROOT, Finding, Outcome, Question, Size
 from tests.stress.workers import Answered, StoppedError, processor, run_case, run_cases
@@ -227,7 +229,7 @@ def run_here(name: str, question: Question, case: str | None, plant: int | None)
     if plant is None:
         return run_case(name, case or "")
     fault = question.faults[plant]
-    with fault.plant():
+    with patch.object(smaller, "MOST_SECONDS", smaller.PLANTED_SECONDS), fault.plant():
         return run_case(name, case or fault.case)
 
 
