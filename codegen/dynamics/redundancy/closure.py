@@ -30,6 +30,7 @@ from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
+from kousoku.model.varying import fixed_system
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
@@ -237,7 +238,7 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
         key = (key_of(system.constraints[one.row.instance]), one.is_length)
         worst[key] = max(worst.get(key, 0.0), one.missed)
     if max(worst.values(), default=0.0) > HOLDS:
-        size, unit = Metric(system).size / system.unit, UNIT_NAMES[system.unit]
+        size, unit = Metric(fixed_system(system)).size / system.unit, UNIT_NAMES[system.unit]
         texts = [
             f"{key} but for {x * size:.3g} {unit}" if is_length else f"{key} but for {x:.3g} rad"
             for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])

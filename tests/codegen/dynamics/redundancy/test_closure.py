@@ -111,6 +111,11 @@ def test_axis_that_leans_by_less_than_the_tolerance_is_parallel(lean: float) -> 
     assert "joints.D but for" in note
 
 
+def test_the_masses_of_what_is_told_may_be_parameters() -> None:
+    text = four_bar(1e-6).replace("mass = 1", 'mass = "m"') + "\n[parameters]\nm = 1"
+    assert made(text).about.notes == made(four_bar(1e-6)).about.notes
+
+
 @pytest.mark.parametrize("lean", [5e-4, 1e-3, 2e-3])
 def test_axis_that_leans_by_neither_much_nor_little_is_refused(lean: float) -> None:
     with pytest.raises(SceneError, match=rf"the axis of joints\.D leans by {lean:.3g} rad"):
