@@ -24,7 +24,7 @@ from kousoku.runtime.evaluate import evaluate, ways
 from kousoku.runtime.library import load, read_files, read_manifest
 from kousoku.runtime.reference import read_references
 from tests.random_scenes import random_scene
-from tests.stress.kit import ROOT
+from tests.stress.journal import ROOT
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

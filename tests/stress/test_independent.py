@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
     Tree = dict[str, Any]
 
+#: What they look at is no part of kousoku.
+pytestmark = pytest.mark.release
+
 FOLDER = Path(__file__).parent / "independent"
 SCENES = Path(__file__).parents[2] / "scenes"
 COMMITTED = [

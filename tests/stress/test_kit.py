@@ -17,6 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
     from pathlib import Path
 
+#: What they look at is no part of kousoku.
+pytestmark = pytest.mark.release
+
 #: A question whose cases start a process that holds a pipe open, and then do not end well.
 STARTING = """
 import os, subprocess, sys, time
