@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 FAR_OFF = json.loads(Path(__file__).with_name("far_off.json").read_text())
 TARGETS: tuple[Literal["c", "numpy"], ...] = ("c", "numpy")
 #: How many states are tried with all other tests; a matrix takes longer.
-FEW, FEWEST = 20, 4
+FEW, FEWEST = 8, 4
 
 
 def function_of(derivation: Derivation, output: str) -> Function:

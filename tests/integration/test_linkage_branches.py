@@ -231,7 +231,9 @@ def test_what_a_turn_leads_to_is_told(solver: Solver) -> None:
         assert back.turn_gaps == {} and back.notes == ()
 
 
-@pytest.mark.parametrize("seed", [1, 2, 7, 10, 44, 49, 62])
+@pytest.mark.parametrize(
+    "seed", [1, 2, 7, *(pytest.param(x, marks=pytest.mark.release) for x in (10, 44, 49, 62))]
+)
 def test_any_six_bar_stays_on_its_branch(solver_in: SolverIn, seed: int) -> None:
     six = random_six_bar(seed)
     assert_on_branch(six, solver_in(six.text, "numpy"))

@@ -325,7 +325,7 @@ def test_a_run_is_cut_at_events_with_the_same_bits(solver_of: Callable[..., Any]
     assert np.array_equal(restarted.told.rows, run.told.rows)
 
 
-@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.release
 def test_both_targets_have_the_same_events_and_bits(solver_of: Callable[..., Any]) -> None:
     for text, given in (
         (WALL, {"thick": 0.3}),
