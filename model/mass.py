@@ -168,8 +168,21 @@ def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
 def _tangent(less: High, element: High) -> High:
     """Return the tangent of the turn that clears an element, given the difference of moments.
 
-    It is less than 45 degrees in the scene, and has a value where the element is zero.
+    It is at most 45 degrees in the scene, which it is where moments are equal with any parameters,
+    and has a value where the element is zero.
+
+    Raises
+    ------
+    SceneError
+        In the scene all axes are principal axes, and which ones are with others is not known.
     """
+    if not any(less.values if isinstance(less, Traced) else (less,)):
+        return CONTEXT.mpf(1)
+    if not (at_scene(less) or at_scene(element)):
+        raise SceneError(
+            "has equal principal moments, and parameters that turn its axes once they differ;"
+            " wanted other values of the parameters, or numbers instead of the formulas"
+        )
     root = precise.sqrt(less * less + 4 * element * element)
     return 2 * element / (less + root if less >= 0 else less - root)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -186,7 +186,7 @@ class DynamicsSolver:
         return Run(self, times_of(self.name, None, times, 0), chosen)
 
     def at(self, parameters: Mapping[str, float]) -> DynamicsSolver:
-        """Return the solver with the start that the scene has with other parameters.
+        """Return the solver with other parameters, and with the start that the scene then has.
 
         Where the centre of mass or the principal axes of a body depend on parameters, ``q`` and
         ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A scene
@@ -197,8 +197,9 @@ class DynamicsSolver:
         SolveError
             There is no such parameter, or a number of the scene is not possible with them.
         """
-        values = np.array([value for _, value in with_values(self, parameters)])
-        return with_parameters(self, values)
+        given = with_values(self, parameters)
+        placed = with_parameters(self, np.array([value for _, value in given]))
+        return replace(placed, parameters=given)
 
     def evaluate(
         self,

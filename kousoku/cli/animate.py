@@ -66,6 +66,8 @@ def animate(
     require_place("--out", place, (".html", ".svg"))
     stop = ""
     if file.suffix == ".npz":
+        if end is not None or given or initial:
+            raise SolveError(f"{file}: --end, --set and --initial are for scenes; this run is over")
         result = open_run(file)
     else:
         options = {"parameters": parameters_of(given), "initial": numbers_of("--initial", initial)}
@@ -84,6 +86,8 @@ def _moved(wish: Wish, end: float | None, options: dict[str, Any]) -> "tuple[Res
     from kousoku.loading import naming
 
     mechanism = loaded(wish)
+    if mechanism.scene.inputs and "initial" in options:
+        raise SolveError(f"{wish.file}: inputs say where a linkage starts; --initial is for bodies")
     duration = getattr(mechanism.scene, "duration", None) if end is None else end
     try:
         with naming(wish.file), shown_progress() as show:
@@ -94,4 +98,5 @@ def _moved(wish: Wish, end: float | None, options: dict[str, Any]) -> "tuple[Res
     except MotionError as error:
         return mechanism.result_of(error.result), str(error)
     except SolveError as error:
-        raise SolveError(f"{wish.file}: {error}; or --end SECONDS") from None
+        more = "; or --end SECONDS" if duration is None else ""
+        raise SolveError(f"{wish.file}: {error}{more}") from None

@@ -52,6 +52,8 @@ def test_bodies_move_to_the_end(run: Run, tmp_path: Path, compiler: Toolchain) -
     [
         ([BODY], "simulate wants a last time in seconds"),
         ([LINKAGE, "--set", "k=2"], "a linkage has no parameters"),
+        ([LINKAGE, "--initial", "alpha=1"], "inputs say where a linkage starts"),
+        ([BODY, "--end", "1", "--set", "k=2"], "no parameter 'k': its formulas have none\n"),
         ([LINKAGE, "--out", "x.gif"], "the name must end in .html or .svg"),
         ([LINKAGE, "--out", "nowhere/x.html"], "no such folder; make it first"),
         ([LINKAGE, "--target", "numpy", "--speed", "0"], "wanted positive numbers"),
@@ -66,3 +68,13 @@ def test_what_cannot_be_shown_is_one_line(
     assert (code, out) == (2, "")
     assert message in err and err.count("\n") == 1
     assert not list(tmp_path.iterdir())
+
+
+def test_a_saved_run_takes_no_options_of_a_motion(run: Run, tmp_path: Path) -> None:
+    saved = tmp_path / "run.npz"
+    assert run("solve", LINKAGE, "--target", "numpy", "--out", saved)[0] == 0
+    for option in (["--end", "1"], ["--set", "k=2"], ["--initial", "alpha=1"]):
+        code, out, err = run("animate", saved, *option, "--out", tmp_path / "x.html")
+        assert (code, out) == (2, "")
+        assert "are for scenes; this run is over" in err
+    assert [path.name for path in tmp_path.iterdir()] == ["run.npz"]

@@ -35,6 +35,10 @@ GENERATED = Path(__file__).parents[2] / "generated"
         ({"end": 1.0, "tolerance": "1e-9"}, "tolerance '1e-9'; wanted a number"),
         ({"end": 1.0, "largest_step": None}, "largest step None; wanted a number"),
         ({"end": 1.0, "step": True}, "step True; wanted a number"),
+        (
+            {"end": 1.0, "step": 0.1, "largest_step": 0.01},
+            "0.1 with largest_step 0.01; wanted",
+        ),
         ({"end": 1.0, "most_steps": 2.5}, "most steps 2.5; wanted a whole number"),
         ({"times": "soon"}, "times 'soon'; wanted a row of numbers"),
         ({"times": [0, 1j]}, r"times \[0, 1j\]; wanted a row of numbers"),

@@ -207,6 +207,11 @@ def require_steps(
         require_numbers(scene, step=step)
         if not 0.0 < step < math.inf:
             raise refusal(f"{scene}: step {step!r}; wanted seconds, above 0")
+        if step > largest_step > 0.0:
+            raise refusal(
+                f"{scene}: step {step!r} with largest_step {largest_step!r}; wanted one of them, or"
+                " steps that are no longer"
+            )
     if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
         raise refusal(
             f"{scene}: tolerance {shown(tolerance)}, largest step {shown(largest_step)}, at"
