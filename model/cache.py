@@ -16,8 +16,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
 #: Folders of the cache: solvers of scenes, where one is that was given with some bytes, kernels of
-#: kinds, what the compiler made of them, and what a command was asked to generate.
-SHELVES = ("scenes", "found", "derived", "lib", "verified", "generated")
+#: kinds, those of derivations of one's own, what the compiler made of them, sources that came with
+#: what was pickled, and what a command was asked to generate.
+SHELVES = ("scenes", "found", "derived", "kernels", "lib", "verified", "sources", "generated")
 #: That one is the user's own, and is not removed to make room.
 ASKED_FOR = "generated"
 #: Bytes that the cache may take, unless ``KOUSOKU_CACHE_SIZE`` says another number.

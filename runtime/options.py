@@ -41,8 +41,8 @@ class RunOptions(TypedDict, total=False):
     most_steps: int
     parameters: Mapping[str, float] | None
     initial: Mapping[str, float | str] | None
-    q0: Sequence[float] | None
-    v0: Sequence[float] | None
+    q0: Sequence[float] | Array | None
+    v0: Sequence[float] | Array | None
     strict: bool
     estimate_error: bool
 

@@ -2,12 +2,13 @@
 
 import errno
 import os
+import re
 import sys
 from pathlib import Path
 
 import pytest
 
-from kousoku.model.cache import cache_folder, write_atomically
+from kousoku.model.cache import SHELVES, cache_folder, write_atomically
 
 
 def test_the_environment_chooses_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -103,3 +104,12 @@ def test_a_file_has_the_rights_of_an_ordinary_file(tmp_path: Path) -> None:
     ordinary = tmp_path / "ordinary.txt"
     ordinary.write_bytes(b"data")
     assert path.stat().st_mode == ordinary.stat().st_mode
+
+
+def test_each_folder_that_sources_put_into_the_cache_is_one_that_is_cleared() -> None:
+    root, found = Path(__file__).parents[2], set()
+    for folder in ("codegen", "kousoku", "model", "runtime"):
+        for path in (root / folder).rglob("*.py"):
+            text = path.read_text(encoding="utf-8")
+            found |= set(re.findall(r'cache_folder\(\) / "(\w+)"', text))
+    assert {"kernels", "scenes"} <= found <= set(SHELVES)
