@@ -15,6 +15,7 @@ from kousoku.cli.moving import (
     numbers_of,
     parameters_of,
     require_place,
+    require_trust,
     shown_progress,
 )
 from kousoku.model.errors import MotionError, SolveError
@@ -58,7 +59,8 @@ def animate(
     """Show a mechanism that moves: one page that needs nothing beside itself.
 
     Open it in a browser. Forces of joints are shown where the scene asks for reactions. When the
-    motion stops before its end, what there is is shown, and the exit code is 3.
+    motion stops before its end, what there is is shown, and the exit code is 3, as it is where the
+    motion cannot be trusted.
     """
     from kousoku.saved import open_run
 
@@ -79,6 +81,7 @@ def animate(
     if stop:
         typer.echo(f"kousoku: {file}: {stop}", err=True)
         raise typer.Exit(STOPPED)
+    require_trust(file, result)
 
 
 def _moved(wish: Wish, end: float | None, options: dict[str, Any]) -> "tuple[Result, str]":

@@ -155,9 +155,14 @@ def move(
             _show(result, wish, files, seconds, errors)
         raise typer.Exit(stop[0])
     _show(result, wish, files, seconds, errors)
+    require_trust(wish.file, result)
+
+
+def require_trust(file: Path, result: Result) -> None:
+    """End with 3 where a motion cannot be trusted, and say why."""
     trust = getattr(result.ledger, "trust", None)
     if trust is not None and not trust.is_trusted:
-        typer.echo(f"kousoku: {wish.file}: not trusted: {trust.why}", err=True)
+        typer.echo(f"kousoku: {file}: not trusted: {trust.why}", err=True)
         raise typer.Exit(STOPPED)
 
 

@@ -70,6 +70,26 @@ def test_what_cannot_be_shown_is_one_line(
     assert not list(tmp_path.iterdir())
 
 
+SINC = """
+name = "sinc"
+unit = "m"
+outputs = ["accelerations"]
+[bodies]
+b = { position = [0, 0, 0], point = true, mass = 1 }
+[forces]
+f = { type = "force", body = "b", force = ["sin(t - 0.5)/(t - 0.5)", 0, 0] }
+"""
+
+
+@pytest.mark.usefixtures("compiler")
+def test_a_motion_that_cannot_be_trusted_is_shown_and_told(run: Run, tmp_path: Path) -> None:
+    scene, page = tmp_path / "sinc.toml", tmp_path / "x.html"
+    scene.write_text(SINC, encoding="utf-8")
+    code, out, err = run("animate", scene, "--end", "1", "--out", page)
+    assert code == 3 and out.startswith("wrote ") and page.exists()
+    assert "not trusted: numbers of rows are not finite" in err
+
+
 def test_a_saved_run_takes_no_options_of_a_motion(run: Run, tmp_path: Path) -> None:
     saved = tmp_path / "run.npz"
     assert run("solve", LINKAGE, "--target", "numpy", "--out", saved)[0] == 0
