@@ -17,7 +17,7 @@ from kousoku.runtime.integrate.motion import BODY, COORDINATE, JOINT, Motion
 from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     from matplotlib.figure import Figure
@@ -94,9 +94,8 @@ def plot(result: Result, *columns: str) -> Figure:
             raise SolveError(f"{result.name}: no column {shown(name)}; wanted names, one by one")
     main = (x for x in result.main_columns() if result.places[x].table != "inputs")
     names = list(columns) or [*main, *_efforts(result)]
-    return _figure(
-        result, list(_panels(result, [x for name in names for x in result.columns_of(name)]))
-    )
+    wanted = [x for name in names for x in result.columns_of(name)]
+    return _figure(result, list(_panels(result, wanted, asked={*columns})))
 
 
 def draw_into(
@@ -169,10 +168,13 @@ def _efforts(result: Result) -> list[str]:
     return [x for name in result.drivers for x in result.columns_of(name)]
 
 
-def _panels(result: Result, columns: Iterable[str], title: str = "") -> Iterator[Panel]:
+def _panels(
+    result: Result, columns: Iterable[str], title: str = "", asked: Collection[str] = ()
+) -> Iterator[Panel]:
     """Yield the panels of columns: components of one vector share one, and what has one unit.
 
-    Labels leave out the body or joint that the title tells.
+    Labels leave out the body or joint that the title tells. Columns that are asked for one by one
+    are drawn as they are, at rest too.
     """
     groups: dict[tuple[str, ...], list[str]] = {}
     for name in dict.fromkeys(columns):
@@ -184,14 +186,17 @@ def _panels(result: Result, columns: Iterable[str], title: str = "") -> Iterator
         groups.setdefault(key, []).append(name)
     for (table, owner, unit), names in groups.items():
         curves, label = _curves(result, table, owner, names), LABELS.get(table, table)
-        if owner and table == "position" and (center := _center(result, owner, curves)):
+        is_asked = not {*names}.isdisjoint(asked)
+        center = _center(result, owner, curves) if owner and table == "position" else {}
+        if center and not is_asked:
             curves, label = center, "centre of mass"
         of = f"{owner}: " if owner and owner != title else ""
+        label = label.replace("_", " ")
         if not owner and len(curves) == 1 and not label:
             label = next(iter(curves))
-        known = f"{of}{label.replace('_', ' ')}".strip()
+        known = f"{of}{label}".strip()
         panel = Panel(f"{known} [{unit}]".strip(), curves, _size(result, table, unit))
-        if not panel.is_noise or len(groups) == 1:
+        if is_asked or not panel.is_noise or len(groups) == 1:
             yield panel
 
 

@@ -35,7 +35,7 @@ def labels(figure: Any) -> list[str]:
 
 def test_what_was_asked_for_is_drawn_with_its_names_and_units(loop: Result) -> None:
     figure = loop.plot()
-    assert labels(figure)[:3] == ["rocking [rad]", "rocking dot [rad/s]", "motor: torque [N m]"]
+    assert labels(figure)[:3] == ["rocking [rad]", "rocking_dot [rad/s]", "motor: torque [N m]"]
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), loop["rocking"])
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), loop.time)
 
@@ -53,6 +53,13 @@ def test_a_body_whose_origin_rests_is_drawn_by_its_centre_of_mass(loop: Result) 
     assert labels(figure)[0] == "centre of mass [m]"
     x = figure.axes[0].lines[0].get_ydata()
     np.testing.assert_allclose(x, 3 - np.sin(loop["rocking"]), atol=1e-12)
+
+
+def test_columns_that_are_named_are_drawn_as_they_are(loop: Result) -> None:
+    figure = loop.plot("rocking", "rocker.x", "crank.z")
+    assert labels(figure) == ["rocking [rad]", "rocker: position [m]", "crank: position [m]"]
+    for axes, name in zip(figure.axes, ("rocking", "rocker.x", "crank.z"), strict=True):
+        np.testing.assert_array_equal(axes.lines[0].get_ydata(), loop[name])
 
 
 @pytest.mark.parametrize("scene", ["heavy_top", "engine"])
