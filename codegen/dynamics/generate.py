@@ -158,13 +158,18 @@ class Independent(NamedTuple):
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
-    """Yield a note on reactions that are not unique out of the plane of the motion."""
+    """Yield notes on what leads out of the plane: not unique, or not computed."""
     joints = program.unique_in_plane
     if joints:
         names = listed([key_of(name) for name in joints])
         yield (
             f"not unique: of force and torque of {names} only what leads out of the"
             " plane; what acts in the plane is unique"
+        )
+    if program.only_in_plane:
+        yield (
+            "not computed, and NaN: what leads out of the plane of forces and torques of joints,"
+            f" since in space {program.only_in_plane}"
         )
 
 
@@ -220,11 +225,17 @@ def with_reactions(wanted: Sequence[str], outline: Independent) -> Independent:
         made = of_outline(wanted, outline)
         return made._replace(program=_not_unique(made.program, freedom))
     in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
-    found = None if is_flat(outline.program, system) else _in_space(system, wanted)
+    found, why = None, ""
+    if not is_flat(outline.program, system):
+        try:
+            found = _in_space(system, wanted)
+        except SceneError as error:  # rows depend on each other in another way, or too many
+            why = f"{error.key}: {error.problem}"
     if found is None:
         found = of_outline(wanted, outline)
         twice = held_twice(fixed_system(system), found.program)
-        found = found._replace(program=replace(found.program, not_unique=twice))
+        program = replace(found.program, not_unique=twice, only_in_plane=why)
+        found = found._replace(program=program)
     others = tuple(name for name in found.program.not_unique if name not in in_plane)
     own = tuple(one for one in found.freedom.undetermined if one[0] in in_plane)
     named = replace(
@@ -233,14 +244,13 @@ def with_reactions(wanted: Sequence[str], outline: Independent) -> Independent:
     return found._replace(program=named)
 
 
-def _in_space(system: System, wanted: Sequence[str]) -> Independent | None:
-    """Return the program in space of a scene that moves in a plane, None if that is too much."""
-    try:
-        made = independent(thickened(system), wanted, may_be_planar=False)
-    except SceneError:  # too many rows depend on each other
-        return None
+def _in_space(system: System, wanted: Sequence[str]) -> Independent:
+    """Return the program in space of a scene that moves in a plane; SceneError if there is none."""
+    made = independent(thickened(system), wanted, may_be_planar=False)
     program = _not_unique(made.program, made.freedom)
-    return made._replace(program=program, system=system) if _is_regular(program) else None
+    if not _is_regular(program):
+        raise SceneError("rows that are kept depend on each other at the start")
+    return made._replace(program=program, system=system)
 
 
 def _not_unique(program: Program, freedom: Freedom) -> Program:

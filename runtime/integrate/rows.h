@@ -20,14 +20,6 @@ static int are_closed(const double *w, double times)
     return 1;
 }
 
-/* kinetic energy, change of potential energy since the start, and all works */
-static double energy_moved(const double *w, const State *s)
-{
-    double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
-    for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(w[W_Q + k]);
-    return moved;
-}
-
 /* notes what is left of the constraints, and what of energy and momenta is not as at the start */
 static void note_checks(double *w, State *s)
 {
@@ -39,7 +31,7 @@ static void note_checks(double *w, State *s)
         for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
     }
     s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
-    s->energy_moved = larger(s->energy_moved, energy_moved(w, s));
+    s->energy_moved = larger(s->energy_moved, energy_moved(w, w + W_Q, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {
         const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);

@@ -62,6 +62,21 @@ def test_healthy_run_is_trusted_and_says_so_first() -> None:
     assert trust.energy_moved == pytest.approx(50, rel=1e-3)
 
 
+@pytest.mark.compiles
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("method", ["dop853", "kinematics"])
+def test_energy_that_has_moved_is_that_of_all_steps(method: str, target: Any) -> None:
+    bump = {"coordinate": "x", "value": "0.05/(1 + ((t - 3)/0.01)^2)"}
+    at_rest = {"cart": {**CART["bodies"]["cart"], "velocity": [0, 0, 0]}}
+    tree = {**CART, "bodies": at_rest, "drivers": {"road": bump}}
+    mechanism = kousoku.load(tree, target=target)
+    few, many = (mechanism.simulate(10, samples=n, method=method).ledger.trust for n in (2, 101))
+    # at both ends nothing moves; between, the cart has up to 0.5*(9/(8 sqrt 3) 5 m/s)^2
+    assert few.energy_moved == pytest.approx(many.energy_moved, rel=0.05)
+    assert few.energy_moved > 5.2
+    assert few.is_trusted
+
+
 def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
     run = cart("-3*x").simulate(20, samples=21, step=1.0)
     trust = run.ledger.trust

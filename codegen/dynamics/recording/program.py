@@ -215,6 +215,8 @@ class Program:
         Of these the components of force and torque that are not unique, all of those left out here.
     unique_in_plane : tuple of str
         Joints of whose reactions only what leads out of the plane of the motion is not unique.
+    only_in_plane : str
+        Why what leads out of the plane of reactions is not computed; empty where it is, or none.
     is_weighed : bool
         Whether masses are those of the scene; else its energies and works mean nothing.
     parameters : tuple of float
@@ -248,6 +250,7 @@ class Program:
     not_unique: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     unique_in_plane: tuple[str, ...] = ()
+    only_in_plane: str = ""
     is_weighed: bool = True
     parameters: tuple[float, ...] = ()
     on_demand: tuple[Segment, ...] = ()

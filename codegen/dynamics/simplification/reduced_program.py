@@ -56,6 +56,7 @@ def reduced(
         not_unique=program.not_unique,
         undetermined=program.undetermined,
         unique_in_plane=program.unique_in_plane,
+        only_in_plane=program.only_in_plane,
         is_weighed=program.is_weighed,
     )
 
