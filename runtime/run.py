@@ -14,6 +14,7 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
+from kousoku.runtime.integrate.continuation import LEAST_ASIDE
 from kousoku.runtime.integrate.events import Told, add_row
 from kousoku.runtime.integrate.given import (
     numbers_of,
@@ -233,11 +234,12 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, 1.0)
+            joints = not_closed(self.solver, self._memory.work, LEAST_ASIDE)
             return (
-                f"with {given}: joints stay open, or come open where bodies move: {joints}; only"
-                " with the parameters of the scene their rows depend on those of other joints:"
-                " give parameters that fit, or generate the solver with them"
+                f"with {given}: joints stay open, or come open by more than closure_tolerance for"
+                f" each length or radian that bodies move: {joints}; only with the parameters of"
+                " the scene their rows depend on those of other joints: give parameters that fit,"
+                " or generate the solver with them"
             )
         if self.solver.design is None:
             return MESSAGES[status]

@@ -273,7 +273,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         ratio = pivot_ratio(work, state)
         if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
             error, is_told = sum_works(s, end, state, work)
-            if work.scene.works > 0:
+            if work.scene.works > 0 and s.checks:
                 moved = energy_moved(end_of(work).y, work, state)
         order = 7.0 if is_told else 5.0
         factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error ** (-1.0 / order)))
@@ -301,8 +301,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     )
     note_largest_pivot(work, state)
     state.drift = larger(state.drift, drift)
-    if s.checks:
-        state.energy_moved = larger(state.energy_moved, moved)
+    state.energy_moved = larger(state.energy_moved, moved)
     state.untold += 0.0 if is_told else end - state.time
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
     accept_position(end, asked, state, work)

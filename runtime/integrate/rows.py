@@ -38,13 +38,13 @@ def energy_balance(work: Work, state: State) -> float:
     return float(balance)
 
 
-def are_closed(work: Work, times: float) -> bool:
+def are_closed(work: Work, times: float, before: Array | float = 0.0) -> bool:
     """Return whether rows that are left out miss so many times the closure tolerance at most.
 
-    That is where they were evaluated last.
+    That is where they were evaluated last, and beyond what they missed before.
     """
     limits = times * work.scene.closure_tolerance * work.scene.left_lengths
-    return bool((np.abs(work.w.C_left_out) <= limits).all())
+    return bool((np.abs(work.w.C_left_out - before) <= limits).all())
 
 
 def note_checks(work: Work, state: State) -> None:

@@ -111,8 +111,8 @@ static int stage(const Method *m, size_t n, double h, double enough, double *y, 
 
 /* a step of length h that is tried */
 typedef struct {
-    double h, drift, error;         /* its length [s], largest correction, error / tolerance */
-    double moved;                   /* the energy that has moved at its end, where rows are checked */
+    double h, drift, error; /* its length [s], largest correction, error / tolerance */
+    double moved;           /* the energy that has moved at its end, where rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double last_ratio;              /* that of the end */
     int is_last;                    /* whether it ends at the last time */

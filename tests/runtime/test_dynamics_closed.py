@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.errors import MotionError, SceneError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.dynamics_targets import Memory
@@ -52,6 +52,22 @@ c3 = {{ position = [0.5,1,0], {cylinder("[0,-1,0]")} }}
 REFUSED = [{"L": 1.1}, {"L": 1.001}, {"h": 0.3}, {"h": -0.5}, {"ax": 0.1}, {"p": 0.4, "h": -0.5}]
 #: With these it opens by less than the closure tolerance, 1e-4 m, and by more than rounding.
 WITHIN = [{"L": 1.00002}, {"h": 1e-3}]
+#: A door, its upper hinge aside by e: it misses e m per radian.
+DOOR = """
+name = "door"
+unit = "m"
+gravity = [0, -9.81, 0]
+parameters = { e = 0.0 }
+[bodies]
+d = { position = [0, 0, 0], boxes = [{ mass = 5, size = [1, 0.1, 2], at = [0.5, 0, 0.5] }] }
+[joints]
+h = { type = "revolute", bodies = ["ground", "d"], at = [0, 0, 0], axis = [0, 0, 1] }
+[joints.g]
+type = "revolute"
+bodies = ["ground", "d"]
+points = [["e", 0, 1], ["e", 0, 1]]
+axis = [0, 0, 1]
+"""
 
 
 @pytest.fixture
@@ -75,6 +91,19 @@ def test_joints_that_come_open_with_parameters_are_refused_at_the_start(
     moved = solver.simulate(0.1, samples=2, parameters={"p": 0.7})
     assert moved.ledger.worst("position")[0] < 1e-13
     assert not moved.ledger.missed
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_joints_that_slowly_come_open_are_refused_as_by_the_file(
+    bodies_folder: Callable[..., Path], target: Any
+) -> None:
+    solver = load_dynamics(bodies_folder(scene_from_toml(DOOR), ("positions",)), target=target)
+    assert solver.simulate(2, samples=3, parameters={"e": 5e-5}).ledger.trust.is_trusted
+    for given in (2e-4, 5e-4):  # the closure tolerance is 1e-4, and 1e-3 is independent
+        with pytest.raises(SolveError, match=r"for each length or radian .*: joints\.[gh] by "):
+            solver.simulate(2, samples=3, parameters={"e": given})
+        with pytest.raises(SceneError, match=r"joints\.g: holds beyond joints\.h no more than"):
+            bodies_folder(scene_from_toml(DOOR.replace("e = 0.0", f"e = {given}")), ("positions",))
 
 
 @pytest.mark.parametrize("target", ["c", "numpy"])

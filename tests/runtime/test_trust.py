@@ -65,7 +65,7 @@ def test_healthy_run_is_trusted_and_says_so_first() -> None:
 @pytest.mark.compiles
 @pytest.mark.parametrize("target", ["numpy", "c"])
 @pytest.mark.parametrize("method", ["dop853", "kinematics"])
-def test_energy_that_has_moved_is_that_of_all_steps(method: str, target: Any) -> None:
+def test_energy_that_has_moved_is_that_of_all_steps(method: Any, target: Any) -> None:
     bump = {"coordinate": "x", "value": "0.05/(1 + ((t - 3)/0.01)^2)"}
     at_rest = {"cart": {**CART["bodies"]["cart"], "velocity": [0, 0, 0]}}
     tree = {**CART, "bodies": at_rest, "drivers": {"road": bump}}
