@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 BUILD = ROOT / "build" / "bench"
 #: In the order of the page.
-ORDER = ("solvers", "kernels", "first_step", "evaluations")
+ORDER = ("solvers", "methods", "kernels", "first_step", "evaluations")
 #: What decides what is measured; pages and plots do not.
 SOURCES = (
     "benchmarks",

@@ -19,7 +19,6 @@ from kousoku.runtime.integrate.given import (
     times_of,
 )
 from kousoku.runtime.integrate.motion import Layout
-from kousoku.runtime.integrate.settings import KINEMATICS
 from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
@@ -116,12 +115,6 @@ class DynamicsSolver:
     def bodies(self) -> tuple[BodyPlaces, ...]:
         """Where the bodies stand in q and v, in the order of the scene."""
         return self.layout.bodies
-
-    def method_for(self, tolerance: float) -> str:
-        """Return the method that costs least for a tolerance."""
-        if self.is_driven:
-            return KINEMATICS
-        return "dopri5" if tolerance > 1e-5 else "dop853"
 
     def simulate(
         self,

@@ -11,7 +11,14 @@ from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.given import require_steps, values_of
 from kousoku.runtime.integrate.initial_given import Initial, initial_of
 from kousoku.runtime.integrate.result import shown
-from kousoku.runtime.integrate.settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings
+from kousoku.runtime.integrate.settings import (
+    KINEMATICS,
+    LEAST_TOLERANCES,
+    MOST_STEPS,
+    OPTIONS,
+    Settings,
+    method_for,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -23,7 +30,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 #: Methods of scenes that move freely.
-RUNGE_KUTTA = ("dopri5", "dop853")
+RUNGE_KUTTA = tuple(LEAST_TOLERANCES)
 #: In the order of the solver's text; the last one is there only where drivers determine the motion.
 METHODS = (*RUNGE_KUTTA, KINEMATICS)
 #: All options of a run; a copied folder alone takes the others.
@@ -161,7 +168,7 @@ def options_of(
             " refuses that: give positions and velocities that fit joints and drivers"
         )
     step = None if step is None else float(step)
-    name = solver.method_for(tolerance) if method is None else method
+    name = method_for(tolerance, is_driven=solver.is_driven) if method is None else method
     _require_method(solver, name, step)
     values = with_values(solver, parameters)
     numbers = float(tolerance), float(largest_step), step

@@ -14,7 +14,7 @@ from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
 from .scene import state_of
-from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status
+from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
 from .trust import CheckedRows, trust_of
 
@@ -119,7 +119,7 @@ class Run:
         require_steps(name, tolerance, step, largest_step, most_steps)
         started = initial_of(scene.layout, initial, q0, v0)
         methods = [*(one.name for one in METHODS), *[KINEMATICS] * solver.scene.is_driven]
-        chosen = method or methods[-1 if solver.scene.is_driven else int(tolerance <= 1e-5)]
+        chosen = method or method_for(tolerance, is_driven=solver.scene.is_driven)
         if chosen not in methods:
             raise ValueError(f"{name}: {unknown('method', chosen, methods)}")
         self.method, longest = chosen, min(largest_step, 1e300)
