@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
@@ -10,7 +11,7 @@ import numpy as np
 import pytest
 
 from kousoku.runtime.integrate import crossing
-from kousoku.runtime.integrate.crossing import CELLS, Node, are_narrow_told
+from kousoku.runtime.integrate.crossing import CELLS, Node, are_narrow_told, first_left
 
 
 def looked_at(
@@ -81,3 +82,19 @@ def test_a_part_whose_bounds_leave_it_nearly_what_it_is_is_told(
     steep = (lambda _: 4.0, lambda *_: (-9.0, 9.0))
     assert looked_at(monkeypatch, *steep, lambda *_: (3.0, 5.0))[0]
     assert not looked_at(monkeypatch, *steep, lambda *_: (2.9, 5.1))[0]
+
+
+@pytest.mark.parametrize(("before", "cut"), [(0.0, 2.5), (1e-9, 2.5), (-1e-9, math.inf)])
+def test_what_is_near_zero_on_its_side_already_cuts_no_step(
+    monkeypatch: pytest.MonkeyPatch, before: float, cut: float
+) -> None:
+    """What is left of zero by less than rounding is left at once, and no step is as short."""
+    monkeypatch.setattr(crossing, "time_of", lambda *_: 2.5)
+    nothing = np.zeros((0, 2))
+    near = Node(2.0, nothing, np.array([before - 2e-9]), np.array([before + 2e-9]))
+    left = Node(3.0, nothing, np.array([-2e-2]), np.array([-1e-2]))
+    look: Any = SimpleNamespace(
+        state=SimpleNamespace(sides=np.zeros(1)),
+        work=SimpleNamespace(scene=SimpleNamespace(events=())),
+    )
+    assert first_left(near, left, look) == cut
