@@ -1,9 +1,11 @@
 /* A scene as its solver knows it: counts, places in the workspace, tables, and the segments that
  * compute on it.
  *
- * solver.c defines what the scene has, and for each thing of these that scenes may lack a macro,
- * which is 1. The others are 0 here, with their counts and places, and their segments do nothing:
- * the compiler drops what is only for them. */
+ * solver.c defines what the scene has, and a macro that is 1 for each part that other scenes may
+ * lack. Parts that it lacks are 0 here, with their counts and places, and their segments do nothing:
+ * the compiler drops all that is only for them. */
+#ifndef KOUSOKU_INTEGRATE_SCENE_H
+#define KOUSOKU_INTEGRATE_SCENE_H
 
 /* C has no empty arrays */
 #define ROOM(n) ((n) > 0 ? (n) : 1)
@@ -160,3 +162,5 @@ static const unsigned char left_is_length[ROOM(NCHECK - NC)];
 static const double measure_sizes[ROOM(N_MEASURES)];
 static const int events[ROOM(EVENTS)][2];
 enum { RECORD, COUNT, STOP }; /* what that may be */
+
+#endif

@@ -41,8 +41,8 @@ if TYPE_CHECKING:
 
 #: Tables whose rows have several numbers.
 PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events"})
-#: The counts and places that come with what a scene may have; those of what it lacks are zeros in
-#: ``integrate/scene.h``.
+#: The counts and places that come with what scenes may have or lack; those of what a scene lacks
+#: are zeros in ``integrate/scene.h``.
 COME_WITH = {
     ("HAS_ROWS",): ("NC",),
     ("HAS_CONSTANTS",): ("CONSTANTS", "W_CONSTANTS"),
@@ -156,7 +156,7 @@ class DynamicsView:
     name : str
         The scene; names begin with ``kousoku_<name>``.
     features : tuple of str
-        What the scene has of all that scenes may lack.
+        What the scene has, and others may lack.
     sizes, places : str
         Enumerators, in lines: counts, and where its regions are.
     state : tuple of Field
@@ -396,7 +396,7 @@ def mass_of(system: System) -> float:
 
 
 def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[str, ...]:
-    """Return what the scene has of all that scenes may lack."""
+    """Return what the scene has, and others may lack."""
     regions = {region.name for region in program.regions}
     segments = {segment.name for segment in (*program.segments, *program.on_demand)}
     features = {
