@@ -1,19 +1,11 @@
 /* The memory that a caller owns: the state of a run, which solver.h lays out, and the workspace. */
 
 /* what a call returns, without the prefix of the scene */
-enum {
-    GOOD = PUBLIC(GOOD),
-    BUFFER_FULL = PUBLIC(BUFFER_FULL),
-    PAUSED = PUBLIC(PAUSED),
-    EVENT = PUBLIC(EVENT),
-    STOPPED = PUBLIC(STOPPED),
-    STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL),
-    NOT_PROJECTED = PUBLIC(NOT_PROJECTED),
-    NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED),
-    BAD_ARGUMENT = PUBLIC(BAD_ARGUMENT),
-    WRONG_STATE = PUBLIC(WRONG_STATE),
-    NOT_CLOSED = PUBLIC(NOT_CLOSED)
-};
+enum { GOOD = PUBLIC(GOOD), BUFFER_FULL = PUBLIC(BUFFER_FULL), PAUSED = PUBLIC(PAUSED) };
+enum { EVENT = PUBLIC(EVENT), STOPPED = PUBLIC(STOPPED), NOT_CLOSED = PUBLIC(NOT_CLOSED) };
+enum { BAD_ARGUMENT = PUBLIC(BAD_ARGUMENT), WRONG_STATE = PUBLIC(WRONG_STATE) };
+enum { NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED), NOT_PROJECTED = PUBLIC(NOT_PROJECTED) };
+enum { STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL) };
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0

@@ -46,8 +46,8 @@ static void setup(double *w) { (void)w; }
 static void momentum(double *w) { (void)w; }
 #endif
 
-/* rows of the constraints that are solved for; whether bodies are put onto joints with the ground;
- * whether constraints depend on time, and whether that determines the whole motion */
+/* rows of the constraints that are solved for; whether bodies are put onto joints with the ground,
+ * and whether constraints depend on time */
 #ifndef HAS_ROWS
 #define NC 0
 static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
@@ -57,9 +57,6 @@ static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
 #endif
 #ifndef HAS_DRIVERS
 #define HAS_DRIVERS 0
-#endif
-#ifndef IS_DRIVEN
-#define IS_DRIVEN 0
 #endif
 
 /* rows that are left out and take over where others lose rank; inverse masses of the design; the

@@ -77,8 +77,8 @@ class Scene:
         The first entry of q that counts turns, and the one behind the last.
     fits : bool
         Whether bodies are put onto joints with the ground.
-    has_drivers, is_driven : bool
-        Whether there are drivers, and whether they determine the whole motion.
+    has_drivers : bool
+        Whether constraints depend on time.
     has_row_switch : bool
         Whether rows of the constraints that are left out take over where others lose rank.
     inverse_masses, mass_places : (nv,) array
@@ -115,7 +115,6 @@ class Scene:
     counted: tuple[int, int] = (0, 0)
     fits: bool = False
     has_drivers: bool = False
-    is_driven: bool = False
     has_row_switch: bool = False
     segments: Mapping[str, Segment] = field(init=False, repr=False)
     constants: list[float] = field(init=False, repr=False)
@@ -175,6 +174,13 @@ class Scene:
     def nc(self) -> int:
         """Count of rows of the constraints that are solved for."""
         return self.size("C")
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether drivers and joints leave no freedom."""
+        # where bodies are put onto joints, the rows of these are checked only
+        rows = self.nc + (self.size("C_left_out") if self.fits else 0)
+        return self.has_drivers and rows == self.nv
 
     @property
     def has_design(self) -> bool:

@@ -7,6 +7,8 @@ those of one kernel can run together, on arrays whose last axis is the task.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
@@ -21,7 +23,6 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     counted_turns,
     has_drivers,
     has_row_switch,
-    is_driven,
     tables,
     works,
 )
@@ -165,7 +166,6 @@ def numpy_view(
         "counted": (counted.start, counted.stop),
         "fits": bool(program.reduced),
         "has_drivers": has_drivers(system),
-        "is_driven": is_driven(program, system),
         "has_row_switch": has_row_switch(program),
     }
     lacking = {field.name: field.default for field in fields(Scene)}
@@ -290,11 +290,15 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
 
 
 def _table(table: Table) -> str:
-    """Return a table in lines, each with what it belongs to."""
-    return "\n".join(
-        f"{' '.join(map(str, row)) if isinstance(row, tuple) else repr(row)} # {owner}"
-        for owner, row in table
-    )
+    """Return a table in lines, each with what it belongs to: rows of one number share a line."""
+    lines = []
+    for owner, run in groupby(table, key=itemgetter(0)):
+        rows = [row for _, row in run]
+        if isinstance(rows[0], tuple):
+            lines += [f"{' '.join(map(str, row))} # {owner}" for row in rows]
+        else:
+            lines.append(f"{in_lines(map(repr, rows), 80)} # {owner}")
+    return "\n".join(lines)
 
 
 def _numbers(items: Iterable[object]) -> str:
