@@ -69,7 +69,7 @@ void alone_{name}(size_t rounds, double *w)
 }}
 """
 #: The segments that a scene lacks are functions before any of them is a macro.
-_LACKING = '#include <string.h>\n#include "integrate/scene.h"'
+_LACKING = '#include <string.h>\n#include "integrate/lacking.h"'
 #: Nothing of a segment is left out of its loop because its inputs are the same as before.
 _KEEP = """
 #ifdef __GNUC__

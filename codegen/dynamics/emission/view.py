@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 #: Tables whose rows have several numbers.
 PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events"})
 #: The counts and places that come with what scenes may have or lack; those of what a scene lacks
-#: are zeros in ``integrate/scene.h``.
+#: are zeros in ``integrate/lacking.h``.
 COME_WITH = {
     ("HAS_ROWS",): ("NC",),
     ("HAS_CONSTANTS",): ("CONSTANTS", "W_CONSTANTS"),
