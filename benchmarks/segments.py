@@ -68,6 +68,8 @@ void alone_{name}(size_t rounds, double *w)
     w[in] = x;
 }}
 """
+#: The segments that a scene lacks are functions before any of them is a macro.
+_LACKING = '#include <string.h>\n#include "integrate/lacking.h"'
 #: Nothing of a segment is left out of its loop because its inputs are the same as before.
 _KEEP = """
 #ifdef __GNUC__
@@ -182,7 +184,7 @@ def instrumented(source: str) -> str:
         for name, (reads, writes) in SEGMENTS.items()
     ]
     head = f"size_t counted[{len(SEGMENTS)}];{_KEEP}"
-    return "\n".join([text, head, *counters, found, _PREPARE, *loops])
+    return "\n".join([text, _LACKING, head, *counters, found, _PREPARE, *loops])
 
 
 def share_of_factors(mechanism: Mechanism) -> float:

@@ -102,10 +102,21 @@ class CurveView:
     y: tuple[tuple[int, str], ...]
     angle: tuple[tuple[int, str], ...]
 
-    def padded(self, name: str) -> tuple[tuple[int, str], ...]:
-        """Return places and factors, as many as there are room for in C."""
-        terms: tuple[tuple[int, str], ...] = getattr(self, name)
-        return (terms + ((0, "0.0"),) * 2)[: 1 if name == "angle" else 2]
+    @property
+    def initialiser(self) -> tuple[str, ...]:
+        """Its fields in C, in one line or two; those that are not named are zero."""
+        head = [f".row = {self.row}", *[".is_arm = 1"] * self.is_arm, f".length = {self.length}"]
+        sums = {
+            name: ", ".join(f"{{{place}, {factor}}}" for place, factor in terms)
+            for name, terms in (("x", self.x), ("y", self.y), ("angle", self.angle))
+        }
+        fields = [
+            f".{name} = {text if name == 'angle' else f'{{{text}}}'}"
+            for name, text in sums.items()
+            if text
+        ]
+        line = ", ".join([*head, *fields])
+        return (line,) if len(line) <= 92 else (f"{', '.join(head)},", ", ".join(fields))
 
 
 @dataclass(frozen=True, slots=True)

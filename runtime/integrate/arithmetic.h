@@ -1,5 +1,10 @@
 /* Comparisons and sums that say what becomes of a NaN and of rounding. */
 
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) ||     \
+    defined(__NO_SIGNED_ZEROS__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
+#error "kousoku: verified numbers need IEEE arithmetic; compile without -ffast-math and its parts"
+#endif
+
 /* the larger number, the second if the first is a NaN */
 static double larger(double a, double b) { return a > b ? a : b; }
 

@@ -2,6 +2,7 @@
 
 enum { STATE_SIZE = sizeof(State) / sizeof(double), WORK_SIZE = sizeof(Work) / sizeof(double) };
 
+const char *PUBLIC(digest)(void) { return DIGEST; }
 size_t PUBLIC(state_size)(void) { return STATE_SIZE; }
 size_t PUBLIC(work_size)(void) { return WORK_SIZE; }
 size_t PUBLIC(row_size)(void) { return ROW_SIZE; }

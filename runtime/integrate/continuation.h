@@ -11,6 +11,9 @@
 #define LEAST_ASIDE 1e-3
 #define NO_WAY 1e-6
 
+/* whether parameters may change where bodies or drivers begin */
+enum { HAS_CONTINUATION = HAS_DESIGN || (HAS_DRIVERS && N_PARAMETERS > 0) };
+
 /* whether the numbers of the design in the workspace are possible */
 static int is_possible(const double *w)
 {

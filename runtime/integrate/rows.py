@@ -145,7 +145,7 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         return Status.NOT_CLOSED
     find_reactions(work, is_passed=is_passed)
     w.run("coordinate")
-    places = [scene.regions[part] for part in scene.parts]
+    places = [scene.regions.get(part, (0, 0)) for part in scene.parts]
     row[0] = t
     row[1 : 1 + scene.ny] = y
     row[1 + scene.ny :] = np.concatenate(

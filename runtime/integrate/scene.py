@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -28,7 +29,7 @@ DENSE = 3 + max(len(method.dense) for method in METHODS)
 
 @dataclass(frozen=True)
 class Scene:
-    """What a solver holds of its scene.
+    """What a solver holds of its scene: what that lacks is not given, and zero or empty.
 
     Parameters
     ----------
@@ -46,14 +47,14 @@ class Scene:
         First slot and size of each named part of the workspace.
     work_size : int
         Count of slots in the workspace.
-    parts : sequence of str
-        Regions that a row has beyond time, q and v.
     kernels : sequence of (callable, int, str, str)
         What tasks call, as :meth:`integrate.tasks.Kernel.read` takes it.
     tasks : mapping of str to str
         The table of each segment, as :func:`integrate.tasks.segment_of` reads it.
     tables : mapping of str to str
         The tables below, as text.
+    parts : sequence of str
+        Regions that a row has beyond time, q and v.
     constants : sequence of float
         The numbers of the scene.
     parameters : (n,) array
@@ -76,10 +77,8 @@ class Scene:
         The first entry of q that counts turns, and the one behind the last.
     fits : bool
         Whether bodies are put onto joints with the ground.
-    has_drivers, is_driven : bool
-        Whether there are drivers, and whether they determine the whole motion.
-    has_continuation : bool
-        Whether parameters may change where bodies or drivers begin.
+    has_drivers : bool
+        Whether constraints depend on time.
     has_row_switch : bool
         Whether rows of the constraints that are left out take over where others lose rank.
     inverse_masses, mass_places : (nv,) array
@@ -107,18 +106,16 @@ class Scene:
     mass: float
     regions: Mapping[str, tuple[int, int]]
     work_size: int
-    parts: Sequence[str]
-    added: int
-    works: int
-    counted: tuple[int, int]
-    fits: bool
-    has_drivers: bool
-    is_driven: bool
-    has_continuation: bool
-    has_row_switch: bool
     kernels: Sequence[tuple[Function, int, str, str]]
     tasks: Mapping[str, str]
     tables: Mapping[str, str]
+    parts: Sequence[str] = ()
+    added: int = 0
+    works: int = 0
+    counted: tuple[int, int] = (0, 0)
+    fits: bool = False
+    has_drivers: bool = False
+    has_row_switch: bool = False
     segments: Mapping[str, Segment] = field(init=False, repr=False)
     constants: list[float] = field(init=False, repr=False)
     parameters: Array = field(init=False, repr=False)
@@ -137,19 +134,20 @@ class Scene:
 
     def __post_init__(self) -> None:
         kernels = [Kernel.read(*kernel) for kernel in self.kernels]
+        tables = defaultdict(str, self.tables)
         found: dict[str, object] = {
             "segments": {name: segment_of(kernels, text) for name, text in self.tasks.items()},
-            "constants": numbers(self.tables["constants"]),
+            "constants": numbers(tables["constants"]),
         }
         for name in ("parameters", "floors", "inverse_masses", "measure_sizes"):
-            found[name] = np.array(numbers(self.tables[name]))
+            found[name] = np.array(numbers(tables[name]))
         widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 2}
         for name, width in widths.items():
-            found[name] = places(self.tables[name], width)
+            found[name] = places(tables[name], width)
         for name in ("mass_places", "positive"):
-            found[name] = places(self.tables[name], 1)[:, 0]
+            found[name] = places(tables[name], 1)[:, 0]
         for name, table in (("lengths", "is_length"), ("left_lengths", "left_is_length")):
-            found[name] = np.where(numbers(self.tables[table]), self.length, 1.0)
+            found[name] = np.where(numbers(tables[table]), self.length, 1.0)
         for name, value in found.items():
             object.__setattr__(self, name, value)
 
@@ -178,9 +176,21 @@ class Scene:
         return self.size("C")
 
     @property
+    def is_driven(self) -> bool:
+        """Whether drivers and joints leave no freedom."""
+        # where bodies are put onto joints, the rows of these are checked only
+        rows = self.nc + (self.size("C_left_out") if self.fits else 0)
+        return self.has_drivers and rows == self.nv
+
+    @property
     def has_design(self) -> bool:
         """Whether numbers of the scene depend on parameters."""
         return "design" in self.regions
+
+    @property
+    def has_continuation(self) -> bool:
+        """Whether parameters may change where bodies or drivers begin."""
+        return self.has_design or (self.has_drivers and self.size("parameters") > 0)
 
     @property
     def has_switches(self) -> bool:
@@ -290,7 +300,8 @@ class Workspace:
             base, size = scene.regions.get(name, (0, 0))
             setattr(self, name, slots[base : base + size])
         # the rows that are left out stand behind those that are solved for
-        base, rows = scene.regions["C"][0], scene.nc + scene.size("C_left_out")
+        base = scene.regions.get("C", scene.regions.get("C_left_out", (0, 0)))[0]
+        rows = scene.nc + scene.size("C_left_out")
         self.all_C = slots[base : base + rows]
         # those that vary with the state behind those that cross
         base = scene.regions.get("crossings", scene.regions.get("narrow", (0, 0)))[0]

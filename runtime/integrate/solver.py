@@ -266,6 +266,7 @@ class Solver:
             if self.scene.has_design and not is_possible(w):
                 return Status.BAD_ARGUMENT
             w.place(time, np.concatenate((q, v)))
+            w.dq[:] = 0.0  # where there are no rows no segment writes it
             for segment in FOUND_FIRST:
                 w.run(segment)
             find_reactions(work, is_passed=False)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -125,6 +126,20 @@ def test_both_targets_make_the_same_run(scene: Scene, bodies_folder: Callable[..
         runs.append(run)
     np.testing.assert_array_equal(runs[0].state, runs[1].state)
     np.testing.assert_array_equal(runs[0].save().rows, runs[1].save().rows)
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_where_no_rows_are_solved_for_nothing_is_corrected_whatever_the_workspace_held(
+    target: Any, bodies_folder: Callable[..., Path]
+) -> None:
+    folder = bodies_folder(led(has_rod=False), OUTPUTS)
+    assert "position" not in (folder / "solver.c").read_text(encoding="utf-8")
+    solver = load_dynamics(folder, target=target)
+    base, size = json.loads((folder / "motion.json").read_text(encoding="utf-8"))["places"]["dq"]
+    work, none = np.full(solver.target.work_size, 7.0), np.empty(0)
+    assert solver.target.evaluate(0.0, np.array(solver.q), np.array(solver.v), none, work) == 0
+    np.testing.assert_array_equal(work[base : base + size], 0.0)
 
 
 @pytest.mark.parametrize("law", ["40*t", "20*t^2"])

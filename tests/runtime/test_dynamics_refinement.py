@@ -364,5 +364,5 @@ def test_both_targets_refine_between_uneven_masses_to_the_same_bits(
 
 def test_chains_have_no_refinement(bodies_folder: Callable[..., Path]) -> None:
     folder = bodies_folder(chain(3), OUTPUTS)
-    assert "HAS_REFINEMENT = 0" in (folder / "solver.c").read_text(encoding="utf-8")
-    assert "refinement" not in (folder / "solver.py").read_text(encoding="utf-8")
+    for name in ("solver.c", "solver.py"):
+        assert "refinement" not in (folder / name).read_text(encoding="utf-8").lower()

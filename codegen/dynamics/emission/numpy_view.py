@@ -6,13 +6,14 @@ those of one kernel can run together, on arrays whose last axis is the task.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from itertools import groupby
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.emission.view import (
     contents_of,
-    has_continuation,
     in_lines,
     mass_of,
 )
@@ -22,7 +23,6 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     counted_turns,
     has_drivers,
     has_row_switch,
-    is_driven,
     tables,
     works,
 )
@@ -31,6 +31,7 @@ from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
 from kousoku.codegen.view_names import Namer
+from kousoku.runtime.integrate.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -119,13 +120,14 @@ class NumpyView:
     name : str
         The scene.
     numbers : tuple of (str, str)
-        Fields of the scene's record that are short: name and text.
+        Fields of the scene's record that are short: name and text, where it is not that of scenes
+        that lack the thing.
     regions : tuple of (str, int, int)
-        Name, first slot and size.
+        Name, first slot and size of those that are not empty.
     kernels, segments : tuple
         In order.
     tables : mapping of str to str
-        Tables, in lines that end with what their rows belong to.
+        Tables that have rows, in lines that end with what their rows belong to.
     """
 
     name: str
@@ -164,24 +166,27 @@ def numpy_view(
         "counted": (counted.start, counted.stop),
         "fits": bool(program.reduced),
         "has_drivers": has_drivers(system),
-        "is_driven": is_driven(program, system),
-        "has_continuation": has_continuation(program, system),
         "has_row_switch": has_row_switch(program),
+    }
+    lacking = {field.name: field.default for field in fields(Scene)}
+    found = {"constants": _numbers(map(literal, program.constants))} | {
+        name: _table(table)
+        for name, table in tables(program, system, length, parts).items()
+        if name != "parts"
     }
     return NumpyView(
         name=program.name,
-        numbers=tuple((name, python_literal(value)) for name, value in numbers.items()),
-        regions=tuple((one.name, one.base, one.size) for one in program.regions),
+        numbers=tuple(
+            (name, python_literal(value))
+            for name, value in numbers.items()
+            if value != lacking[name]
+        ),
+        regions=tuple((one.name, one.base, one.size) for one in program.regions if one.size),
         kernels=tuple(_kernels(program)),
         segments=tuple(
             _segment(program, segment) for segment in (*program.segments, *program.on_demand)
         ),
-        tables={"constants": _numbers(map(literal, program.constants))}
-        | {
-            name: _table(table)
-            for name, table in tables(program, system, length, parts).items()
-            if name != "parts"
-        },
+        tables={name: text for name, text in found.items() if text},
     )
 
 
@@ -285,11 +290,15 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
 
 
 def _table(table: Table) -> str:
-    """Return a table in lines, each with what it belongs to."""
-    return "\n".join(
-        f"{' '.join(map(str, row)) if isinstance(row, tuple) else repr(row)} # {owner}"
-        for owner, row in table
-    )
+    """Return a table in lines, each with what it belongs to: rows of one number share a line."""
+    lines = []
+    for owner, run in groupby(table, key=itemgetter(0)):
+        rows = [row for _, row in run]
+        if isinstance(rows[0], tuple):
+            lines += [f"{' '.join(map(str, row))} # {owner}" for row in rows]
+        else:
+            lines.append(f"{in_lines(map(repr, rows), 80)} # {owner}")
+    return "\n".join(lines)
 
 
 def _numbers(items: Iterable[object]) -> str:

@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import groupby
+from operator import itemgetter
 from textwrap import wrap
 from typing import TYPE_CHECKING, get_type_hints
 
 from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
 from kousoku.codegen.dynamics.emission.view_numbers import (
     Table,
+    counted_turns,
     has_drivers,
     has_row_switch,
     is_driven,
+    mass_places,
     sizes,
     tables,
+    works,
 )
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, REGIONS, SEGMENTS
 from kousoku.codegen.graph import literal
@@ -24,11 +28,11 @@ from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
-from kousoku.runtime.integrate.settings import ACTIONS, KINEMATICS, Settings, Status
+from kousoku.runtime.integrate.settings import KINEMATICS, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Mapping, Sequence
+    from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
     from kousoku.codegen.kernel import Kernel
@@ -37,6 +41,27 @@ if TYPE_CHECKING:
 
 #: Tables whose rows have several numbers.
 PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events"})
+#: The counts and places that come with what scenes may have or lack; those of what a scene lacks
+#: are zeros in ``integrate/lacking.h``.
+COME_WITH = {
+    ("HAS_ROWS",): ("NC",),
+    ("HAS_CONSTANTS",): ("CONSTANTS", "W_CONSTANTS"),
+    ("HAS_PARAMETERS",): ("N_PARAMETERS", "W_PARAMETERS"),
+    ("HAS_DESIGN",): ("N_DESIGN", "STARTS", "POSITIVE", "W_DESIGN"),
+    ("HAS_WORKS",): ("WORKS",),
+    ("HAS_COUNTED_TURNS",): ("COUNTED", "COUNTED_END"),
+    ("HAS_MOMENTA",): ("MOMENTA", "W_MOMENTA"),
+    ("HAS_ROW_SWITCH", "HAS_DRIVERS"): ("DRIVERS",),
+    ("HAS_REFINEMENT", "HAS_DRIVERS"): ("N_POWER", "W_MORE_POWER"),
+    ("HAS_REFINEMENT", "HAS_REACTIONS"): ("W_MORE_LAM",),
+    ("HAS_REACTIONS",): ("W_LAM",),
+    ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
+    ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
+    ("HAS_CROSSING",): (
+        *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
+        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW"),
+    ),
+}
 #: How wide lines of tables are.
 WIDTH = 92
 #: The longest table that stands in the line of its name.
@@ -55,9 +80,9 @@ class KernelText:
         What it computes.
     operations : int
         What one call costs.
-    regions : tuple of (str, str)
-        The regions of the workspace ``w`` that it names: type and name of each pointer, and its
-        place, of a kernel that tasks call out of their slots ``s``.
+    pointers : tuple of str
+        Declarations of the regions of the workspace ``w`` that it names, in lines; of a kernel that
+        tasks call they are at their slots ``s``.
     statements : tuple of (str, str)
         Name and text of each intermediate value.
     results : tuple of (str, str)
@@ -71,7 +96,7 @@ class KernelText:
     name: str
     title: str
     operations: int
-    regions: tuple[tuple[str, str], ...]
+    pointers: tuple[str, ...]
     statements: tuple[tuple[str, str], ...]
     results: tuple[tuple[str, str], ...]
     slots: int
@@ -130,19 +155,18 @@ class DynamicsView:
     ----------
     name : str
         The scene; names begin with ``kousoku_<name>``.
-    sizes, switches, places, absent_places : str
-        Enumerators, in lines: counts, what the scene has, where its regions are, and zeros for
-        those that it lacks.
+    features : tuple of str
+        What the scene has, and others may lack.
+    sizes, places : str
+        Enumerators, in lines: counts, and where its regions are.
     state : tuple of Field
         The layout of the state.
     kernels : tuple of KernelText
         Those that tasks call.
     segments : tuple of SegmentText
         In order.
-    absent : tuple of str
-        Segments that the scene lacks.
     tables : mapping of str to str
-        Initialisers, whose lines say what their rows belong to.
+        Initialisers of those that have rows; their lines say what these belong to.
     length : str
         A length of the scene [m].
     closure_tolerance : str
@@ -161,14 +185,12 @@ class DynamicsView:
     """
 
     name: str
+    features: tuple[str, ...]
     sizes: str
-    switches: str
     places: str
-    absent_places: str
     state: tuple[Field, ...]
     kernels: tuple[KernelText, ...]
     segments: tuple[SegmentText, ...]
-    absent: tuple[str, ...]
     tables: Mapping[str, str]
     length: str
     closure_tolerance: str
@@ -189,11 +211,6 @@ class DynamicsView:
     def statuses(self) -> tuple[Status, ...]:
         """What a call returns."""
         return tuple(Status)
-
-    @property
-    def actions(self) -> tuple[str, ...]:
-        """What a run does at an event, by its number."""
-        return ACTIONS
 
     @property
     def methods(self) -> tuple[str, ...]:
@@ -218,8 +235,8 @@ def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:
         name=f"kernel_{number}",
         title=kernel.title,
         operations=kernel.operations.total(),
-        regions=tuple(
-            (f"{kind} *restrict {q.name}", f"s[{k}]")
+        pointers=_pointers(
+            (kind, f"*restrict {q.name} = w + s[{k}]")
             for k, (kind, q) in enumerate(zip(types, quantities, strict=True))
             if k >= len(kernel.inputs) or f"{q.name}[" in written
         ),
@@ -253,13 +270,25 @@ def function_text(kernel: Kernel, task: Task, slots: Slots, name: str, title: st
         name=name,
         title=title,
         operations=kernel.operations.total(),
-        regions=tuple(
-            (f"{kind} *{region}", f"W_{region.upper()}") for region, kind in regions.items()
+        pointers=_pointers(
+            (kind, f"*{region} = w + W_{region.upper()}")
+            for kind in ("const double", "double")
+            for region, own in regions.items()
+            if own == kind
         ),
         statements=statements,
         results=results,
         slots=0,
         repeats=False,
+    )
+
+
+def _pointers(pointers: Iterable[tuple[str, str]]) -> tuple[str, ...]:
+    """Return declarations of pointers, those of one type together in lines."""
+    return tuple(
+        f"{kind} {line.rstrip(',')};"
+        for kind, own in groupby(pointers, key=itemgetter(0))
+        for line in in_lines((f"{text}," for _, text in own), WIDTH - 14).splitlines()
     )
 
 
@@ -331,28 +360,25 @@ def dynamics_view(
     bases = {region.name: region.base for region in program.regions}
     places = {f"W_{name.upper()}": base for name, base in bases.items()}
     places |= {f"W_{SCRATCH.upper()}": slots.bases[-1], "W_SIZE": program.size}
-    absent = {f"W_{name.upper()}": 0 for name in REGIONS if name not in bases}
+    known = (name for names in COME_WITH.values() for name in names if name.startswith("W_"))
+    places |= {name: 0 for name in known if name not in places}
+    features = _features(program, system, parts)
     kernels = () if program.is_inlined else program.kernels
+    texts = {name: _table(table, name in PAIRS) for name, table in found.items()}
+    texts["constants"] = _initialiser(in_lines(f"{literal(x)}," for x in program.constants))
     repeated = {kernel for one in segments for kernel, run in runs_of(one.tasks) if len(run) > 1}
     state = {"NY": counts["NQ"] + counts["NV"], "DENSE": DENSE, **counts}
     return DynamicsView(
         name=program.name,
-        sizes=_enumerators(counts | {"ROW_SIZE": row}),
-        switches=_enumerators(_switches(program, system, found)),
-        places=_enumerators(places),
-        absent_places=_enumerators(absent),
+        features=features,
+        sizes=_enumerators(_of_features(counts, features) | {"ROW_SIZE": row}),
+        places=_enumerators(_of_features(places, features)),
         state=fields(state),
         kernels=tuple(
             kernel_text(k, kernel, repeats=k in repeated) for k, kernel in enumerate(kernels)
         ),
         segments=tuple(_segment(program, segment, slots) for segment in segments),
-        absent=tuple(
-            name
-            for name in (*SEGMENTS, *ON_DEMAND)
-            if name not in {segment.name for segment in segments}
-        ),
-        tables={name: _table(table, name in PAIRS) for name, table in found.items()}
-        | {"constants": _initialiser(in_lines(f"{literal(x)}," for x in program.constants))},
+        tables={name: text for name, text in texts.items() if text},
         length=repr(length),
         closure_tolerance=repr(system.closure_tolerance),
         mass=repr(mass_of(system)),
@@ -369,29 +395,44 @@ def mass_of(system: System) -> float:
     return sum(float(body.mass) for body in system.bodies) or 1.0
 
 
-def _switches(program: Program, system: System, found: Mapping[str, Table]) -> dict[str, int]:
-    """Return what the scene has: 1 or 0."""
-    parts = {name for name, _ in found["parts"]}
-    switches = {
+def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[str, ...]:
+    """Return what the scene has, and others may lack."""
+    regions = {region.name for region in program.regions}
+    segments = {segment.name for segment in (*program.segments, *program.on_demand)}
+    features = {
+        "HAS_ROWS": "position" in segments,
         "FITS": bool(program.reduced),
-        "IS_DRIVEN": is_driven(program, system),
         "HAS_DRIVERS": has_drivers(system),
+        "HAS_PARAMETERS": bool(system.parameters),
+        "HAS_CONSTANTS": bool(program.constants),
         "HAS_DESIGN": bool(program.design),
-        "HAS_CONTINUATION": has_continuation(program, system),
-        "HAS_REFINEMENT": any(one.name == "refinement" for one in program.on_demand),
+        "HAS_COUNTED_TURNS": bool(counted_turns(program)),
+        "HAS_WORKS": works(program) > 0,
+        "HAS_MOMENTA": "momentum" in segments,
         "HAS_ROW_SWITCH": has_row_switch(program),
-        "HAS_VARYING_MASSES": bool(found["mass_places"]),
-        "HAS_REACTIONS": "reactions" in parts,
-        "SHARES_OUT": "reactions" in parts and program.shares_out,
+        "HAS_VARYING_MASSES": has_row_switch(program) and bool(mass_places(program, system)),
+        "HAS_REFINEMENT": "refinement" in segments,
+        "HAS_REACTIONS": "reactions" in regions,
+        "SHARES_OUT": program.shares_out,
+        "HAS_WRENCHES": "wrench" in segments,
         "HAS_ENERGIES": "energies" in parts,
-        "ACCELERATES": bool(parts & {"v_dot", "coordinates", "reactions"}),
+        "HAS_COORDINATES": "coordinate" in segments,
+        "ACCELERATES": not {"v_dot", "coordinates", "reactions"}.isdisjoint(parts),
+        "HAS_SWITCHING": "switching" in segments,
+        "HAS_CROSSING": "crossing" in segments,
     }
-    return {name: int(value) for name, value in switches.items()}
+    return tuple(name for name, has in features.items() if has)
 
 
-def has_continuation(program: Program, system: System) -> bool:
-    """Return whether parameters may change where bodies or drivers begin."""
-    return bool(program.design) or (has_drivers(system) and bool(system.parameters))
+def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[str, int]:
+    """Return counts, or places, without those that come with what the scene lacks."""
+    absent = {
+        name
+        for needed, names in COME_WITH.items()
+        if not set(needed) <= set(features)
+        for name in names
+    }
+    return {name: value for name, value in numbers.items() if name not in absent}
 
 
 def _segment(program: Program, segment: Segment, slots: Slots) -> SegmentText:
@@ -449,13 +490,13 @@ def _table(table: Table, has_rows: bool) -> str:
     texts = (
         (owner, f"{{{', '.join(map(str, x))}}}," if has_rows else f"{x!r},") for owner, x in table
     )
-    return _initialiser(_rows(texts), "{0}" if has_rows else "0")
+    return _initialiser(_rows(texts))
 
 
-def _initialiser(lines: str, empty: str = "0") -> str:
-    """Return the initialiser of an array; C has no empty ones."""
+def _initialiser(lines: str) -> str:
+    """Return the initialiser of an array, nothing of one that has no elements."""
     if not lines:
-        return f"{{ {empty} }}"
+        return ""
     if "\n" in lines or len(lines) > SHORT:
         return "{\n    " + lines.replace("\n", "\n    ") + "\n}"
     return f"{{ {lines} }}"

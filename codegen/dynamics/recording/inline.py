@@ -82,7 +82,7 @@ class _Inliner:
         shared = len(self.graph.nodes)
         wanted["geometry"] = self._written("geometry", values)
         for segment in (*self.old.segments, *self.old.on_demand):
-            if segment.name != "geometry":
+            if segment.name != "geometry" and (self.old.rows or segment.name != "position"):
                 own = dict(values) if segment.name in AFTER_GEOMETRY else self._start()
                 self._expand(segment.name, own)
                 wanted[segment.name] = self._written(segment.name, own)

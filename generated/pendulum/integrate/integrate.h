@@ -7,17 +7,24 @@
  * This library is included by the source of a scene, solver.c, once that has defined
  *
  *     PUBLIC(name)     the exported name, with the prefix of the scene
- *     NQ ... W_SIZE    sizes, places of regions in the workspace, and switches, as enumerators, so
- *                      that the compiler drops what the scene does not need
- *     LENGTH ... KEY   numbers of the scene
- *     constants ...    its tables
- *     geometry() ...   its segments: what is computed at a state; those it lacks do nothing
+ *     DIGEST, KEY      of all that it was made of; what a state of it begins with
+ *     LENGTH ...       numbers of the scene
+ *     FITS ...         what it has, and others may lack: see lacking.h
+ *     NQ ... W_SIZE    counts, and places of regions in the workspace, as enumerators, so that the
+ *                      compiler drops what the scene does not need
+ *     is_length ...    its tables
+ *     geometry() ...   its segments: what is computed at a state
  *
  * All is static, without heap or globals; the caller owns state and workspace. Strict C99. */
 #ifndef KOUSOKU_INTEGRATE_H
 #define KOUSOKU_INTEGRATE_H
 
+#include <math.h>
+#include <stddef.h>
+#include <string.h>
+
 #include "arithmetic.h"
+#include "lacking.h"
 #include "methods.h"
 #include "memory.h"
 #include "pivot_monitor.h"

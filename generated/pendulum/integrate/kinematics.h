@@ -18,6 +18,10 @@
 /* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */
 #define LOBATTO 0.17267316464601143
 
+/* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
+ * are checked only */
+enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
+
 /* a position and velocity, and their derivative */
 typedef struct {
     double *y, *f;

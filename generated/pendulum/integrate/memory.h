@@ -1,5 +1,12 @@
 /* The memory that a caller owns: the state of a run, which solver.h lays out, and the workspace. */
 
+/* what a call returns, without the prefix of the scene */
+enum { GOOD = PUBLIC(GOOD), BUFFER_FULL = PUBLIC(BUFFER_FULL), PAUSED = PUBLIC(PAUSED) };
+enum { EVENT = PUBLIC(EVENT), STOPPED = PUBLIC(STOPPED), NOT_CLOSED = PUBLIC(NOT_CLOSED) };
+enum { BAD_ARGUMENT = PUBLIC(BAD_ARGUMENT), WRONG_STATE = PUBLIC(WRONG_STATE) };
+enum { NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED), NOT_PROJECTED = PUBLIC(NOT_PROJECTED) };
+enum { STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL) };
+
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0
 
@@ -11,9 +18,6 @@ enum {
     ALL_ROWS = HAS_ROW_SWITCH * NCHECK,
     FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */
 };
-
-/* C has no empty arrays */
-#define ROOM(n) ((n) > 0 ? (n) : 1)
 
 /* all rows of the constraints, where they take over: see row_switch.h */
 typedef struct {

@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.emission.view import COME_WITH
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
-from kousoku.model.read import scene_from_dict
+from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from kousoku.runtime.toolchain import Toolchain
 
 COUNT = 80
+ROOT = Path(__file__).parents[4]
+LACKING = ROOT / "runtime" / "integrate" / "lacking.h"
+#: Scenes that have most of what others lack.
+SCENES = ("bouncing_ball", "bricard", "engine", "pendulum")
+OUTPUTS = ("accelerations", "reactions", "energies")
+STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Wshadow", "-Wconversion", "-Werror")
 
 
 def text_of(count: int) -> dict[str, str]:
@@ -47,3 +55,36 @@ def test_groups_of_kernels_compute_what_each_kernel_does(
     k, t = np.arange(2, COUNT + 2), first.time[:, None]
     wanted = np.stack([(k * np.sin(k * t)).sum(axis=1), np.cos(t / k).sum(axis=1)], axis=1) / 2
     np.testing.assert_allclose(first.acceleration["p"][:, :2], wanted, rtol=1e-13, atol=1e-12)
+
+
+def test_what_comes_with_a_part_is_zero_in_the_library_where_a_scene_lacks_it() -> None:
+    text = LACKING.read_text(encoding="utf-8").partition("#define ROOM")[2]
+    blocks = re.findall(r"#if(?:ndef (\w+)| !\((\w+) && (\w+)\))\n(.*?)#endif", text, re.DOTALL)
+    zeros = {
+        tuple(filter(None, needed)): set(re.findall(r"#define (\w+) 0", body)) - set(needed)
+        for *needed, body in blocks
+    }
+    assert {needed: names for needed, names in zeros.items() if names} == {
+        needed: set(names) for needed, names in COME_WITH.items()
+    }
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_a_solver_is_strict_c_and_says_nothing_of_what_its_scene_lacks(
+    compiler: Toolchain, tmp_path: Path, name: str
+) -> None:
+    files = generate_dynamics(read_scene(ROOT / "scenes" / f"{name}.toml"), OUTPUTS)
+    write_tree(tmp_path, files)
+    flags = ("-std=c99", *STRICT, "-O0", "-c", "solver.c", "-o", "solver.o")
+    command = (*compiler.command, *flags)
+    run = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert run.returncode == 0, run.stderr
+    text = files["solver.c"]
+    parts = set(re.findall(r"#define (\w+) 1\n", text))
+    assert parts <= set(re.findall(r"#ifndef (\w+)", LACKING.read_text(encoding="utf-8")))
+    for needed, names in COME_WITH.items():
+        for count in names:
+            assert (f" {count} = " in text) == parts.issuperset(needed)
+    assert not re.search(r"\{ (\{?0\}?|\(void\)w;) \}", text)
+    tables = files["solver.py"].partition("TABLES = {")[2]
+    assert not re.search(r'": """\n\n|=False|, 0\),', tables)
