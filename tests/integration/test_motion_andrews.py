@@ -144,3 +144,20 @@ def test_the_ledger_counts_the_work_of_the_torque(squeezer: tuple[str, DynamicsS
     assert motion.ledger.energy_error < 1e-9
     assert motion.ledger.works == {"motor": motion.work["motor"][-1]}
     assert "work done at the end: motor" in str(motion.ledger)
+
+
+def test_no_tolerance_errs_by_far_more_than_it_asks_for(
+    mover: Callable[..., DynamicsSolver],
+) -> None:
+    """With one freedom the error along the constraints may vanish by accident: the step then grows.
+
+    Half of what is normal to them counts, too.
+    """
+    solver = mover("andrews_squeezer")
+    points = VARIANTS["andrews_squeezer"][1][0.03][0]
+    for tolerance in np.logspace(-6, -11, 21).tolist():
+        motion = solver.simulate(times=[0.03], tolerance=tolerance, method="dop853")
+        found = [motion.position[body][0, :2] for body in ("coupler", "upper_arm", "lower_arm")]
+        error = np.abs(np.subtract(found, points)).max() / LENGTH
+        assert error < 5 * tolerance, (tolerance, error)
+        assert motion.ledger.derivatives < 95 * tolerance**-0.12

@@ -117,9 +117,9 @@ def test_the_heavy_top_reaches_its_place_after_one_and_two_seconds(
         pytest.param("free_body", FREE, "dop853", (1e-12, 1e-12, 1e-12), id="about no axis"),
         pytest.param("free_body", FREE, "dopri5", (1e-12, 1e-12, 1e-12), id="of order 5"),
         # an error grows by exp(2.9 t) near the intermediate axis, and rounding once in the flip
-        # before shifts the next one: doubles are good for 1e-9. The weights of dop853, up to 5.8 of
+        # before shifts the next one: doubles are good for 2e-9. The weights of dop853, up to 5.8 of
         # either sign, make more of the rounding of its stages than those of dopri5, up to 0.65.
-        pytest.param("flipping_body", FLIPPING, "dopri5", (1e-13, 1e-11, 1e-9), id="flipping"),
+        pytest.param("flipping_body", FLIPPING, "dopri5", (1e-13, 1e-11, 2e-9), id="flipping"),
         pytest.param("flipping_body", FLIPPING, "dop853", (1e-13, 1e-12, 2e-8), id="flip, 8"),
     ],
 )

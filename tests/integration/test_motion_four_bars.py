@@ -125,3 +125,13 @@ def test_a_stage_is_brought_only_as_near_as_the_tolerance_asks_for(
     """Newton to rounding at every stage would take more than three factorisations for each."""
     ledger = mover(n_four_bar(count)).simulate(END, samples=2, tolerance=1e-8).ledger
     assert ledger.factorisations < 2.75 * ledger.derivatives
+
+
+def test_rounding_beside_a_singular_position_is_no_error_of_a_step(mover: Mover) -> None:
+    """Accelerations lose digits there across the constraints: steps would be 1e-8 s long."""
+    solver = mover(n_four_bar(2))
+    for tolerance in (1e-11, 3e-12, 1e-12, 3e-13):
+        motion = solver.simulate(
+            END, samples=2, tolerance=tolerance, method="dop853", most_steps=1000
+        )
+        assert motion.ledger.steps + motion.ledger.rejected < 600, tolerance

@@ -55,13 +55,13 @@ def solver(backend: str, bodies_folder: Callable[..., Path]) -> DynamicsSolver:
     return load_dynamics(bodies_folder(SCENE, OUTPUTS), target=target)
 
 
-def passed(solver: DynamicsSolver, heights: Any = HEIGHTS) -> Run:
+def passed(solver: DynamicsSolver, heights: Any = HEIGHTS, tolerance: float = 1e-10) -> Run:
     """Return a run that has rows shortly before the line, and goes on behind it."""
-    motion = solver.simulate(END, samples=1001, tolerance=1e-10)
+    motion = solver.simulate(END, samples=1001, tolerance=tolerance)
     y, rate = motion.position["coupler_0"][:, 1], motion.velocity["coupler_0"][:, 1]
     at = int(np.argmax(y < heights[0]))
     times = motion.time[at] + (heights - y[at]) / rate[at]
-    run = solver.begin([0.0, *times, END], tolerance=1e-10)
+    run = solver.begin([0.0, *times, END], tolerance=tolerance)
     run.finish()
     return run
 
@@ -138,8 +138,11 @@ def test_rows_near_a_position_of_lower_rank_have_the_accelerations_of_fifty_digi
 def test_rows_that_small_errors_of_positions_decide_about_are_told_by_the_polynomial(
     solver: DynamicsSolver,
 ) -> None:
-    """All cranks move like one pendulum; no factors tell it so near to the line."""
-    run = passed(solver, NEARER)
+    """All cranks move like one pendulum; no factors tell it so near to the line.
+
+    With this tolerance no stage lands beside the line, which would lose digits of the polynomial.
+    """
+    run = passed(solver, NEARER, tolerance=5e-11)
     motion = run.motion()
     rows = slice(1, 1 + len(NEARER))
     x, y = motion.position["coupler_0"][rows, :2].T
