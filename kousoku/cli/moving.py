@@ -210,7 +210,7 @@ def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:
     if path.is_dir():
         raise SolveError(f"{option} {path}: is a folder, wanted a file")
     if not path.absolute().parent.is_dir():
-        raise SolveError(f"{option} {path}: no such folder; make it first")
+        raise SolveError(f"{option} {path}: there is no folder {path.parent}; make it first")
 
 
 def _require_part(mechanism: Mechanism, name: str) -> None:

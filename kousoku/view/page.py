@@ -248,10 +248,11 @@ class Animation:
         Raises
         ------
         SolveError
-            The suffix is another one, or the file cannot be written.
+            The suffix is another one, the folder is missing, or the file cannot be written.
         """
         from kousoku.model.cache import write_atomically
         from kousoku.model.errors import SolveError
+        from kousoku.runtime.integrate.result import require_folder
 
         place = Path(path)
         match place.suffix:
@@ -263,6 +264,7 @@ class Animation:
                 text = moving_svg(self._picture)
             case _:
                 raise SolveError(f"{place}: wanted a file *.html or *.svg")
+        require_folder(place)
         try:
             write_atomically(place, text.encode())
         except (OSError, ValueError) as error:  # a null character

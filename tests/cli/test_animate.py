@@ -55,7 +55,7 @@ def test_bodies_move_to_the_end(run: Run, tmp_path: Path, compiler: Toolchain) -
         ([LINKAGE, "--initial", "alpha=1"], "inputs say where a linkage starts"),
         ([BODY, "--end", "1", "--set", "k=2"], "no parameter 'k': its formulas have none\n"),
         ([LINKAGE, "--out", "x.gif"], "the name must end in .html or .svg"),
-        ([LINKAGE, "--out", "nowhere/x.html"], "no such folder; make it first"),
+        ([LINKAGE, "--out", "nowhere/x.html"], "there is no folder nowhere; make it first"),
         ([LINKAGE, "--target", "numpy", "--speed", "0"], "wanted positive numbers"),
         ([LINKAGE, "--target", "numpy", "--path-of", "O9"], "no body or joint 'O9': there are"),
     ],

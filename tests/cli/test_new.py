@@ -63,6 +63,14 @@ def test_a_file_that_cannot_be_is_refused(run: Run, tmp_path: Path, file: str, s
     assert (tmp_path / "there.toml").read_text() == "mine"
 
 
+@pytest.mark.parametrize("command", [("new", "pendulum"), ("schema", "--out")])
+def test_no_folder_is_made(run: Run, tmp_path: Path, command: tuple[str, ...]) -> None:
+    folder = tmp_path / "misspelt"
+    code, out, err = run(*command, folder / "x.toml")
+    assert (code, out, folder.exists()) == (2, "", False)
+    assert err == f"kousoku: {folder / 'x.toml'}: there is no folder {folder}; make it first\n"
+
+
 def test_a_new_scene_names_the_schema_beside_it(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     assert run("new", "linkage", file, "--schema")[0] == 0

@@ -98,7 +98,7 @@ def test_plots_are_those_of_the_paper(run: Run, tmp_path: Path) -> None:
     ("arguments", "word"),
     [
         (("--out", "x.txt"), "x.txt"),
-        (("--out", "no/such/folder/x.csv"), "no such folder"),
+        (("--out", "no/such/folder/x.csv"), "there is no folder no/such/folder"),
         (("--node", "O9"), "O9"),
         (("--method", "magic"), "magic"),
         (("--divisions", "0"), "divisions"),
