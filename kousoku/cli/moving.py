@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import re
+import math
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -14,7 +14,7 @@ import typer
 
 from kousoku.cli.completing import files
 from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
-from kousoku.model.errors import MotionError, NotInResultError, SolveError
+from kousoku.model.errors import ExpressionError, MotionError, NotInResultError, SolveError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,14 +36,19 @@ SceneFile = Annotated[
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scene, for each."),
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="A parameter of the scene, for each; formulas too, as 2*pi/3 or 30deg.",
+    ),
 ]
 Initial = Annotated[
     list[str] | None,
     typer.Option(
         "--initial",
         metavar="NAME=VALUE",
-        help="Where to start: a coordinate, or its rate NAME_dot, for each; 30deg for degrees.",
+        help="Where to start: a coordinate, or its rate NAME_dot, for each; formulas too, as pi/6"
+        " or 30deg.",
     ),
 ]
 Out = Annotated[
@@ -298,38 +303,61 @@ def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
 
 
 def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | str]:
-    """Return the values of options such as ``--set NAME=VALUE``.
+    """Return the values of options such as ``--set NAME=VALUE``; angles in degrees stay texts.
 
     Raises
     ------
     SolveError
-        One is not a name, ``=`` and a number.
+        One is not a name, ``=`` and a number or a formula of numbers.
     """
     values: dict[str, float | str] = {}
     for text in given or ():
-        name, _, number = (part.strip() for part in text.partition("="))
-        degrees = re.fullmatch(r"([-+.\deE]*[\d.])[ *]*deg", number)
-        try:
-            value = float(degrees[1] if degrees else number)
-        except ValueError:
-            name = ""
-        if not name:
-            example = "angle=0.5, or 'angle=30 deg'" if option == "--initial" else "k=3.0"
+        name, _, value = (part.strip() for part in text.partition("="))
+        example = "k=3.0, or k=1/3"
+        if option == "--initial":
+            example = "angle=pi/6, or 'angle=30 deg'; a rate, angle_dot, is per second"
+        if not (name and value):
             raise SolveError(f"{option} {text}: wanted a name, = and a number: {example}")
-        values[name] = f"{value!r} deg" if degrees else value
+        try:
+            values[name] = _number(value)
+        except ExpressionError as error:
+            raise SolveError(f"{option} {text}: {error}; wanted a number: {example}") from None
     return values
 
 
+def _number(text: str) -> float | str:
+    """Return what a text stands for: a number, an angle in degrees, the value of a formula.
+
+    Raises
+    ------
+    ExpressionError
+        It is none of them.
+    """
+    from kousoku.model.angles import number_of
+    from kousoku.model.expression import parse_expression
+    from kousoku.model.values import value_of
+
+    with suppress(ValueError):
+        return float(text)
+    with suppress(ValueError):
+        value = number_of(text)
+        return text if "deg" in text else value
+    value = value_of(parse_expression(text, ()), {})
+    return f"{math.degrees(value)!r} deg" if "deg" in text and math.isfinite(value) else value
+
+
 def parameters_of(given: Sequence[str] | None) -> dict[str, float]:
-    """Return the values of ``--set NAME=VALUE``.
+    """Return the values of ``--set NAME=VALUE``, angles in radians.
 
     Raises
     ------
     SolveError
-        One is not a name, ``=`` and a number.
+        One is not a name, ``=`` and a number or a formula of numbers.
     """
+    from kousoku.model.angles import number_of
+
     values = numbers_of("--set", given)
-    for name, value in values.items():
-        if isinstance(value, str):
-            raise SolveError(f"--set {name}={value}: wanted a number, in rad")
-    return {name: float(value) for name, value in values.items()}
+    return {
+        name: number_of(value) if isinstance(value, str) else value
+        for name, value in values.items()
+    }

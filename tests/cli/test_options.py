@@ -22,6 +22,16 @@ if TYPE_CHECKING:
 
 SCENES = Path(__file__).parents[2] / "scenes"
 LOOP = SCENES / "loop_free.toml"
+CART = """
+name = "cart"
+unit = "m"
+outputs = ["coordinates"]
+coordinates = { way = { joint = "rail" } }
+[bodies]
+cart = { position = [0, 0, 0], mass = 1, center = [0, 0, 0], inertia = { xx = 1, yy = 1, zz = 1 } }
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+"""
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -38,7 +48,13 @@ def rows(run: Run, tmp_path: Path, compiler: object) -> Callable[..., Any]:
     return moved
 
 
-@pytest.mark.parametrize("given", ["30deg", "30 deg", "3e1deg", "30*deg", str(math.pi / 6)])
+@pytest.mark.parametrize(
+    "given",
+    [
+        *("30deg", "30 deg", "3e1deg", "30*deg", str(math.pi / 6)),
+        *("pi/6", "asin(1/2)", "(10 + 5*4) * deg", "pi/2 - 60 deg"),
+    ],
+)
 def test_a_run_starts_where_it_is_told(rows: Callable[..., Any], given: str) -> None:
     options = ("--initial", f"crank_angle={given}", "--initial", "crank_angle_dot=-0.5")
     found = rows("--end", 1, "--samples", 3, *options)
@@ -49,9 +65,15 @@ def test_a_run_starts_where_it_is_told(rows: Callable[..., Any], given: str) -> 
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ("crank_angle", "--initial crank_angle: wanted a name, = and a number: angle=0.5, or"),
-        ("crank_angle=deg", "wanted a name, = and a number"),
-        ("crank_angle=30 degrees", "wanted a name, = and a number"),
+        ("crank_angle", "--initial crank_angle: wanted a name, = and a number: angle=pi/6, or"),
+        ("crank_angle=", "wanted a name, = and a number"),
+        ("crank_angle=30 degrees", "column 4: 'degrees' stands where an operator is wanted"),
+        ("crank_angle=30 deg/s", "a rate, angle_dot, is per second"),
+        ("crank_angle=__import__('os')", "column 1: unknown name '__import__'"),
+        ("crank_angle=9**9**9", "column 2: '**' is no operator"),
+        ("crank_angle=9^9^9^9", "initial crank_angle is nan"),
+        ("crank_angle=1/0", "column 3: a division by zero"),
+        ("crank_angle=sqrt(-1)*deg", "initial crank_angle is nan"),
         ("=3", "--initial =3: wanted a name, = and a number"),
         ("crank_angel=3", "no coordinate 'crank_angel'"),
         ("crank_angle=nan", "initial crank_angle is nan; wanted a finite number"),
@@ -63,6 +85,28 @@ def test_a_start_that_is_none_is_one_line(
     code, out, err = run("simulate", LOOP, "--end", 1, "--initial", given)
     assert (code, out) == (2, "")
     assert err.count("\n") == 1 and says in err
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [("1/4", 0.25), ("2*pi/3", 2 * math.pi / 3), ("30 deg", math.pi / 6), ("sqrt(2) - 1e-3", None)],
+)
+def test_a_parameter_is_a_formula_as_in_files(
+    run: Run, compiler: object, given: str, wanted: float | None
+) -> None:
+    code, out, _ = run("simulate", LOOP, "--end", 0.1, "--set", f"mass={given}", "--json")
+    mass = json.loads(out)["ledger"]["parameters"]["mass"]
+    wanted = math.sqrt(2) - 1e-3 if wanted is None else wanted
+    assert (code, mass) == (0, pytest.approx(wanted, rel=1e-15))
+
+
+@pytest.mark.parametrize("given", ["30deg", "2*15deg"])
+def test_a_length_is_no_angle(run: Run, compiler: object, tmp_path: Path, given: str) -> None:
+    scene = tmp_path / "cart.toml"
+    scene.write_text(CART, encoding="utf-8")
+    assert run("simulate", scene, "--end", 0.1, "--initial", "way=1/2")[0] == 0
+    code, _, err = run("simulate", scene, "--end", 0.1, "--initial", f"way={given}")
+    assert code == 2 and "initial way is '" in err and "deg'; wanted a finite number\n" in err
 
 
 def test_steps_are_no_longer_than_the_longest(run: Run, compiler: object) -> None:

@@ -208,7 +208,7 @@ def test_what_a_scene_of_bodies_has_not_is_one_line(
         (lambda m: m.resume(None), "of scenes of bodies"),
         (lambda m: m.evaluate(0, [], []), "accelerations: of scenes of bodies"),
         (lambda m: m.solve(parameters={"k": 1}), "a linkage has no parameters"),
-        (lambda m: m.simulate(1, tolerance=1e-6), "no option 'tolerance'"),
+        (lambda m: m.simulate(1, tolerance=1e-6), "tolerance is an option of scenes of bodies"),
         (lambda m: m.simulate(), "wants a last time"),
         (lambda m: m.solve().body("O3"), "no body 'O3': the result has"),
         (lambda m: m.solve().node("O9"), "no node 'O9': there are O1, O2, O3, O4"),
