@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, cast, overload
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
-from kousoku.runtime.integrate.given import require_options
 from kousoku.runtime.integrate.result import Coordinates
 from kousoku.runtime.options import ALL_OPTIONS
 from kousoku.runtime.run import Interrupted
@@ -266,7 +265,12 @@ class Mechanism:
                 raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
             with self._passed_on():
                 return self.result_of(self.solver.solve(**options))
-        require_options(self.name, options, ("divisions",), "parameters")
+        for name in options:
+            if name != "divisions":
+                raise SolveError(
+                    f"{self.name}: {name} is an option of linkages of nodes; this one is a scene of"
+                    " bodies, whose options are divisions and parameters"
+                )
         times = self._times_of_inputs(divisions)
         with self._passed_on():
             return self.result_of(

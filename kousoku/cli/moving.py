@@ -8,12 +8,20 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, cast
 
 import typer
 
 from kousoku.cli.completing import files
-from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
+from kousoku.cli.console import (
+    INTERRUPTED,
+    STOPPED,
+    Target,
+    at_one_glance,
+    print_json,
+    print_table,
+)
+from kousoku.cli.wording import as_typed
 from kousoku.model.errors import ExpressionError, MotionError, NotInResultError, SolveError
 
 if TYPE_CHECKING:
@@ -125,27 +133,13 @@ def move(
         The motion stopped, rows before that are written; or its ledger says why it is not to be
         trusted.
     """
-    from kousoku.loading import naming
-    from kousoku.runtime.run import Interrupted
-
     check_destinations(wish)
     begin = time.perf_counter()
     mechanism = loaded(wish)
     seconds = {"load": time.perf_counter() - begin}
     if wish.of is not None:
         _require_part(mechanism, wish.of)
-    stop: tuple[int, str] | None = None
-    try:
-        with naming(wish.file), shown_progress() as show:
-            result = how(mechanism, show)
-    except MotionError as error:
-        stop, result = (STOPPED, str(error)), mechanism.result_of(error.result)
-    except Interrupted as error:
-        stop, result = (130, str(error)), mechanism.result_of(error.result)
-    except SolveError as error:
-        raise (
-            SolveError(f"{wish.file}: {error}") if str(wish.file) not in str(error) else error
-        ) from None
+    result, stop = moved(wish.file, mechanism, how)
     wish = replace(wish, columns=_columns(result, wish.columns))
     begin = time.perf_counter()
     files = _write(result, wish)
@@ -155,19 +149,52 @@ def move(
     errors = compare(mechanism, result) if compare and not stop else None
     if stop:
         kept = f"; what was computed before is in {wish.out}" if wish.out else ""
-        typer.echo(f"kousoku: {wish.file}: {stop[1]}{kept}", err=True)
+        typer.echo(f"kousoku: {wish.file}: {stop.why}{kept}", err=True)
         if wish.as_json:
             _show(result, wish, files, seconds, errors)
-        raise typer.Exit(stop[0])
+        raise typer.Exit(stop.code)
     _show(result, wish, files, seconds, errors)
     require_trust(wish.file, result)
+
+
+class Stop(NamedTuple):
+    """Why a motion stopped before its end, and the exit code."""
+
+    code: int
+    why: str
+
+
+def moved(
+    file: Path, mechanism: Mechanism, how: Callable[[Mechanism, Any], Result]
+) -> tuple[Result, Stop | None]:
+    """Return the motion of a mechanism as far as it came, and why it stopped if it did.
+
+    Raises
+    ------
+    SceneError
+        The scene is not valid; the message names the file.
+    SolveError
+        An option is not possible, or the start is not.
+    """
+    from kousoku.loading import naming
+    from kousoku.runtime.run import Interrupted
+
+    try:
+        with naming(file), shown_progress() as show:
+            return how(mechanism, show), None
+    except MotionError as error:
+        return mechanism.result_of(error.result), Stop(STOPPED, as_typed(str(error)))
+    except Interrupted as error:
+        return mechanism.result_of(error.result), Stop(INTERRUPTED, str(error))
+    except SolveError as error:
+        raise (SolveError(f"{file}: {error}") if str(file) not in str(error) else error) from None
 
 
 def require_trust(file: Path, result: Result) -> None:
     """End with 3 where a motion cannot be trusted, and say why."""
     trust = getattr(result.ledger, "trust", None)
     if trust is not None and not trust.is_trusted:
-        typer.echo(f"kousoku: {file}: not trusted: {trust.why}", err=True)
+        typer.echo(f"kousoku: {file}: not trusted: {as_typed(trust.why)}", err=True)
         raise typer.Exit(STOPPED)
 
 
@@ -269,7 +296,7 @@ def _show(
     _print_rows(result, wish)
     for line in result.notes:
         typer.echo(line)
-    typer.echo(str(result.ledger))
+    typer.echo(as_typed(str(result.ledger)))
     if errors is not None:
         parts = ", ".join(f"{name} {value:.1e}" for name, value in errors.items())
         typer.echo(f"largest difference from the closed form: {parts}")

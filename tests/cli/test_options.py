@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 SCENES = Path(__file__).parents[2] / "scenes"
 LOOP = SCENES / "loop_free.toml"
+LEVER = SCENES / "lever_crank.toml"
 CART = """
 name = "cart"
 unit = "m"
@@ -183,6 +184,41 @@ def test_a_run_that_was_kept_is_animated(run: Run, compiler: object, tmp_path: P
     code, out, err = run("animate", kept, "--out", page)
     assert (code, out) == (2, "")
     assert err.startswith(f"kousoku: {kept}: holds no run") and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "says"),
+    [
+        (["simulate", LOOP], "a last time is wanted: --end SECONDS; or give the scene a duration"),
+        (["simulate", LOOP, "--end", 9, "--most-steps", 3], "--most-steps allows more of them"),
+        (
+            ["simulate", LOOP, "--end", 9, "--step", 1, "--largest-step", 0.1],
+            "step 1.0 with --largest-step 0.1",
+        ),
+        (
+            ["simulate", LOOP, "--end", 1, "--initial", "crank_angle=1", "--output", "energies"],
+            'was generated without "coordinates"; the scene wants outputs = [..., "coordinates"]',
+        ),
+        (
+            ["simulate", LEVER, "--end", 1, "--estimate-error"],
+            "--estimate-error is an option of scenes of bodies; this one is a linkage of nodes\n",
+        ),
+        (
+            ["simulate", LEVER, "--end", 1, "--set", "k=1"],
+            "--set is an option of scenes of bodies; this one is a linkage of nodes\n",
+        ),
+        (
+            ["solve", SCENES / "oldham_coupling.toml", "--first-turn", 1],
+            "--first-turn is an option of linkages of nodes; this one is a scene of bodies\n",
+        ),
+        (["solve", LOOP], "or nothing drives: kousoku simulate\n"),
+    ],
+)
+def test_messages_name_options_as_they_are_typed(
+    run: Run, compiler: object, command: list[Any], says: str
+) -> None:
+    code, _, err = run(*command)
+    assert (code in {2, 3}, says in err, err.count("\n")) == (True, True, 1), err
 
 
 # ---- completion ---------------------------------------------------------------------------------

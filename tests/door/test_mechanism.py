@@ -182,7 +182,10 @@ def test_the_duration_of_a_scene_is_the_end(compiler: object) -> None:
         (lambda m, r: r.body("crank").acceleration, 'outputs=.*"accelerations"'),
         (lambda m, r: r.state(9), "no row 9: there are 3"),
         (lambda m, r: m.solve(), "has no inputs"),
-        (lambda m, r: m.solve(turns=2), "no option 'turns'"),
+        (
+            lambda m, r: m.solve(turns=2),
+            "turns is an option of linkages of nodes",
+        ),
         (lambda m, r: m.simulate(), "wants a last time in seconds"),
         (lambda m, r: m.simulate(-1), "end"),
         (lambda m, r: m.simulate(1, tolerence=1e-6), "did you mean 'tolerance'"),
