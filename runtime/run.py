@@ -81,7 +81,8 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, run: Run) -> None:
         self.run = run
         self.result = run.motion()
-        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.result)} rows")
+        rows = f"{len(self.result)} row{'s' * (len(self.result) != 1)}"
+        super().__init__(f"stopped at t = {run.time:.9g} s with {rows}")
 
 
 class Run:

@@ -18,6 +18,7 @@ def cache(
     """
     from kousoku.model.cache import SHELVES, cache_folder, entries, size_limit
     from kousoku.model.cache import clear as cleared
+    from kousoku.model.text import counted
 
     limit = size_limit()
     gone = cleared() if clear else []
@@ -34,7 +35,8 @@ def cache(
         print_json({"folder": folder, "limit": limit, "removed": len(gone), "shelves": shelves})
         return
     if clear:
-        typer.echo(f"removed {len(gone)} entries, {_size(sum(entry.size for entry in gone))}")
+        removed = counted(len(gone), "entry", "entries")
+        typer.echo(f"removed {removed}, {_size(sum(entry.size for entry in gone))}")
     rows = []
     for shelf in SHELVES:
         own = [entry.size for entry in kept if entry.shelf == shelf]

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.model.text import counted
 from kousoku.view.meshes import mesh_of
 from kousoku.view.shapes import DARK, LIGHT
 
@@ -288,7 +289,7 @@ class Animation:
         picture = self._picture
         return (
             f"<Animation of {picture.name!r}: {picture.time[0]:g} to {picture.time[-1]:g} s,"
-            f" {len(picture.shapes.bodies) - 1} bodies>"
+            f" {counted(len(picture.shapes.bodies) - 1, 'body', 'bodies')}>"
         )
 
     def _repr_html_(self) -> str | None:
