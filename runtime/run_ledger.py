@@ -254,8 +254,8 @@ class RunLedger:
         lines = [
             str(self.trust),
             f"{self.method}, {self._control()}: {self.steps} step{'s' * (self.steps != 1)},"
-            f" {self.rejected} rejected, {self.derivatives} accelerations, {self.factorisations} factorisations,"
-            f" {self.corrections} corrections of positions;"
+            f" {self.rejected} rejected, {self.derivatives} accelerations,"
+            f" {self.factorisations} factorisations, {self.corrections} corrections of positions;"
             f" a step left the constraints by {self.drift:.1e} at most before it was brought back",
         ]
         if self.moved:

@@ -600,5 +600,6 @@ class Motion(Result):
         stopped = f", {self._end()}" if self.stopped_by else stopped
         return (
             f"{len(self)} row{'s' * (len(self) > 1)} from {self.time[0]:g} to"
-            f" {self.time[-1]:g} s{stopped}; {self.unit}, kg, s, rad; {self.method} in {self.target}"
+            f" {self.time[-1]:g} s{stopped}; {self.unit}, kg, s, rad;"
+            f" {self.method} in {self.target}"
         )
