@@ -47,7 +47,8 @@ MESSAGES: dict[int, str] = {
     Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
     " dependent; steps of other lengths may pass such a place",
     Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
-    " determine the motion there, or a formula of a force has no finite value there",
+    " determine the motion there, or a formula of a force has no finite value there, which"
+    " kousoku check names",
     Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
     " others where they were looked at, do not depend on them here",

@@ -102,10 +102,9 @@ def test_an_interrupt_shows_what_was_reached(
 ) -> None:
     simulate = DynamicsSolver.simulate
 
-    def pressed(solver: DynamicsSolver, end: float, **options: Any) -> Motion:
+    def pressed(solver: DynamicsSolver, end: float | None, **options: Any) -> Motion:
         if not begun:
-            monkeypatch.setattr("kousoku.runtime.run.STEPS", 1)
-            options["times"], options["samples"], end = [1.0, 2.0], 1001, None
+            end, options["times"] = None, [10.0, 20.0]
         options["progress"] = lambda *_: signal.raise_signal(signal.SIGINT)
         return simulate(solver, end, **options)
 
