@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Literal
 
 from kousoku import __path__, __version__
 from kousoku.mechanism import Mechanism
-from kousoku.model.cache import cache_folder, shrink, touch, write_atomically
+from kousoku.model.cache import cache_folder, shrink, size_limit, touch, write_atomically
 from kousoku.model.errors import (
     AssemblyError,
     CacheError,
@@ -207,8 +207,10 @@ def solver_folder(
     SceneError, AssemblyError
         As of :func:`load`; the message names the file.
     CacheError
-        Neither the cache nor a temporary folder can be written.
+        Neither the cache nor a temporary folder can be written, or nobody can tell how large the
+        cache may get.
     """
+    limit = size_limit()
     options = json.dumps([outputs, references])
     by_bytes = key_of(given.data, options)
     folder = None if anew else _look(_found(by_bytes), options)
@@ -246,7 +248,7 @@ def solver_folder(
     _note_found(by_bytes, key)
     yield folder
     with suppress(OSError):
-        shrink()
+        shrink(limit)
 
 
 def generated(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, cast, overload
 
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
-from kousoku.runtime.integrate.given import require_options
 from kousoku.runtime.integrate.result import Coordinates
+from kousoku.runtime.options import ALL_OPTIONS
 from kousoku.runtime.run import Interrupted
 
 if TYPE_CHECKING:
@@ -131,6 +131,7 @@ class Mechanism:
             facts.append(counted(len(solver.left_out), "dependent row"))
         return facts
 
+    @overload
     def simulate(
         self,
         end: float | None = None,
@@ -139,11 +140,34 @@ class Mechanism:
         samples: int = 1001,
         progress: Callable[[float, float], object] | None = None,
         **options: Unpack[RunOptions],
+    ) -> Result: ...
+
+    @overload
+    def simulate(
+        self,
+        end: float | None = None,
+        *,
+        times: Sequence[float] | Array | None = None,
+        samples: int = 1001,
+        method: Literal["newton", "paper"] = ...,
+        limit: float = ...,
+    ) -> Result: ...
+
+    def simulate(
+        self,
+        end: float | None = None,
+        *,
+        times: Sequence[float] | Array | None = None,
+        samples: int = 1001,
+        progress: Callable[[float, float], object] | None = None,
+        **options: Any,
     ) -> Result:
         """Move from time 0 on.
 
         Bodies are integrated, or where drivers determine the motion, found position by position;
-        a linkage follows its inputs in time.
+        a linkage follows its inputs in time. What of the two it is stands in the scene file, which
+        no type checker reads: one sees that an option is of either, and that options of both are
+        not mixed; an option of the other is refused here, by name.
 
         Parameters
         ----------
@@ -154,10 +178,11 @@ class Mechanism:
         samples : int
             How many times.
         progress : callable, optional
-            Called now and then with the time reached and the last time.
+            Called now and then with the time reached and the last time; of bodies.
         **options
-            As of :func:`kousoku.runtime.options.options_of`: ``tolerance``, ``parameters``,
-            ``initial`` and others.
+            Of bodies as of :func:`kousoku.runtime.options.options_of`: ``tolerance``,
+            ``parameters``, ``initial`` and others; of linkages ``method`` and ``limit`` as of
+            :meth:`solve`.
 
         Raises
         ------
@@ -174,6 +199,12 @@ class Mechanism:
         if isinstance(self.solver, DynamicsSolver):
             with self._passed_on():
                 return self.result_of(self.solver.simulate(**when, progress=progress, **options))
+        for name in options:
+            if name in ALL_OPTIONS and name != "method":
+                raise SolveError(
+                    f"{self.name}: {name} is an option of scenes of bodies; this one is a linkage"
+                    " of nodes, whose options are method and limit"
+                )
         with self._passed_on():
             return self.result_of(self.solver.simulate(**when, **options))
 
@@ -234,7 +265,12 @@ class Mechanism:
                 raise SolveError(f"{self.name}: a linkage has no parameters; build one in a loop")
             with self._passed_on():
                 return self.result_of(self.solver.solve(**options))
-        require_options(self.name, options, ("divisions",), "parameters")
+        for name in options:
+            if name != "divisions":
+                raise SolveError(
+                    f"{self.name}: {name} is an option of linkages of nodes; this one is a scene of"
+                    " bodies, whose options are divisions and parameters"
+                )
         times = self._times_of_inputs(divisions)
         with self._passed_on():
             return self.result_of(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from math import dist, hypot
 from typing import TYPE_CHECKING
@@ -9,9 +10,13 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.decode import join
 from kousoku.model.design_numbers import with_numbers
-from kousoku.model.formulas import texts_of, used_names
+from kousoku.model.errors import ExpressionError
+from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import RATE, state_names, texts_of, used_names
+from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
+from kousoku.model.terms import Apply, Function, names_of, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -19,6 +24,7 @@ if TYPE_CHECKING:
     from kousoku.model.scene import Scene
     from kousoku.model.solids import Box
     from kousoku.model.spatial import Body, Joint
+    from kousoku.model.terms import Expression
 
     Point = tuple[float, float, float]
 
@@ -77,6 +83,31 @@ def scene_notes(scene: Scene) -> Iterator[str]:
             yield (
                 f"{join('joints', name)} lies {far:.3g} {scene.unit} from all that {what} made of"
             )
+
+
+def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
+    """Yield a note on each force that jumps where a rate passes zero, and so may stick there."""
+    rates = {LAW_NAMES[1], *(f"{name}{RATE}" for name in scene.coordinates)}
+    names = {*state_names(scene), *LAW_NAMES}
+    for name, force in scene.forces.items():
+        formulas = []
+        for text in texts_of(force):
+            with suppress(ExpressionError):  # a text that is no formula, such as the type
+                formulas.append(parse_expression(text, names))
+        parts = (part for formula in formulas for part in ordered(formula))
+        if any(rates.intersection(names_of(jump)) for part in parts for jump in _jumps(part)):
+            yield (
+                f"{join('forces', name)} jumps where a rate passes 0, as dry friction does: where"
+                " it holds the rate at 0, steps become tiny and the run stops; take"
+                " x/sqrt(x^2 + 1e-6) for sign(x)"
+            )
+
+
+def _jumps(part: Expression) -> Iterator[Expression]:
+    """Yield what jumps where it passes zero: that of a sign, and of what stands over its size."""
+    match part:
+        case Apply(Function.SIGN, (x,)) | Apply(Function.DIV, (_, Apply(Function.ABS, (x,)))):
+            yield x
 
 
 def _reach(scene: Scene, joint: Joint, k: int) -> tuple[str, float, float] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -11,6 +12,8 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from kousoku.model.errors import CacheError, printable
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -23,6 +26,11 @@ SHELVES = ("scenes", "found", "derived", "kernels", "lib", "verified", "sources"
 ASKED_FOR = "generated"
 #: Bytes that the cache may take, unless ``KOUSOKU_CACHE_SIZE`` says another number.
 LARGEST = 2 * 1024**3
+#: A number of bytes as people write it: ``500M``, ``1.5 GB``, ``2GiB``.
+_SIZE = re.compile(
+    r" *([0-9]{1,18}(?:\.[0-9]{0,18})?) *(?:([kmgt])(i?))?b? *", re.ASCII | re.IGNORECASE
+)
+_POWERS = {"": 0, "k": 1, "m": 2, "g": 3, "t": 4}
 #: An entry that was used so lately stays, since another process may be reading it [s].
 RECENT = 600.0
 
@@ -147,22 +155,45 @@ def _on(shelf: Path) -> Iterator[Entry]:
                 yield Entry(path, size or path.stat().st_size, used)
 
 
+def size_limit() -> int:
+    """Return the bytes that the cache may take: :data:`LARGEST`, or what ``KOUSOKU_CACHE_SIZE`` is.
+
+    That is a number of bytes, or one with a unit: k, M, G and T are powers of 1000, Ki, Mi, Gi and
+    Ti powers of 1024; a ``B`` may follow, and case does not count.
+
+    Raises
+    ------
+    CacheError
+        It is something else.
+    """
+    given = os.environ.get("KOUSOKU_CACHE_SIZE", "")
+    if not given.strip():
+        return LARGEST
+    found = _SIZE.fullmatch(given)
+    if found is None:
+        text = printable(given if len(given) <= 40 else f"{given[:40]}…")
+        raise CacheError(
+            f"KOUSOKU_CACHE_SIZE={text}: wanted a number of bytes, alone or with a unit, such as"
+            " 500M, 1.5GB or 2GiB"
+        )
+    number, unit, binary = found.groups(default="")
+    return int(float(number) * (1024 if binary else 1000) ** _POWERS[unit.lower()])
+
+
 def shrink(limit: int | None = None) -> list[Entry]:
     """Remove the entries that were not used for longest, until the rest is small enough.
 
     Parameters
     ----------
     limit : int, optional
-        Bytes that may stay; :data:`LARGEST` unless given, or ``KOUSOKU_CACHE_SIZE`` says so.
+        Bytes that may stay; :func:`size_limit` unless given.
 
     Returns
     -------
     list of Entry
         What is removed.
     """
-    if limit is None:
-        given = os.environ.get("KOUSOKU_CACHE_SIZE", "")
-        limit = int(given) if given.isdecimal() else LARGEST
+    limit = size_limit() if limit is None else limit
     kept = [entry for entry in entries() if entry.shelf != ASKED_FOR]
     size, latest = sum(entry.size for entry in kept), time.time() - RECENT
     removed = []

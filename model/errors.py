@@ -208,7 +208,7 @@ class MotionError(SolveError):
         All good rows up to there.
     """
 
-    def __init__(self, problem: str, result: object) -> None:
+    def __init__(self, problem: str, result: Any) -> None:
         self.result = result
         super().__init__(problem)
 

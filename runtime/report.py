@@ -100,7 +100,8 @@ class Report:
 
     def __repr__(self) -> str:
         worst = self.worst
-        said = f"{len(self.problems)} problems" if self.problems else "computes what was derived"
+        count = len(self.problems)
+        said = f"{count} problem{'s' * (count > 1)}" if count else "computes what was derived"
         units = f", worst {_units(worst.worst)} units of {LIMIT:g}" if worst else ""
         return f"<Report of {self.package}: {said}{units}; print() shows each output>"
 

@@ -48,7 +48,8 @@ MESSAGES: dict[int, str] = {
     Status.NOT_PROJECTED: "the constraints cannot be met inside of a step, as where their rows are"
     " dependent; steps of other lengths may pass such a place",
     Status.NOT_ASSEMBLED: "the start cannot be brought onto the constraints, or they do not"
-    " determine the motion there, or a formula of a force has no finite value there",
+    " determine the motion there, or a formula of a force has no finite value there, which"
+    " kousoku check names",
     Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
     " others where they were looked at, do not depend on them here",
@@ -82,7 +83,8 @@ class Interrupted(KeyboardInterrupt):
     def __init__(self, run: Run) -> None:
         self.run = run
         self.result = run.motion()
-        super().__init__(f"stopped at t = {run.time:.9g} s with {len(self.result)} rows")
+        rows = f"{len(self.result)} row{'s' * (len(self.result) != 1)}"
+        super().__init__(f"stopped at t = {run.time:.9g} s with {rows}")
 
 
 class Run:

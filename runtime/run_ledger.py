@@ -253,15 +253,16 @@ class RunLedger:
     def __str__(self) -> str:
         lines = [
             str(self.trust),
-            f"{self.method}, {self._control()}: {self.steps} steps, {self.rejected}"
-            f" rejected, {self.derivatives} accelerations, {self.factorisations} factorisations,"
-            f" {self.corrections} corrections of positions;"
+            f"{self.method}, {self._control()}: {self.steps} step{'s' * (self.steps != 1)},"
+            f" {self.rejected} rejected, {self.derivatives} accelerations,"
+            f" {self.factorisations} factorisations, {self.corrections} corrections of positions;"
             f" a step left the constraints by {self.drift:.1e} at most before it was brought back",
         ]
         if self.moved:
             body, changed = next(iter(self.moved.items()))
             count = len(self.moved)
-            lines.append(f"assembly changed {count} bodies, most bodies.{body}: {changed}")
+            bodies = f"{count} bodies, most bodies.{body}" if count > 1 else f"bodies.{body}"
+            lines.append(f"assembly changed {bodies}: {changed}")
         if self.energy_error is not None:
             lines.append(
                 f"energy {self.energy:.9g} J at the start, largest change"

@@ -6,21 +6,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from kousoku.cli.completing import files
-from kousoku.cli.console import STOPPED, Target
+from kousoku.cli.console import Target
 from kousoku.cli.moving import (
     Initial,
     Set,
+    Stop,
     Wish,
     loaded,
+    moved,
     numbers_of,
     parameters_of,
     require_place,
     require_trust,
-    shown_progress,
 )
-from kousoku.model.errors import MotionError, SolveError
+from kousoku.model.errors import SolveError
 
 if TYPE_CHECKING:
+    from kousoku.mechanism import Mechanism
     from kousoku.runtime.integrate.result import Result
 
 #: Rows for a second of motion, and how many there are at least and at most.
@@ -59,14 +61,14 @@ def animate(
     """Show a mechanism that moves: one page that needs nothing beside itself.
 
     Open it in a browser. Forces of joints are shown where the scene asks for reactions. When the
-    motion stops before its end, what there is is shown, and the exit code is 3, as it is where the
-    motion cannot be trusted.
+    motion stops before its end, or Ctrl-C is pressed, what there is is shown, and the exit code is
+    3, or 130. It is 3, too, where the motion cannot be trusted.
     """
     from kousoku.saved import open_run
 
     place = Path(f"{file.stem}.html") if out is None else out
     require_place("--out", place, (".html", ".svg"))
-    stop = ""
+    stop: Stop | None = None
     if file.suffix == ".npz":
         if end is not None or given or initial:
             raise SolveError(f"{file}: --end, --set and --initial are for scenes; this run is over")
@@ -74,32 +76,37 @@ def animate(
     else:
         options = {"parameters": parameters_of(given), "initial": numbers_of("--initial", initial)}
         result, stop = _moved(
-            Wish(file, target), end, {name: value for name, value in options.items() if value}
+            Wish(file, target),
+            end,
+            {name: value for name, value in options.items() if value},
+            {"paths_of": path_of, "speed": speed},
         )
-    result.animate(place, speed=speed, paths_of=path_of)
-    typer.echo(f"wrote {place}, {place.stat().st_size / 1000:.0f} kB")
+    if len(result) or not stop:
+        result.animate(place, speed=speed, paths_of=path_of)
+        typer.echo(f"wrote {place}, {place.stat().st_size / 1000:.0f} kB")
     if stop:
-        typer.echo(f"kousoku: {file}: {stop}", err=True)
-        raise typer.Exit(STOPPED)
+        typer.echo(f"kousoku: {file}: {stop.why}", err=True)
+        raise typer.Exit(stop.code)
     require_trust(file, result)
 
 
-def _moved(wish: Wish, end: float | None, options: dict[str, Any]) -> "tuple[Result, str]":
-    """Return the motion of a scene, and why it stopped, empty if it did not."""
-    from kousoku.loading import naming
+def _moved(
+    wish: Wish, end: float | None, options: dict[str, Any], shown: dict[str, Any]
+) -> "tuple[Result, Stop | None]":
+    """Return the motion of a scene as far as it came, and why it stopped if it did."""
+    from kousoku.view.picture import require_showable
 
     mechanism = loaded(wish)
-    if mechanism.scene.inputs and "initial" in options:
+    scene = mechanism.scene
+    require_showable(scene, **shown)
+    if scene.inputs and "initial" in options:
         raise SolveError(f"{wish.file}: inputs say where a linkage starts; --initial is for bodies")
-    duration = getattr(mechanism.scene, "duration", None) if end is None else end
-    try:
-        with naming(wish.file), shown_progress() as show:
-            if duration is None and mechanism.scene.inputs:
-                return mechanism.solve(**options), ""
-            samples = int(min(max((duration or 0.0) * RATE, LEAST), MOST))
-            return mechanism.simulate(duration, samples=samples, progress=show, **options), ""
-    except MotionError as error:
-        return mechanism.result_of(error.result), str(error)
-    except SolveError as error:
-        more = "; or --end SECONDS" if duration is None else ""
-        raise SolveError(f"{wish.file}: {error}{more}") from None
+    duration = scene.duration if end is None else end
+
+    def how(mechanism: "Mechanism", progress: Any) -> "Result":
+        if duration is None and scene.inputs:
+            return mechanism.solve(**options)
+        samples = int(min(max((duration or 0.0) * RATE, LEAST), MOST))
+        return mechanism.simulate(duration, samples=samples, progress=progress, **options)
+
+    return moved(wish.file, mechanism, how)

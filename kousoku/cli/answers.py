@@ -22,10 +22,11 @@ class Shelf(TypedDict):
 
 
 class Cache(TypedDict):
-    """What ``kousoku cache`` found: its folder, how many entries it removed, and what is left."""
+    """What ``kousoku cache`` found; ``limit`` is the bytes that it may take."""
 
     format: int
     folder: str
+    limit: int
     removed: int
     shelves: dict[str, Shelf]
 

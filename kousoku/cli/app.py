@@ -11,7 +11,7 @@ from kousoku import __version__
 from kousoku.cli.animate import animate
 from kousoku.cli.cache import cache
 from kousoku.cli.check import check
-from kousoku.cli.console import BAD_INPUT
+from kousoku.cli.console import BAD_INPUT, INTERRUPTED
 from kousoku.cli.derive import derive
 from kousoku.cli.explain import explain
 from kousoku.cli.generate import generate
@@ -22,6 +22,7 @@ from kousoku.cli.schema import schema
 from kousoku.cli.simulate import simulate
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
+from kousoku.cli.wording import as_typed
 from kousoku.model.errors import KousokuError
 
 app = typer.Typer(
@@ -50,7 +51,7 @@ def _kousoku(
     """Derive constraint equations, emit them as NumPy and C, verify what was emitted, solve.
 
     Exit codes: 0 all is well, 1 emitted code or a proof disagrees with what was derived, 2 bad
-    input, 3 a motion that stopped, 130 Ctrl-C.
+    input, 3 a motion that stopped or cannot be trusted, 130 Ctrl-C.
     """
 
 
@@ -77,7 +78,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     try:
         app(args=arguments)
     except (KousokuError, OSError) as error:
-        print(f"kousoku: {error}", file=sys.stderr)
+        print(f"kousoku: {as_typed(str(error))}", file=sys.stderr)
         raise SystemExit(BAD_INPUT) from None
     except KeyboardInterrupt:
-        raise SystemExit(130) from None
+        raise SystemExit(INTERRUPTED) from None

@@ -13,12 +13,14 @@ def cache(
 ) -> None:
     """Show what the cache holds: solvers of scenes, kernels of kinds, compiled libraries.
 
-    All of it can be made again. It is kept below 2 GiB, or the bytes that KOUSOKU_CACHE_SIZE says;
-    KOUSOKU_CACHE chooses another folder.
+    All of it can be made again. It is kept below 2 GiB, or what KOUSOKU_CACHE_SIZE says, such as
+    500M or 1GiB; KOUSOKU_CACHE chooses another folder.
     """
-    from kousoku.model.cache import SHELVES, cache_folder, entries
+    from kousoku.model.cache import SHELVES, cache_folder, entries, size_limit
     from kousoku.model.cache import clear as cleared
+    from kousoku.model.text import counted
 
+    limit = size_limit()
     gone = cleared() if clear else []
     kept = entries()
     if as_json:
@@ -30,18 +32,22 @@ def cache(
             for shelf in SHELVES
         }
         folder = str(cache_folder())
-        print_json({"folder": folder, "removed": len(gone), "shelves": shelves})
+        print_json({"folder": folder, "limit": limit, "removed": len(gone), "shelves": shelves})
         return
     if clear:
-        typer.echo(f"removed {len(gone)} entries, {_size(sum(entry.size for entry in gone))}")
+        removed = counted(len(gone), "entry", "entries")
+        typer.echo(f"removed {removed}, {_size(sum(entry.size for entry in gone))}")
     rows = []
     for shelf in SHELVES:
         own = [entry.size for entry in kept if entry.shelf == shelf]
         rows.append((shelf, str(len(own)), _size(sum(own))))
     rows.append(("all", str(len(kept)), _size(sum(entry.size for entry in kept))))
-    print_table(("", "entries", "size"), rows, title=str(cache_folder()))
+    title = f"{cache_folder()}, kept below {_size(limit)}"
+    print_table(("", "entries", "size"), rows, title=title)
 
 
 def _size(count: int) -> str:
     """Return bytes as people read them."""
+    if count >= 1e8:
+        return f"{count / 1e9:.2f} GB"
     return f"{count / 1e6:.1f} MB" if count >= 1e5 else f"{count / 1e3:.1f} kB"

@@ -8,6 +8,13 @@ import typer
 
 from kousoku.cli.completing import files
 from kousoku.cli.console import BAD_INPUT, AsJson, print_json
+from kousoku.model.errors import AssemblyError, Problem, SceneError
+
+#: What is wrong with a force of which nobody can tell how large it is at the start.
+NO_VALUE = (
+    "has no finite value where the scene starts, as x/abs(x) where x is 0; take x/sqrt(x^2 + 1e-6),"
+    " or start elsewhere"
+)
 
 
 def check(
@@ -46,7 +53,6 @@ def checked(path: Path) -> dict[str, Any]:
         ``file``, ``is_valid``, ``what`` it is, and ``problems`` and ``notes``: each has ``line``,
         0 where there is none, ``key``, ``problem``, and all of it as ``text``.
     """
-    from kousoku.model.errors import AssemblyError, SceneError
     from kousoku.model.read import located, read_scene
 
     what, notes, problems = "", tuple[str, ...](), list[dict[str, Any]]()
@@ -80,6 +86,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
         It cannot be moved.
     """
     from kousoku.model.assemble import assemble
+    from kousoku.model.decode import join
     from kousoku.model.validate import check as checked_again
 
     if not scene.is_spatial:
@@ -87,13 +94,20 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
         return _counted(scene, {"links": "link", "sliders": "slider", "inputs": "input"}), (
             checked_again(scene)
         )
+    from kousoku.codegen.dynamics.checking.start import forces_without_value
     from kousoku.codegen.dynamics.generate import composed
+    from kousoku.model.about import notes_of_dry_friction
 
     made = composed(scene, scene.outputs)
+    if names := forces_without_value(made.written):
+        raise SceneError.of([Problem(NO_VALUE, join("forces", name)) for name in names])
     degrees = f"{made.degrees} degree{'s' * (made.degrees != 1)} of freedom"
     tables = {"bodies": "body", "joints": "joint", "drivers": "driver"}
     tables |= {"inputs": "input", "forces": "force", "events": "event"}
-    return f"{_counted(scene, tables)}; {degrees}", made.about.notes
+    return f"{_counted(scene, tables)}; {degrees}", (
+        *made.about.notes,
+        *notes_of_dry_friction(scene),
+    )
 
 
 def _counted(scene: Any, tables: Mapping[str, str]) -> str:

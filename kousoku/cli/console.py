@@ -18,8 +18,9 @@ from kousoku.symbolic import KINDS, packages_of
 
 #: Number of the format of what ``--json`` prints, see :mod:`kousoku.cli.answers`.
 FORMAT = 1
-#: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped.
-DISAGREEMENT, BAD_INPUT, STOPPED = 1, 2, 3
+#: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped, or
+#: cannot be trusted; Ctrl-C.
+DISAGREEMENT, BAD_INPUT, STOPPED, INTERRUPTED = 1, 2, 3, 130
 
 
 class Target(StrEnum):

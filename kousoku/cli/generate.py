@@ -19,6 +19,7 @@ from kousoku.cli.console import (
     progress,
 )
 from kousoku.model.errors import EmitError
+from kousoku.model.text import counted
 
 SourceTree = dict[str, str]
 
@@ -107,7 +108,7 @@ def generate(
         if changed:
             typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
     same = sum(not changed for _, changed in rows)
-    typer.echo(f"{same} of {len(rows)} packages unchanged")
+    typer.echo(f"{same} of {counted(len(rows), 'package')} unchanged")
 
 
 def _is_own(folder: Path) -> bool:
@@ -234,6 +235,7 @@ def _report_check(
             typer.echo(line, err=True)
         for path in () if is_shipped else foreign:
             typer.echo(f"{path} is not kousoku's own: it is left alone", err=True)
-        typer.echo(f"{len(orders)} packages, {len(differences)} files differ")
+        differing = counted(len(differences), "file differs", "files differ")
+        typer.echo(f"{counted(len(orders), 'package')}, {differing}")
     if differences:
         raise typer.Exit(DISAGREEMENT)

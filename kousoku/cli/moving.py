@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-import re
+import math
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, cast
 
 import typer
 
 from kousoku.cli.completing import files
-from kousoku.cli.console import STOPPED, Target, at_one_glance, print_json, print_table
-from kousoku.model.errors import MotionError, NotInResultError, SolveError
+from kousoku.cli.console import (
+    INTERRUPTED,
+    STOPPED,
+    Target,
+    at_one_glance,
+    print_json,
+    print_table,
+)
+from kousoku.cli.wording import as_typed
+from kousoku.model.errors import ExpressionError, MotionError, NotInResultError, SolveError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -36,14 +44,19 @@ SceneFile = Annotated[
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the scene, for each."),
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help="A parameter of the scene, for each; formulas too, as 2*pi/3 or 30deg.",
+    ),
 ]
 Initial = Annotated[
     list[str] | None,
     typer.Option(
         "--initial",
         metavar="NAME=VALUE",
-        help="Where to start: a coordinate, or its rate NAME_dot, for each; 30deg for degrees.",
+        help="Where to start: a coordinate, or its rate NAME_dot, for each; formulas too, as pi/6"
+        " or 30deg.",
     ),
 ]
 Out = Annotated[
@@ -120,27 +133,13 @@ def move(
         The motion stopped, rows before that are written; or its ledger says why it is not to be
         trusted.
     """
-    from kousoku.loading import naming
-    from kousoku.runtime.run import Interrupted
-
     check_destinations(wish)
     begin = time.perf_counter()
     mechanism = loaded(wish)
     seconds = {"load": time.perf_counter() - begin}
     if wish.of is not None:
         _require_part(mechanism, wish.of)
-    stop: tuple[int, str] | None = None
-    try:
-        with naming(wish.file), shown_progress() as show:
-            result = how(mechanism, show)
-    except MotionError as error:
-        stop, result = (STOPPED, str(error)), mechanism.result_of(error.result)
-    except Interrupted as error:
-        stop, result = (130, str(error)), mechanism.result_of(error.result)
-    except SolveError as error:
-        raise (
-            SolveError(f"{wish.file}: {error}") if str(wish.file) not in str(error) else error
-        ) from None
+    result, stop = moved(wish.file, mechanism, how)
     wish = replace(wish, columns=_columns(result, wish.columns))
     begin = time.perf_counter()
     files = _write(result, wish)
@@ -150,19 +149,52 @@ def move(
     errors = compare(mechanism, result) if compare and not stop else None
     if stop:
         kept = f"; what was computed before is in {wish.out}" if wish.out else ""
-        typer.echo(f"kousoku: {wish.file}: {stop[1]}{kept}", err=True)
+        typer.echo(f"kousoku: {wish.file}: {stop.why}{kept}", err=True)
         if wish.as_json:
             _show(result, wish, files, seconds, errors)
-        raise typer.Exit(stop[0])
+        raise typer.Exit(stop.code)
     _show(result, wish, files, seconds, errors)
     require_trust(wish.file, result)
+
+
+class Stop(NamedTuple):
+    """Why a motion stopped before its end, and the exit code."""
+
+    code: int
+    why: str
+
+
+def moved(
+    file: Path, mechanism: Mechanism, how: Callable[[Mechanism, Any], Result]
+) -> tuple[Result, Stop | None]:
+    """Return the motion of a mechanism as far as it came, and why it stopped if it did.
+
+    Raises
+    ------
+    SceneError
+        The scene is not valid; the message names the file.
+    SolveError
+        An option is not possible, or the start is not.
+    """
+    from kousoku.loading import naming
+    from kousoku.runtime.run import Interrupted
+
+    try:
+        with naming(file), shown_progress() as show:
+            return how(mechanism, show), None
+    except MotionError as error:
+        return mechanism.result_of(error.result), Stop(STOPPED, as_typed(str(error)))
+    except Interrupted as error:
+        return mechanism.result_of(error.result), Stop(INTERRUPTED, str(error))
+    except SolveError as error:
+        raise (SolveError(f"{file}: {error}") if str(file) not in str(error) else error) from None
 
 
 def require_trust(file: Path, result: Result) -> None:
     """End with 3 where a motion cannot be trusted, and say why."""
     trust = getattr(result.ledger, "trust", None)
     if trust is not None and not trust.is_trusted:
-        typer.echo(f"kousoku: {file}: not trusted: {trust.why}", err=True)
+        typer.echo(f"kousoku: {file}: not trusted: {as_typed(trust.why)}", err=True)
         raise typer.Exit(STOPPED)
 
 
@@ -210,7 +242,7 @@ def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:
     if path.is_dir():
         raise SolveError(f"{option} {path}: is a folder, wanted a file")
     if not path.absolute().parent.is_dir():
-        raise SolveError(f"{option} {path}: no such folder; make it first")
+        raise SolveError(f"{option} {path}: there is no folder {path.parent}; make it first")
 
 
 def _require_part(mechanism: Mechanism, name: str) -> None:
@@ -264,7 +296,7 @@ def _show(
     _print_rows(result, wish)
     for line in result.notes:
         typer.echo(line)
-    typer.echo(str(result.ledger))
+    typer.echo(as_typed(str(result.ledger)))
     if errors is not None:
         parts = ", ".join(f"{name} {value:.1e}" for name, value in errors.items())
         typer.echo(f"largest difference from the closed form: {parts}")
@@ -298,38 +330,61 @@ def shown_progress() -> Iterator[Callable[[float, float], None] | None]:
 
 
 def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | str]:
-    """Return the values of options such as ``--set NAME=VALUE``.
+    """Return the values of options such as ``--set NAME=VALUE``; angles in degrees stay texts.
 
     Raises
     ------
     SolveError
-        One is not a name, ``=`` and a number.
+        One is not a name, ``=`` and a number or a formula of numbers.
     """
     values: dict[str, float | str] = {}
     for text in given or ():
-        name, _, number = (part.strip() for part in text.partition("="))
-        degrees = re.fullmatch(r"([-+.\deE]*[\d.])[ *]*deg", number)
-        try:
-            value = float(degrees[1] if degrees else number)
-        except ValueError:
-            name = ""
-        if not name:
-            example = "angle=0.5, or 'angle=30 deg'" if option == "--initial" else "k=3.0"
+        name, _, value = (part.strip() for part in text.partition("="))
+        example = "k=3.0, or k=1/3"
+        if option == "--initial":
+            example = "angle=pi/6, or 'angle=30 deg'; a rate, angle_dot, is per second"
+        if not (name and value):
             raise SolveError(f"{option} {text}: wanted a name, = and a number: {example}")
-        values[name] = f"{value!r} deg" if degrees else value
+        try:
+            values[name] = _number(value)
+        except ExpressionError as error:
+            raise SolveError(f"{option} {text}: {error}; wanted a number: {example}") from None
     return values
 
 
+def _number(text: str) -> float | str:
+    """Return what a text stands for: a number, an angle in degrees, the value of a formula.
+
+    Raises
+    ------
+    ExpressionError
+        It is none of them.
+    """
+    from kousoku.model.angles import number_of
+    from kousoku.model.expression import parse_expression
+    from kousoku.model.values import value_of
+
+    with suppress(ValueError):
+        return float(text)
+    with suppress(ValueError):
+        value = number_of(text)
+        return text if "deg" in text else value
+    value = value_of(parse_expression(text, ()), {})
+    return f"{math.degrees(value)!r} deg" if "deg" in text and math.isfinite(value) else value
+
+
 def parameters_of(given: Sequence[str] | None) -> dict[str, float]:
-    """Return the values of ``--set NAME=VALUE``.
+    """Return the values of ``--set NAME=VALUE``, angles in radians.
 
     Raises
     ------
     SolveError
-        One is not a name, ``=`` and a number.
+        One is not a name, ``=`` and a number or a formula of numbers.
     """
+    from kousoku.model.angles import number_of
+
     values = numbers_of("--set", given)
-    for name, value in values.items():
-        if isinstance(value, str):
-            raise SolveError(f"--set {name}={value}: wanted a number, in rad")
-    return {name: float(value) for name, value in values.items()}
+    return {
+        name: number_of(value) if isinstance(value, str) else value
+        for name, value in values.items()
+    }

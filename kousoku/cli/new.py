@@ -46,6 +46,7 @@ def new(
     from kousoku.model.errors import SceneError
     from kousoku.model.names import scene_name_problem
     from kousoku.model.schema import schema_text
+    from kousoku.runtime.integrate.result import require_folder
 
     path = Path(f"{sort.value.replace('-', '_')}.toml") if file is None else file
     if path.suffix != ".toml":
@@ -55,6 +56,7 @@ def new(
         raise SceneError(f"names the scene, too: {problem}", file=str(path))
     if path.exists():
         raise SceneError("is there already; choose another name", file=str(path))
+    require_folder(path)
     text = template(sort, name)
     if schema:
         beside = path.parent / SCHEMA

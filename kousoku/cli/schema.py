@@ -27,11 +27,13 @@ def schema(
     first line is "#:schema ./scene.schema.json", with that file beside the scene.
     """
     from kousoku.model.cache import write_atomically
+    from kousoku.runtime.integrate.result import require_folder
 
     text = _scene_schema() if command is None else _answer_schema(command)
     if out is None:
         sys.stdout.write(text)
         return
+    require_folder(out)
     write_atomically(out, text.encode())
     typer.echo(f"wrote {out}")
 

@@ -21,6 +21,7 @@ from kousoku.cli.console import (
     progress,
 )
 from kousoku.model.errors import LoadError
+from kousoku.model.text import counted
 
 if TYPE_CHECKING:
     from kousoku.runtime.report import Report
@@ -115,5 +116,6 @@ def print_summary(reports: Sequence["Report"]) -> None:
             typer.echo(f"{report.package}: {more}", err=True)
     count = sum(report.ok for report in reports)
     typer.echo(
-        f"{count} of {len(reports)} packages compute what was derived, within {LIMIT:g} units"
+        f"{count} of {counted(len(reports), 'package')} compute"
+        f"{'s' * (len(reports) == 1)} what was derived, within {LIMIT:g} units"
     )

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from kousoku.model.text import counted
 from kousoku.view.meshes import mesh_of
 from kousoku.view.shapes import DARK, LIGHT
 
@@ -248,10 +249,11 @@ class Animation:
         Raises
         ------
         SolveError
-            The suffix is another one, or the file cannot be written.
+            The suffix is another one, the folder is missing, or the file cannot be written.
         """
         from kousoku.model.cache import write_atomically
         from kousoku.model.errors import SolveError
+        from kousoku.runtime.integrate.result import require_folder
 
         place = Path(path)
         match place.suffix:
@@ -263,6 +265,7 @@ class Animation:
                 text = moving_svg(self._picture)
             case _:
                 raise SolveError(f"{place}: wanted a file *.html or *.svg")
+        require_folder(place)
         try:
             write_atomically(place, text.encode())
         except (OSError, ValueError) as error:  # a null character
@@ -286,7 +289,7 @@ class Animation:
         picture = self._picture
         return (
             f"<Animation of {picture.name!r}: {picture.time[0]:g} to {picture.time[-1]:g} s,"
-            f" {len(picture.shapes.bodies) - 1} bodies>"
+            f" {counted(len(picture.shapes.bodies) - 1, 'body', 'bodies')}>"
         )
 
     def _repr_html_(self) -> str | None:

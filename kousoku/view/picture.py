@@ -156,15 +156,8 @@ def picture_of(
 ) -> Picture:
     """Return the picture of a run, see :func:`kousoku.view.animate`."""
     from kousoku.model.errors import SolveError
-    from kousoku.runtime.integrate.given import require_numbers
 
-    for name, one in (("fps", fps), ("speed", speed), ("start", start), ("end", end)):
-        if one is not None:
-            number: dict[str, Any] = {name: one}
-            require_numbers(scene.name, **number)
-    if not fps > 0.0 or not isfinite(fps) or (speed is not None and not 0.0 < speed < np.inf):
-        given = f"fps={fps!r}, speed={speed!r}"
-        raise SolveError(f"{scene.name}: {given}: wanted positive numbers")
+    _require_numbers(scene.name, fps=fps, speed=speed, start=start, end=end)
     if len(result) == 0:
         raise SolveError(f"{scene.name}: the run has no row: there is nothing to show")
     if not scene.is_spatial:
@@ -210,6 +203,35 @@ def picture_of(
         is_chosen=not isinstance(forces, bool),
         verdict=getattr(result, "verdict", ""),
     )
+
+
+def require_showable(
+    scene: Scene, *, paths_of: Sequence[Any] | None = None, speed: float | None = None
+) -> None:
+    """Refuse what no picture of a scene can show, before it is moved.
+
+    Raises
+    ------
+    SolveError
+        There is no such joint or body, or the speed is none.
+    """
+    _require_numbers(scene.name, speed=speed)
+    if paths_of:
+        _paths(picture_at_rest(scene).shapes, paths_of, scene.name)
+
+
+def _require_numbers(scene: str, **given: float | None) -> None:
+    """Refuse what is no number, and what has to be positive and is not."""
+    from kousoku.model.errors import SolveError
+    from kousoku.runtime.integrate.given import require_numbers
+
+    for name, one in given.items():
+        if one is None:
+            continue
+        number: dict[str, Any] = {name: one}
+        require_numbers(scene, **number)
+        if name in {"fps", "speed"} and not 0.0 < one < np.inf:
+            raise SolveError(f"{scene}: {name} {one!r}; wanted a positive number")
 
 
 def _stacked(table: Mapping[str, Array], scene: Scene, rows: int, size: int) -> Array:

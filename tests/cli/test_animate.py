@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import signal
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
+
+from kousoku.mechanism import Mechanism
+from kousoku.runtime.dynamics import DynamicsSolver
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from kousoku.runtime.motion import Motion
     from kousoku.runtime.toolchain import Toolchain
 
     Run = Callable[..., tuple[int, str, str]]
@@ -50,13 +55,13 @@ def test_bodies_move_to_the_end(run: Run, tmp_path: Path, compiler: Toolchain) -
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([BODY], "simulate wants a last time in seconds"),
+        ([BODY], "a last time is wanted: --end SECONDS; or give the scene a duration\n"),
         ([LINKAGE, "--set", "k=2"], "a linkage has no parameters"),
         ([LINKAGE, "--initial", "alpha=1"], "inputs say where a linkage starts"),
         ([BODY, "--end", "1", "--set", "k=2"], "no parameter 'k': its formulas have none\n"),
         ([LINKAGE, "--out", "x.gif"], "the name must end in .html or .svg"),
-        ([LINKAGE, "--out", "nowhere/x.html"], "no such folder; make it first"),
-        ([LINKAGE, "--target", "numpy", "--speed", "0"], "wanted positive numbers"),
+        ([LINKAGE, "--out", "nowhere/x.html"], "there is no folder nowhere; make it first"),
+        ([LINKAGE, "--target", "numpy", "--speed", "0"], "wanted a positive number"),
         ([LINKAGE, "--target", "numpy", "--path-of", "O9"], "no body or joint 'O9': there are"),
     ],
 )
@@ -88,6 +93,40 @@ def test_a_motion_that_cannot_be_trusted_is_shown_and_told(run: Run, tmp_path: P
     code, out, err = run("animate", scene, "--end", "1", "--out", page)
     assert code == 3 and out.startswith("wrote ") and page.exists()
     assert "not trusted: numbers of rows are not finite" in err
+
+
+@pytest.mark.usefixtures("interrupts", "compiler")
+@pytest.mark.parametrize("begun", [True, False])
+def test_an_interrupt_shows_what_was_reached(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, begun: bool
+) -> None:
+    simulate = DynamicsSolver.simulate
+
+    def pressed(solver: DynamicsSolver, end: float | None, **options: Any) -> Motion:
+        if not begun:
+            end, options["times"] = None, [10.0, 20.0]
+        options["progress"] = lambda *_: signal.raise_signal(signal.SIGINT)
+        return simulate(solver, end, **options)
+
+    monkeypatch.setattr(DynamicsSolver, "simulate", pressed)
+    page = tmp_path / "x.html"
+    code, out, err = run("animate", BODY, "--end", "100", "--out", page)
+    assert code == 130
+    assert err.startswith(f"kousoku: {BODY}: stopped at t = ") and err.count("\n") == 1
+    assert (page.exists(), out.startswith(f"wrote {page}, ")) == (begun, begun)
+
+
+@pytest.mark.parametrize(
+    "option", [("--path-of", "O9"), ("--speed", "0"), ("--path-of", "O3", "--path-of", "b")]
+)
+def test_what_cannot_be_shown_is_told_before_it_moves(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, option: tuple[str, ...]
+) -> None:
+    monkeypatch.setattr(Mechanism, "solve", None)
+    code, _, err = run(
+        "animate", LINKAGE, "--target", "numpy", *option, "--out", tmp_path / "x.svg"
+    )
+    assert code == 2 and err.count("\n") == 1 and "Traceback" not in err
 
 
 def test_a_saved_run_takes_no_options_of_a_motion(run: Run, tmp_path: Path) -> None:

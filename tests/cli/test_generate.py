@@ -52,7 +52,7 @@ def test_a_new_folder_is_that_of_one_package(
 ) -> None:
     monkeypatch.setenv("KOUSOKU_CC", "none")
     made = tmp_path / "made"
-    for changed in ("manifest.json", "1 of 1 packages unchanged"):
+    for changed in ("manifest.json", "1 of 1 package unchanged"):
         code, out, _ = run("generate", LEVER, "--out", made)
         assert code == 0 and changed in out
         assert names_in(made) > FILES
@@ -76,7 +76,7 @@ def test_batches_of_a_copied_folder_compile_by_hand(
 
 @pytest.mark.parametrize("name", ["n1", "lever_crank"])
 def test_what_kousoku_ships_is_what_it_generates(run: Run, name: str) -> None:
-    assert run("generate", name, "--check")[:2] == (0, "1 packages, 0 files differ\n")
+    assert run("generate", name, "--check")[:2] == (0, "1 package, 0 files differ\n")
 
 
 @pytest.mark.parametrize("name", ["p2", "p2_y"])

@@ -63,6 +63,14 @@ def test_a_file_that_cannot_be_is_refused(run: Run, tmp_path: Path, file: str, s
     assert (tmp_path / "there.toml").read_text() == "mine"
 
 
+@pytest.mark.parametrize("command", [("new", "pendulum"), ("schema", "--out")])
+def test_no_folder_is_made(run: Run, tmp_path: Path, command: tuple[str, ...]) -> None:
+    folder = tmp_path / "misspelt"
+    code, out, err = run(*command, folder / "x.toml")
+    assert (code, out, folder.exists()) == (2, "", False)
+    assert err == f"kousoku: {folder / 'x.toml'}: there is no folder {folder}; make it first\n"
+
+
 def test_a_new_scene_names_the_schema_beside_it(run: Run, tmp_path: Path) -> None:
     file = tmp_path / "mine.toml"
     assert run("new", "linkage", file, "--schema")[0] == 0
@@ -114,6 +122,39 @@ def test_notes_are_told_and_do_not_count_as_problems(run: Run, tmp_path: Path) -
         f"{file}: note: assembly changed bodies.bar: moved by 0.539 m, turned by 10.6 deg",
         f"{file}: 1 body, 1 joint; 1 degree of freedom",
     ]
+
+
+@pytest.mark.parametrize(
+    ("force", "problem", "note"),
+    [
+        ("-20*turn_dot/abs(turn_dot)", True, True),
+        ("-2*log(turn_dot)", True, False),
+        ("-20*sign(turn_dot)", False, True),
+        ("3*sign(2*turn_dot - t)*turn", False, True),
+        ("-20*turn_dot/sqrt(turn_dot^2 + 1e-6)", False, False),
+        ("-20*sign(turn)", False, False),
+        ("-20*abs(turn_dot)*turn_dot", False, False),
+    ],
+)
+def test_dry_friction_is_told_before_it_stops_a_run(
+    run: Run, tmp_path: Path, force: str, problem: bool, note: bool
+) -> None:
+    file = tmp_path / "dry.toml"
+    hinge = '{ type = "hinge", bodies = ["ground", "bar"], at = [0, 0, 0], axis = [0, 0, 1] }'
+    file.write_text(
+        'name = "dry"\nunit = "m"\ncoordinates = { turn = { joint = "a" } }\n[bodies]\n'
+        "bar = { position = [0, 0, 0], rods = [{ mass = 1, ends = [[0, 0, 0], [1, 0, 0]] }] }\n"
+        f"[joints]\na = {hinge}\n[forces]\n"
+        'push = { type = "force", body = "bar", force = ["t", 0, 0] }\n'
+        f'dry = {{ type = "along", coordinate = "turn", force = "{force}" }}\n'
+    )
+    code, out, _ = run("check", file, "--json")
+    found = json.loads(out)["scenes"][0]
+    told = [(one["line"], one["key"]) for one in found["problems"]]
+    assert (code, told) == ((2, [(10, "forces.dry")]) if problem else (0, []))
+    assert any("as dry friction does" in one["problem"] for one in found["notes"]) == (
+        note and not problem
+    )
 
 
 @pytest.mark.parametrize("name", ["none.toml", ""])

@@ -22,6 +22,17 @@ if TYPE_CHECKING:
 
 SCENES = Path(__file__).parents[2] / "scenes"
 LOOP = SCENES / "loop_free.toml"
+LEVER = SCENES / "lever_crank.toml"
+CART = """
+name = "cart"
+unit = "m"
+outputs = ["coordinates"]
+coordinates = { way = { joint = "rail" } }
+[bodies]
+cart = { position = [0, 0, 0], mass = 1, center = [0, 0, 0], inertia = { xx = 1, yy = 1, zz = 1 } }
+[joints]
+rail = { type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }
+"""
 PNG = b"\x89PNG\r\n\x1a\n"
 
 
@@ -38,7 +49,13 @@ def rows(run: Run, tmp_path: Path, compiler: object) -> Callable[..., Any]:
     return moved
 
 
-@pytest.mark.parametrize("given", ["30deg", "30 deg", "3e1deg", "30*deg", str(math.pi / 6)])
+@pytest.mark.parametrize(
+    "given",
+    [
+        *("30deg", "30 deg", "3e1deg", "30*deg", str(math.pi / 6)),
+        *("pi/6", "asin(1/2)", "(10 + 5*4) * deg", "pi/2 - 60 deg"),
+    ],
+)
 def test_a_run_starts_where_it_is_told(rows: Callable[..., Any], given: str) -> None:
     options = ("--initial", f"crank_angle={given}", "--initial", "crank_angle_dot=-0.5")
     found = rows("--end", 1, "--samples", 3, *options)
@@ -49,9 +66,15 @@ def test_a_run_starts_where_it_is_told(rows: Callable[..., Any], given: str) -> 
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ("crank_angle", "--initial crank_angle: wanted a name, = and a number: angle=0.5, or"),
-        ("crank_angle=deg", "wanted a name, = and a number"),
-        ("crank_angle=30 degrees", "wanted a name, = and a number"),
+        ("crank_angle", "--initial crank_angle: wanted a name, = and a number: angle=pi/6, or"),
+        ("crank_angle=", "wanted a name, = and a number"),
+        ("crank_angle=30 degrees", "column 4: 'degrees' stands where an operator is wanted"),
+        ("crank_angle=30 deg/s", "a rate, angle_dot, is per second"),
+        ("crank_angle=__import__('os')", "column 1: unknown name '__import__'"),
+        ("crank_angle=9**9**9", "column 2: '**' is no operator"),
+        ("crank_angle=9^9^9^9", "initial crank_angle is nan"),
+        ("crank_angle=1/0", "column 3: a division by zero"),
+        ("crank_angle=sqrt(-1)*deg", "initial crank_angle is nan"),
         ("=3", "--initial =3: wanted a name, = and a number"),
         ("crank_angel=3", "no coordinate 'crank_angel'"),
         ("crank_angle=nan", "initial crank_angle is nan; wanted a finite number"),
@@ -63,6 +86,28 @@ def test_a_start_that_is_none_is_one_line(
     code, out, err = run("simulate", LOOP, "--end", 1, "--initial", given)
     assert (code, out) == (2, "")
     assert err.count("\n") == 1 and says in err
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [("1/4", 0.25), ("2*pi/3", 2 * math.pi / 3), ("30 deg", math.pi / 6), ("sqrt(2) - 1e-3", None)],
+)
+def test_a_parameter_is_a_formula_as_in_files(
+    run: Run, compiler: object, given: str, wanted: float | None
+) -> None:
+    code, out, _ = run("simulate", LOOP, "--end", 0.1, "--set", f"mass={given}", "--json")
+    mass = json.loads(out)["ledger"]["parameters"]["mass"]
+    wanted = math.sqrt(2) - 1e-3 if wanted is None else wanted
+    assert (code, mass) == (0, pytest.approx(wanted, rel=1e-15))
+
+
+@pytest.mark.parametrize("given", ["30deg", "2*15deg"])
+def test_a_length_is_no_angle(run: Run, compiler: object, tmp_path: Path, given: str) -> None:
+    scene = tmp_path / "cart.toml"
+    scene.write_text(CART, encoding="utf-8")
+    assert run("simulate", scene, "--end", 0.1, "--initial", "way=1/2")[0] == 0
+    code, _, err = run("simulate", scene, "--end", 0.1, "--initial", f"way={given}")
+    assert code == 2 and "initial way is '" in err and "deg'; wanted a finite number\n" in err
 
 
 def test_steps_are_no_longer_than_the_longest(run: Run, compiler: object) -> None:
@@ -139,6 +184,41 @@ def test_a_run_that_was_kept_is_animated(run: Run, compiler: object, tmp_path: P
     code, out, err = run("animate", kept, "--out", page)
     assert (code, out) == (2, "")
     assert err.startswith(f"kousoku: {kept}: holds no run") and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "says"),
+    [
+        (["simulate", LOOP], "a last time is wanted: --end SECONDS; or give the scene a duration"),
+        (["simulate", LOOP, "--end", 9, "--most-steps", 3], "--most-steps allows more of them"),
+        (
+            ["simulate", LOOP, "--end", 9, "--step", 1, "--largest-step", 0.1],
+            "step 1.0 with --largest-step 0.1",
+        ),
+        (
+            ["simulate", LOOP, "--end", 1, "--initial", "crank_angle=1", "--output", "energies"],
+            'was generated without "coordinates"; the scene wants outputs = [..., "coordinates"]',
+        ),
+        (
+            ["simulate", LEVER, "--end", 1, "--estimate-error"],
+            "--estimate-error is an option of scenes of bodies; this one is a linkage of nodes\n",
+        ),
+        (
+            ["simulate", LEVER, "--end", 1, "--set", "k=1"],
+            "--set is an option of scenes of bodies; this one is a linkage of nodes\n",
+        ),
+        (
+            ["solve", SCENES / "oldham_coupling.toml", "--first-turn", 1],
+            "--first-turn is an option of linkages of nodes; this one is a scene of bodies\n",
+        ),
+        (["solve", LOOP], "or nothing drives: kousoku simulate\n"),
+    ],
+)
+def test_messages_name_options_as_they_are_typed(
+    run: Run, compiler: object, command: list[Any], says: str
+) -> None:
+    code, _, err = run(*command)
+    assert (code in {2, 3}, says in err, err.count("\n")) == (True, True, 1), err
 
 
 # ---- completion ---------------------------------------------------------------------------------

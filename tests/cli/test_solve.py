@@ -98,7 +98,7 @@ def test_plots_are_those_of_the_paper(run: Run, tmp_path: Path) -> None:
     ("arguments", "word"),
     [
         (("--out", "x.txt"), "x.txt"),
-        (("--out", "no/such/folder/x.csv"), "no such folder"),
+        (("--out", "no/such/folder/x.csv"), "there is no folder no/such/folder"),
         (("--node", "O9"), "O9"),
         (("--method", "magic"), "magic"),
         (("--divisions", "0"), "divisions"),
@@ -169,7 +169,7 @@ def test_bodies_are_solved_at_the_divisions_of_their_input(
 
 def test_options_of_the_other_scenes_are_refused(run: Run, crank: Path) -> None:
     for scene, option, says in (
-        (crank, ("--turns", 2), "no option 'turns': there are parameters, divisions"),
+        (crank, ("--turns", 2), "--turns is an option of linkages of nodes; this one is a scene"),
         (crank, ("--node", "O3"), "--body O3: the scene has arm"),
         (LEVER, ("--body", "arm"), "--node arm: the scene has O1, O2, O3, O4"),
         (LEVER, ("--set", "k=3"), "a linkage has no parameters"),

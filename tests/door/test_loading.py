@@ -127,6 +127,15 @@ def test_what_was_used_just_now_stays() -> None:
     assert not shrink(0)
 
 
+def test_a_size_of_the_cache_that_says_nothing_stops_before_work(
+    empty_cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE_SIZE", "1Q")
+    with pytest.raises(CacheError, match=r"KOUSOKU_CACHE_SIZE=1Q: wanted .* such as 500M"):
+        numpy_loaded(PENDULUM)
+    assert not empty_cache.exists() or not [*empty_cache.iterdir()]
+
+
 @pytest.mark.parametrize("scene", [7, None, b"name", "missing.toml", "."])
 def test_what_is_no_scene_is_refused(scene: object) -> None:
     with pytest.raises(ks.SceneError, match=r"no scene|cannot be read|is a folder"):

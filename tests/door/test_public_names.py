@@ -7,7 +7,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_overloads
 
 import pytest
 
@@ -15,13 +15,14 @@ import kousoku as ks
 from kousoku.cataloging import Catalog
 from kousoku.ledger.entry import Entry
 from kousoku.matrices import Evaluation, Matrices
+from kousoku.runtime.integrate.result import AnimationOptions
 from kousoku.runtime.kernel import Kernel
 from kousoku.runtime.library import Library
 from kousoku.runtime.options import RunOptions
 from kousoku.runtime.report import Report
 from kousoku.stages import KernelExplanation
 from kousoku.symbolic.derivation import Derivation
-from kousoku.view import Animation
+from kousoku.view import Animation, animate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,8 +30,8 @@ if TYPE_CHECKING:
 ROOT = Path(__file__).parents[2]
 #: What the public functions return or take beside the public classes.
 MORE = (
-    *(Animation, Catalog, Derivation, Entry, Evaluation, Kernel, KernelExplanation, Library),
-    *(Matrices, Report, RunOptions),
+    *(Animation, AnimationOptions, Catalog, Derivation, Entry, Evaluation, Kernel),
+    *(KernelExplanation, Library, Matrices, Report, RunOptions),
 )
 #: What the four lines may need beside the standard library, of what an installation brings.
 NEEDED = {"numpy", "msgspec", "mpmath", "jinja2", "markupsafe", "typing_extensions"}
@@ -53,7 +54,9 @@ def members(kind: type) -> Iterator[str]:
         if name.startswith("_") or (hasattr(dict, name) and issubclass(kind, dict)):
             continue
         what = inspect.getattr_static(kind, name, None)
-        yield f"    .{name}{signature(getattr(what, '__func__', what))}"
+        function = getattr(what, "__func__", what)
+        overloads = get_overloads(function) if inspect.isfunction(function) else []
+        yield from (f"    .{name}{signature(one)}" for one in overloads or [function])
 
 
 def shown(name: str, what: Any) -> Iterator[str]:
@@ -73,6 +76,13 @@ def test_names_and_signatures(golden: Callable[[str], None]) -> None:
     lines = [line for name, what in public for line in shown(name, what)]
     lines += [line for what in MORE for line in shown(what.__name__, what)]
     golden("\n".join([*lines, ""]))
+
+
+def test_a_result_takes_the_options_of_an_animation() -> None:
+    _, _, _, *options = inspect.signature(animate).parameters.values()
+    wanted = {one.name: one.annotation for one in options}
+    own = AnimationOptions.__annotations__
+    assert {name: kind.__forward_arg__ for name, kind in own.items()} == wanted
 
 
 def test_every_public_name_has_a_docstring() -> None:

@@ -57,6 +57,16 @@ def test_an_option_of_a_page_that_there_is_not_names_all(run: ks.Result) -> None
         run.animate(**wrong)
 
 
+@pytest.mark.parametrize("name", ["x.csv", "x.npz", "x.html", "x.svg"])
+def test_no_folder_is_made_for_a_file(run: ks.Result, tmp_path: Path, name: str) -> None:
+    place = tmp_path / "misspelt" / name
+    write = run.animate if place.suffix in {".html", ".svg"} else run.save
+    with pytest.raises(ks.SolveError) as refused:
+        write(place)
+    assert str(refused.value) == f"{place}: there is no folder {place.parent}; make it first"
+    assert not place.parent.exists()
+
+
 @pytest.mark.parametrize(
     ("given", "says"),
     [

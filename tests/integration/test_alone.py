@@ -315,7 +315,9 @@ def test_copied_folder_of_bodies_is_a_package(tmp_path: Path) -> None:
         np.testing.assert_array_equal(data["crank_angle"], angle)
     assert (tmp_path / "run.csv").read_text().startswith("time,crank.x,")
     install = "pip install 'kousoku["
-    assert [install in line for line in lines] == [True, True, True, False]
+    assert [install in line for line in lines] == [True, False, True, False]
+    assert lines[0] == "loop_free: needs kousoku: pip install 'kousoku[plot]'"
+    assert lines[1].startswith("loop_free: only runs of what kousoku.load gave have solids")
     assert "install kousoku" in lines[-1]
 
 
@@ -349,6 +351,19 @@ def test_copied_folder_takes_degrees_and_gives_the_verdict(free_loop: Path) -> N
     assert wrong.startswith("not trusted: ")
 
 
+@pytest.mark.usefixtures("numpy_solver")
+def test_a_run_of_a_copied_folder_shows_itself_as_one_of_kousoku(free_loop: Path) -> None:
+    got = run(
+        "import my_loop\nrun = my_loop.begin([0, 0.01])\nprint(run)\nrun.finish()\nprint(run)",
+        free_loop.parent,
+    )
+    assert got.returncode == 0, got.stderr
+    going = load_dynamics(free_loop, target="numpy").begin([0, 0.01])
+    shown = [repr(going), going.finish() and repr(going)]
+    assert got.stdout.splitlines() == shown
+    assert shown[0] == "<Run of loop_free: at 0 s, 0 steps, 0 of 2 rows>"
+
+
 def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> None:
     calls = {
         "simulate(-1)": "ValueError: my_loop: end -1 with 1001 samples; wanted an end above 0",
@@ -362,6 +377,7 @@ def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> Non
         "simulate(1, initial={'crank_angle': float('nan')})": "ValueError: my_loop: initial"
         " crank_angle is nan; wanted a finite number, or an angle such as '30 deg'",
         "simulate(1e-9, samples=2)['crank']": "MissingError: my_loop: no column 'crank': there",
+        "simulate(1e-9, samples=2).save('no/x.csv')": "ValueError: no/x.csv: there is no folder no",
     }
     got = run(
         "import my_loop\n"

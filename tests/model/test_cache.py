@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from kousoku.model.cache import SHELVES, cache_folder, write_atomically
+from kousoku.model.cache import LARGEST, SHELVES, cache_folder, size_limit, write_atomically
+from kousoku.model.errors import CacheError
 
 
 def test_the_environment_chooses_the_cache(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -57,6 +58,38 @@ def test_no_home_folder_is_an_error_that_names_the_variable(
     monkeypatch.setattr(Path, "home", no_home)
     with pytest.raises(OSError, match="set KOUSOKU_CACHE"):
         cache_folder()
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        ("", LARGEST),
+        ("1000", 1000),
+        ("1G", 10**9),
+        ("500 MB", 500 * 10**6),
+        ("1.5k", 1500),
+        ("2GiB", 2 * 1024**3),
+        ("64mi", 64 * 1024**2),
+        ("1T", 10**12),
+    ],
+)
+def test_the_size_of_the_cache_has_units(
+    monkeypatch: pytest.MonkeyPatch, given: str, wanted: int
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE_SIZE", given)
+    assert size_limit() == wanted
+
+
+@pytest.mark.parametrize(
+    "given", ["much", "-1", "1Q", "1,5G", "1e9", "²", "G", "nan", "1\nG", "9" * 400]
+)
+def test_a_size_of_the_cache_that_says_nothing_is_refused(
+    monkeypatch: pytest.MonkeyPatch, given: str
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE_SIZE", given)
+    with pytest.raises(CacheError, match=r"KOUSOKU_CACHE_SIZE=.* 500M, 1\.5GB or 2GiB") as no:
+        size_limit()
+    assert "\n" not in str(no.value)
 
 
 def test_a_file_is_replaced_and_no_temporary_stays(tmp_path: Path) -> None:

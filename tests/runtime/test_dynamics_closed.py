@@ -221,7 +221,7 @@ def test_what_assembly_changed_is_in_the_ledger_and_strict_refuses_it(
     ledger = found[1].simulate(0.1, samples=2).ledger
     moved = ledger.moved["b"]
     assert 1e-5 < moved.moved + moved.turned < 3e-3
-    assert "assembly changed 1 bodies, most bodies.b: " in str(ledger)
+    assert "assembly changed bodies.b: " in str(ledger)
     assert ledger.as_data()["moved"] == {"b": moved._asdict()}
     with pytest.raises(SolveError, match=r"assembly changed .*: bodies\.b by .*; strict refuses"):
         found[1].simulate(0.1, samples=2, strict=True)

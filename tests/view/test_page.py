@@ -99,7 +99,7 @@ def test_a_page_is_small() -> None:
 def test_an_animation_is_told_and_shown_in_a_cell(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("KOUSOKU_STILLS", raising=False)
     animation = animate(turning(), arm())
-    assert repr(animation) == "<Animation of 'arm': 0 to 2 s, 1 bodies>"
+    assert repr(animation) == "<Animation of 'arm': 0 to 2 s, 1 body>"
     shown = animation._repr_html_()
     assert shown is not None
     found = re.fullmatch(r'<iframe srcdoc="([^"]*)" sandbox="allow-scripts"[^>]*></iframe>', shown)
@@ -119,12 +119,18 @@ def test_files_are_written_by_their_suffix(tmp_path: Path) -> None:
         animation.save(tmp_path / "arm.gif")
 
 
-@pytest.mark.parametrize("name", ["arm.html/in_a_file.html", "null\0.html"])
+@pytest.mark.parametrize(
+    ("name", "says"),
+    [
+        ("arm.html/in_a_file.html", "there is no folder .*arm.html; make it first"),
+        ("null\0.html", "cannot be written"),
+    ],
+)
 def test_a_file_that_cannot_be_written_is_refused_in_our_own_words(
-    tmp_path: Path, name: str
+    tmp_path: Path, name: str, says: str
 ) -> None:
     animation = animate(turning(), arm(), tmp_path / "arm.html")
-    with pytest.raises(SolveError, match="cannot be written"):
+    with pytest.raises(SolveError, match=says):
         animation.save(tmp_path / name)
     assert [path.name for path in tmp_path.iterdir()] == ["arm.html"]
 

@@ -1,0 +1,44 @@
+"""Forces that have no value where a scene starts, as friction v/|v| at rest."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import isfinite
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.equations import system_equations
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.model.mechanism import ForceElement, System
+
+
+def forces_without_value(system: System) -> list[str]:
+    """Return the names of forces whose formulas have no finite value at the start.
+
+    Parameters
+    ----------
+    system : System
+        The scene after assembly.
+    """
+    formulas = [force for force in system.forces if force.law or force.formulas]
+    if not formulas or _have_values(system, formulas) or not _have_values(system, ()):
+        return []
+    names = dict.fromkeys(force.name for force in formulas)
+    return [
+        name
+        for name in names
+        if not _have_values(system, [force for force in formulas if force.name == name])
+    ]
+
+
+def _have_values(system: System, forces: Sequence[ForceElement]) -> bool:
+    """Return whether some forces have finite values at the start."""
+    work = Workspace(system_equations(replace(system, forces=tuple(forces))).program)
+    try:
+        work.run("masses", "geometry")
+    except (ArithmeticError, ValueError):
+        return False
+    return all(map(isfinite, work["forces"]))

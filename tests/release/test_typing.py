@@ -1,0 +1,73 @@
+"""A type checker sees what is misspelt at the door, and takes what is right."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+#: A user's program; what is marked is wrong, and nothing else is.
+PROGRAM = """
+import kousoku as ks
+from matplotlib.figure import Figure
+
+loop = ks.load("loop.toml", outputs=["reactions"], target="c")
+loop = ks.load("loop.toml", outputs=["reaction"])  # wrong
+loop = ks.load("loop.toml", taget="c")  # wrong
+
+run = loop.simulate(2, parameters={"mass": 2}, initial={"angle": "30 deg"}, largest_step=0.01)
+run = loop.simulate(2, tolerence=1e-6)  # wrong
+run = loop.simulate(2, method="euler")  # wrong
+run = loop.simulate(2, samples=3, method="newton", limit=1e-9)
+run = loop.simulate(2, tolerance=1e-6, limit=1e-9)  # wrong
+run = loop.simulate(2, method="newton", tolerance=1e-6)  # wrong
+run = loop.solve(divisions=12, turns=2)
+run = loop.solve(division=12)  # wrong
+going = loop.begin([0, 1], checks=False)
+going = loop.begin([0, 1], chekcs=False)  # wrong
+
+run.animate("x.html", paths_of=["a", ("rod", (0, 0, 1))], forces=False, fps=10, speed=0.5)
+run.animate("x.html", path_of="a")  # wrong
+run.animate("x.html", speed="slow")  # wrong
+page: str = run.animate(start=1, end=2).html
+run.animate().stil()  # wrong
+figure: Figure = run.plot("crank.x")
+run.plot(column="crank.x")  # wrong
+run.plot().savfig("x.png")  # wrong
+for one in run.figures(of="rod").values():
+    one.savefig("x.png")
+force: float = run.joint("a").force[0, 1]
+run.save("x.csv")
+run.save(path_of="x.csv")  # wrong
+
+builder = ks.SceneBuilder("arm", unit="m")
+builder.body("rod", position=(0, 0, 0), mass=1)
+builder.body("rod", positoin=(0, 0, 0))  # wrong
+
+try:
+    loop.simulate(2)
+except ks.MotionError as error:
+    error.result.save("x.csv")
+"""
+
+
+def test_what_is_misspelt_is_seen_by_a_type_checker(tmp_path: Path) -> None:
+    pytest.importorskip("mypy")
+    program = tmp_path / "program.py"
+    program.write_text(PROGRAM, encoding="utf-8")
+    found = subprocess.run(
+        [sys.executable, "-m", "mypy", "--strict", str(program)],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    ).stdout
+    wrong = {k for k, line in enumerate(PROGRAM.splitlines(), 1) if line.endswith("# wrong")}
+    told = set(map(int, re.findall(r"program\.py:(\d+): error", found)))
+    assert told == wrong, found
+    assert len(wrong) == 15
