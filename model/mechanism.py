@@ -264,6 +264,30 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True)
+class GivenVelocity:
+    """The velocity of a body of the scene at the start, as it is written.
+
+    Parameters
+    ----------
+    velocity : (3,) [unit of the scene per s]
+        Of the origin of the user's body frame, frame O.
+    spin : (3,) [rad/s]
+        Angular velocity.
+    is_in_o : bool
+        Whether its components are in frame O, not in the user's body frame.
+    weight : (11,)
+        Of a body that shares its carrier with others, which move together as their momenta tell:
+        mass [kg], principal moments [kg m²], and of its own principal frame ``origin_b`` [m] and
+        ``axes_b`` as of a :class:`MovingBody`. Empty of others.
+    """
+
+    velocity: Vector
+    spin: Vector
+    is_in_o: bool
+    weight: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Event:
     """A formula that passes zero, and what a run does then.
 
@@ -329,6 +353,9 @@ class System:
         Rows of joints that others imply but for less are redundant.
     events : tuple of Event
         In the order of the scene.
+    given : tuple of GivenVelocity
+        Of all bodies of the scene, in its order, where the velocities at the start depend on
+        parameters; else empty.
     """
 
     name: str
@@ -349,6 +376,7 @@ class System:
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
     events: tuple[Event, ...] = ()
+    given: tuple[GivenVelocity, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""

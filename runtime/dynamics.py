@@ -83,6 +83,8 @@ class DynamicsSolver:
     design : Design, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
+    base : DynamicsSolver, optional
+        Of a solver with other parameters that with those of the scene.
     """
 
     name: str
@@ -101,6 +103,7 @@ class DynamicsSolver:
     state: Mapping[str, Field]
     moved: Mapping[str, Moved]
     design: Design | None = None
+    base: DynamicsSolver | None = None
 
     @property
     def unit(self) -> float:
@@ -199,7 +202,7 @@ class DynamicsSolver:
         """
         given = with_values(self, parameters)
         placed = with_parameters(self, np.array([value for _, value in given]))
-        return replace(placed, parameters=given)
+        return replace(placed, parameters=given, base=self.base or self)
 
     def evaluate(
         self,

@@ -21,6 +21,7 @@ from kousoku.runtime.integrate.given import (
     require_room,
     require_shape,
 )
+from kousoku.runtime.integrate.given_velocities import given_start
 from kousoku.runtime.integrate.initial_given import Initial
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
@@ -118,6 +119,7 @@ class Run:
         self._rows = self._room()
         self._told = [] if saved is None else [*saved.events]
         self._is_shown, self._is_elsewhere = False, any(options.initial)
+        self._is_as_given = self._has_given()
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
@@ -139,10 +141,11 @@ class Run:
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.solver, self.times, self.options, self.save())
-        return type(self), given, (self._q, self._v, self._is_elsewhere, self.mechanism)
+        start = self._q, self._v, self._is_as_given, self._is_elsewhere, self.mechanism
+        return type(self), given, start
 
-    def __setstate__(self, start: tuple[Array, Array, bool, Any]) -> None:
-        self._q[:], self._v[:], self._is_elsewhere, self.mechanism = start
+    def __setstate__(self, start: tuple[Array, Array, bool, bool, Any]) -> None:
+        self._q[:], self._v[:], self._is_as_given, self._is_elsewhere, self.mechanism = start
 
     def restart(
         self,
@@ -175,7 +178,7 @@ class Run:
             self._there, self.options = with_parameters(self.solver, values), options
             self._values[:] = values
             self._q[:], self._v[:] = self._there.q, self._there.v
-            self._is_elsewhere = any(options.initial)
+            self._is_as_given, self._is_elsewhere = self._has_given(), any(options.initial)
         if q is not None or v is not None:
             self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
         for name, own, given in (("q", self._q, q), ("v", self._v, v)):
@@ -183,6 +186,7 @@ class Run:
                 array = numbers_of(self.solver.name, name, given)
                 require_shape(self.solver.name, name, array, own)
                 own[:] = array
+        self._is_as_given &= v is None
         if self._is_shown:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
@@ -206,8 +210,12 @@ class Run:
     def _start(self) -> None:
         begin = perf_counter()
         status = self._begin()
+        y = self.solver.state["y"].view(self.state)
+        if status == Status.GOOD and self._is_as_given:
+            self._q[:], self._v[:] = given_start(self._there.layout, y)
+            self._is_as_given = False
+            status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:
-            y = self.solver.state["y"].view(self.state)
             self._q[:], self._v[:] = self._led(y)
             self._is_elsewhere = False  # to start over leads nowhere again
             status = self._begin()
@@ -216,6 +224,11 @@ class Run:
             where = "" if status == Status.NOT_CLOSED else self._where()
             where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
+
+    def _has_given(self) -> bool:
+        """Return whether velocities of the scene have to fit where parameters place its bodies."""
+        own = (self._there.base or self._there).parameters
+        return bool(self._there.layout.given) and self.options.parameters != own
 
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given where the scene starts."""

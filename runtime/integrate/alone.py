@@ -9,6 +9,7 @@ import numpy as np
 
 from .events import Told, add_row
 from .given import require_options, require_steps, times_of, values_of
+from .given_velocities import given_start
 from .initial_given import initial_of
 from .methods import METHODS
 from .motion import Layout, Motion
@@ -142,6 +143,9 @@ class Run:
                 start[place] = numbers[at]
             self._layout = scene.layout.at(numbers)
         self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
+        if self._layout.given and (given != solver.scene.parameters).any():
+            placed = given_start(self._layout, state_of(solver.scene, self.state).y)
+            self._require(solver.start(0.0, *placed, given, self.state, self._work))
         if any(started):
             led = self._led(started, given)
             self._require(solver.start(0.0, *led, given, self.state, self._work))
