@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.initial import Evaluate
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
@@ -212,7 +213,7 @@ class Run:
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
         if status == Status.GOOD and self._is_as_given:
-            self._q[:], self._v[:] = given_start(self._there.layout, y)
+            self._q[:], self._v[:] = given_start(self._there.layout, self._evaluate(), y)
             self._is_as_given = False
             status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:
@@ -232,13 +233,18 @@ class Run:
 
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given where the scene starts."""
-        from kousoku.runtime.integrate.initial import evaluated
         from kousoku.runtime.integrate.placing import started
 
-        there, target = self._there, self.solver.target
-        evaluate = evaluated(target.evaluate, self._values, target.work_size, there.places)
+        there = self._there
         rows = (*there.rows, *there.left_out, *there.reduced)
-        return started(there.layout, rows, evaluate, y, self.options.initial)
+        return started(there.layout, rows, self._evaluate(), y, self.options.initial)
+
+    def _evaluate(self) -> Evaluate:
+        """Return what the scene computes at time 0, with the parameters of the run."""
+        from kousoku.runtime.integrate.initial import evaluated
+
+        target = self.solver.target
+        return evaluated(target.evaluate, self._values, target.work_size, self._there.places)
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .body_tables import BodyPlaces
+    from .initial import Evaluate
     from .motion import Layout
 
     Array = npt.NDArray[np.float64]
@@ -59,16 +60,19 @@ class GivenVelocity:
         return rotated(turn * BACK, spin) if self.is_in_o else spin
 
 
-def given_start(layout: Layout, y: Array) -> tuple[Array, Array]:
-    """Return q, and the velocities of the scene there, which are still to be projected.
+def given_start(layout: Layout, evaluate: Evaluate, y: Array) -> tuple[Array, Array]:
+    """Return q and v where bodies are placed and have the velocities that the scene gives.
 
     The velocity of the origin of each body is as written, and so is its angular velocity, in the
-    frame that it is given in. Bodies that are fixed to each other add up their momenta.
+    frame that it is given in. Bodies that are fixed to each other add up their momenta. All are
+    projected onto the constraints once: to do it again takes away what is rounded.
 
     Parameters
     ----------
     layout : Layout
         What stands where, with the parameters of the run.
+    evaluate : callable
+        What :func:`.initial.evaluated` returns, with these parameters.
     y : array
         Where bodies are placed: q, then some v.
     """
@@ -86,7 +90,7 @@ def given_start(layout: Layout, y: Array) -> tuple[Array, Array]:
     _, v = solver_state(layout.bodies, places, np.concatenate(written), layout.unit, (q, v))
     for members in shared.values():
         _share(members, layout.unit, q, v)
-    return q, v
+    return q, v + evaluate(q, v)["dv"]
 
 
 def _share(
