@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
+from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.model import precise
 from kousoku.model.design_numbers import read_formulas, with_numbers
@@ -71,11 +72,9 @@ def _placed(body: MovingBody, unit: float, motion: Motion) -> MovingBody:
     origin = precise.triple((unit * motion.position[body.name][0]).tolist())
     if body.is_point:
         return replace(body, r=_vector(origin))
-    frame = [precise.number(x) for x in motion.orientation[body.name][0].tolist()]
-    size = precise.length(frame)
-    axes = [precise.number(x) for x in body.axes_b]
-    before = [precise.number(x) for x in body.p]
-    p: Any = precise.compose([x / size for x in frame], precise.conjugate(axes))
+    frame = normalised(motion.orientation[body.name][0].tolist())
+    before = normalised(body.p)
+    p = precise.compose(frame, precise.conjugate(normalised(body.axes_b)))
     arm, omega = precise.triple(body.origin_b), precise.triple(body.omega_b)
     velocity = precise.add(
         precise.triple(body.v), precise.rotate(before, precise.cross(omega, arm))
@@ -96,7 +95,7 @@ def _written(system: System) -> list[tuple[Any, Any, Any]]:
     """Return of each body the origin, its velocity, and the angular velocity in its frame."""
     found = []
     for body in system.bodies:
-        p, axes = ([precise.number(x) for x in own] for own in (body.p, body.axes_b))
+        p, axes = normalised(body.p), normalised(body.axes_b)
         arm, omega = precise.triple(body.origin_b), precise.triple(body.omega_b)
         origin = precise.add(precise.triple(body.r), precise.rotate(p, arm))
         turning = precise.rotate(p, precise.cross(omega, arm))
