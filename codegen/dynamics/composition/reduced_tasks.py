@@ -122,19 +122,15 @@ class ReducedTasks:
         """Record u, what v lacks of R u + β, and β."""
         one, blocks = self.one, self.blocks
         masses, moments = shares_of(one, self.moving)
+        is_skew = one.turn == AXIS and not (one.turned or is_principal(one, self.moving))
         fitted = Fit(
-            blocks.columns,
-            one.turn,
-            one.slides,
-            bool(one.turned),
-            bool(one.slid),
-            is_principal=one.turn != AXIS or is_principal(one, self.moving),
+            blocks.columns, one.turn, one.slides, bool(one.turned), bool(one.slid), is_skew
         )
         u, lacks, beta = self.recorder.call(
             fitted,
             *(blocks.v_r, blocks.omega_b, self.arm, self.axis_b, self._vector(one.axis)),
             *(self._pair(one.across_b), self._pair(one.across)),
-            *(self._table(masses), self._table(moments)),
+            *map(self._table, (masses, moments) if is_skew else (masses,)),
             *self._derivatives(1),
         )
         return u, lacks, beta
