@@ -29,7 +29,7 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
             *("system_of", "require_kept", "put_together", "without_held", "merged", "weighted"),
-            *("require_held", "given_velocities", "outlined", "require_driven"),
+            *("require_held", "given_start", "outlined", "require_driven"),
             *("changes_of_assembly", "notes_of_freedom"),
         ),
     },

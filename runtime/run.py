@@ -21,7 +21,7 @@ from kousoku.runtime.integrate.given import (
     require_room,
     require_shape,
 )
-from kousoku.runtime.integrate.given_velocities import given_start
+from kousoku.runtime.integrate.given_start import given_start
 from kousoku.runtime.integrate.initial_given import Initial
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
@@ -193,7 +193,7 @@ class Run:
         self.seconds["run"] = 0.0
         self._status, self._error = Status.PAUSED, None
         self._told = []
-        self._start()
+        self._start(is_moved=q is None)
         return self
 
     def _room(self) -> Array:
@@ -208,12 +208,14 @@ class Run:
                 " for fewer times"
             ) from None
 
-    def _start(self) -> None:
+    def _start(self, *, is_moved: bool = True) -> None:
         begin = perf_counter()
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
         if status == Status.GOOD and self._is_as_given:
-            self._q[:], self._v[:] = given_start(self._there.layout, self._evaluate(), y)
+            self._q[:], self._v[:] = given_start(
+                self._there.layout, self._evaluate(), y, is_moved=is_moved
+            )
             self._is_as_given = False
             status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:
@@ -227,7 +229,7 @@ class Run:
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
 
     def _has_given(self) -> bool:
-        """Return whether velocities of the scene have to fit where parameters place its bodies."""
+        """Return whether parameters are other ones than those that the scene is assembled with."""
         own = (self._there.base or self._there).parameters
         return bool(self._there.layout.given) and self.options.parameters != own
 

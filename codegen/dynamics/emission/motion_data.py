@@ -62,7 +62,7 @@ def motion_data(
     about = about or About()
     q, v = program.region("q").base, program.region("v").base
     varying: dict[str, object] = {"design": _design(program)} if program.design else {}
-    if system.given and not is_driven(program, system):
+    if system.given:
         varying["given"] = [
             asdict(replace(one, weight=tuple(_shown(program, one.weight)))) for one in system.given
         ]

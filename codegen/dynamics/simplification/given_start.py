@@ -1,14 +1,17 @@
-"""Velocities at the start as a scene gives them, for runs that start elsewhere by parameters."""
+"""The start as a scene gives it, for runs that start elsewhere because of their parameters."""
 
 from __future__ import annotations
 
-from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
+from kousoku.codegen.dynamics.assembly.pose import normalised
+from kousoku.model import precise
 from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.formulas import used_names
-from kousoku.model.mechanism import GivenVelocity
+from kousoku.model.frames import to_quaternion
+from kousoku.model.mechanism import GivenStart
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
@@ -20,11 +23,11 @@ if TYPE_CHECKING:
 REST = (0.0, 0.0, 0.0)
 
 
-def given_velocities(scene: Scene, written: System, joined: System) -> tuple[GivenVelocity, ...]:
-    """Return the velocities of all bodies as written, if those at the start depend on parameters.
+def given_start(scene: Scene, written: System, joined: System) -> tuple[GivenStart, ...]:
+    """Return all bodies as written, if the start depends on parameters.
 
-    They do where parameters change places or masses, or what drivers prescribe, and something
-    moves: what assembly made of the velocities fits with the parameters of the scene only.
+    It does where they change numbers of the scene, or what drivers prescribe: what assembly made
+    of positions and velocities fits with the parameters of the scene only.
 
     Parameters
     ----------
@@ -33,27 +36,33 @@ def given_velocities(scene: Scene, written: System, joined: System) -> tuple[Giv
     written, joined : System
         Before assembly; and after it, with bodies that are joined rigidly as one.
     """
-    moves = any(any((*body.v, *body.omega_b)) for body in (*written.bodies, *joined.bodies))
     names = [name for name, _ in joined.parameters]
-    laws = " ".join(one.law for one in joined.constraints)
-    if not (moves and (_varies(joined) or used_names(laws, names))):
+    if not (_varies(joined) or used_names(" ".join(one.law for one in joined.constraints), names)):
         return ()
-    carriers = [one.carrier for one in joined.carried] or range(len(joined.bodies))
-    count = Counter(carriers)
     found = []
-    for body, own, carrier in zip(scene.bodies.values(), written.bodies, carriers, strict=True):
-        is_shared = carrier >= 0 and count[carrier] > 1
-        weight = (own.mass, *own.inertia, *own.origin_b, *own.axes_b) if is_shared else ()
-        spin = body.angular_velocity_b or body.angular_velocity or REST
-        found.append(GivenVelocity(body.velocity, spin, own.spins_in_o, weight))
-    return tuple(found)
+    for body, own in zip(scene.bodies.values(), fixed_system(written).bodies, strict=True):
+        frame = precise.compose(normalised(own.p), normalised(own.axes_b))
+        found.append(
+            GivenStart(
+                () if written.held else body.position,
+                to_quaternion(frame),
+                body.velocity,
+                body.angular_velocity_b or body.angular_velocity or REST,
+                own.spins_in_o,
+                (),
+            )
+        )
+    return tuple(
+        replace(one, weight=(own.mass, *own.inertia, *own.origin_b, *own.axes_b))
+        for one, own in zip(found, written.bodies, strict=True)
+    )
 
 
 def require_held(written: System, placed: System) -> None:
     """Refuse to hold what a run with other parameters could not keep.
 
     Only assembly holds, and it takes the parameters of the scene. With others, drivers may begin
-    elsewhere or at another rate, and bodies with other masses share velocities that do not fit.
+    elsewhere or at another rate, and bodies with other masses share what does not fit.
 
     Parameters
     ----------
@@ -71,10 +80,12 @@ def require_held(written: System, placed: System) -> None:
         value, rate = _moved_by_parameters(one, written.parameters)
         if value or (rate and written.held_rates):
             reason = f"drivers.{one.joint} begins {'elsewhere' if value else 'at another rate'}"
-    pairs = zip(written.bodies, placed.bodies, strict=True)
-    changed = any((a.v, a.omega_b) != (b.v, b.omega_b) for a, b in pairs)
-    if written.held_rates and changed and _varies(written):
-        reason = "masses share otherwise what velocities miss that do not fit"
+    pairs = [*zip(written.bodies, placed.bodies, strict=True)]
+    moved = written.held and any((a.r, a.p) != (b.r, b.p) for a, b in pairs)
+    faster = written.held_rates and any((a.v, a.omega_b) != (b.v, b.omega_b) for a, b in pairs)
+    if (moved or faster) and _varies(written):
+        what = "positions" if moved else "velocities"
+        reason = f"masses share otherwise what {what} miss that do not fit"
     if reason:
         raise SceneError(
             "is kept by assembly with the parameters of the scene only, and with others"
