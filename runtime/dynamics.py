@@ -192,8 +192,9 @@ class DynamicsSolver:
         """Return the solver with other parameters, and with the start that the scene then has.
 
         Where the centre of mass or the principal axes of a body depend on parameters, ``q`` and
-        ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A scene
-        without formulas in place of masses, points and lengths has one start for all parameters.
+        ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A run
+        brings bodies from there to where they fit. A scene without formulas in place of masses,
+        points and lengths has one start for all parameters.
 
         Raises
         ------

@@ -97,9 +97,9 @@ class Member:
         self.velocity, self.spin = unit * np.array(given.velocity), np.array(given.spin)
         self.is_in_o = given.is_in_o
 
-    def moments(self, inertia: Array) -> Array:
-        """Return the diagonal of its moments about the origin, with its own principal moments."""
-        turned: Array = rotated(self.axes, np.eye(3)) ** 2 @ inertia
+    def moments(self) -> Array:
+        """Return the diagonal of its moments of inertia about the origin."""
+        turned: Array = rotated(self.axes, np.eye(3)) ** 2 @ self.inertia
         return turned + self.mass * (self.center @ self.center - self.center**2)
 
     def momenta(self, turn: Array) -> tuple[Array, Array]:
@@ -139,8 +139,7 @@ class Carrier:
     def __init__(self, places: BodyPlaces, members: Sequence[Member]) -> None:
         self.places, self.members = places, members
         self.mass = sum(one.mass for one in members)
-        self.moments = sum((one.moments(one.inertia) for one in members), np.zeros(3))
-        self.heavy = sum((one.moments(one.heavy) for one in members), np.zeros(3))
+        self.moments = sum((one.moments() for one in members), np.zeros(3))
 
     def turn(self, q: Array) -> Array:
         """Return the Euler parameters of its principal frame."""
@@ -149,18 +148,16 @@ class Carrier:
     def share(self, q: Array, v: Array) -> None:
         """Write its velocity, which has the momenta of its bodies."""
         turn = self.turn(q)
-        self._put(v, turn, self.moments, [one.momenta(turn) for one in self.members])
+        self._put(v, turn, [one.momenta(turn) for one in self.members])
 
     def pull(self, q: Array, u: Array) -> None:
-        """Write the displacement that would take it back, were it free."""
+        """Write M⁻¹ times the force and torque of its displacement."""
         r, turn = taken(self.places.r, q), self.turn(q)
-        self._put(u, turn, self.heavy, [one.pull(r, turn) for one in self.members])
+        self._put(u, turn, [one.pull(r, turn) for one in self.members])
 
-    def _put(
-        self, v: Array, turn: Array, moments: Array, sums: Sequence[tuple[Array, Array]]
-    ) -> None:
+    def _put(self, v: Array, turn: Array, sums: Sequence[tuple[Array, Array]]) -> None:
         linear, angular = (sum(parts, np.zeros(3)) for parts in zip(*sums, strict=True))
-        omega = np.divide(angular, moments, out=np.zeros(3), where=moments > 0.0)
+        omega = np.divide(angular, self.moments, out=np.zeros(3), where=self.moments > 0.0)
         put(v, self.places.v, rotated(turn, linear) / self.mass)
         put(v, self.places.omega_b, omega[: len(self.places.omega_b)])
 
@@ -208,15 +205,17 @@ def given_start(
 def nearest(layout: Layout, carriers: Sequence[Carrier], evaluate: Evaluate, q: Array) -> Array:
     """Return the place nearest to where the scene has its bodies, that can be reached from q.
 
-    There W d is normal to the constraints: what is tangent of W⁻¹ W d is a step towards it. Where
-    that leads nowhere bodies stay.
+    There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
+    towards it, as long as Barzilai and Borwein take it. Where that leads nowhere bodies stay.
     """
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
     moves[[place for _, place in layout.works]] = 0.0
-    sizes, sizes_q = np.ones(len(rest)), np.ones(len(q))
+    sizes, sizes_q, weights = np.ones(len(rest)), np.ones(len(q)), np.ones(len(rest))
     for one in carriers:
         sizes[indices(one.places.v)] = sizes_q[indices(one.places.r)] = layout.length
-    start, last, part = q, np.inf, 1.0
+        put(weights, one.places.v, np.full(3, one.mass))
+        put(weights, one.places.omega_b, one.moments[: len(one.places.omega_b)])
+    start, last, part, before, step = q, np.inf, 1.0, rest, rest
     for _ in range(MOST):
         u = rest.copy()
         for one in carriers:
@@ -225,8 +224,9 @@ def nearest(layout: Layout, carriers: Sequence[Carrier], evaluate: Evaluate, q: 
         size = float(np.max(np.abs(u) / sizes, initial=0.0))
         if size <= ROUNDING or (size <= SMALL and size > 0.5 * last):
             return q
-        part = 0.5 * part if size > last else part
-        step = -min(part, LONGEST / size) * u
+        bend = step @ (weights * (u - before))
+        part = step @ (weights * step) / bend if bend > 0.0 else 1.0
+        before, step = u, -min(part, LONGEST / size) * u
         found = _closed(evaluate, q + moves * evaluate(q, step)["q_dot"], rest, sizes_q)
         if found is None:
             break

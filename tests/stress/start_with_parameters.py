@@ -1,9 +1,10 @@
-"""Runs with other parameters begin as the file with these values does, at the place of the run."""
+"""Runs with other parameters begin as the file with these values does."""
 
 from __future__ import annotations
 
 import random
 from contextlib import contextmanager
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 from unittest.mock import patch
 
@@ -11,9 +12,9 @@ import kousoku as ks
 from kousoku.model.errors import KousokuError
 from kousoku.model.read import scene_from_dict
 from kousoku.model.write import toml_of
-from kousoku.runtime.integrate.given_velocities import GivenVelocity
+from kousoku.runtime.integrate.given_start import GivenStart
 from tests.random_scenes import random_scene
-from tests.start_velocities import missed
+from tests.start_with_parameters import missed
 from tests.stress.kit import Fault, Outcome, Question, Size
 from tests.stress.scenes import reason_of
 
@@ -26,9 +27,9 @@ BATCH = 10
 CHANGED, BY = 2, 0.2
 """So many parameters are changed, by this part at most."""
 
-PLACE, VELOCITY = 1e-13, 1e-9
-"""How far the file may be off where a run begins, in lengths of the scene, and as a part of the
-largest velocity: rows that others imply but for their closure tolerance are met or left out."""
+PLACE, VELOCITY = 1e-12, 1e-9
+"""How far the file may be off, in lengths of the scene, and as a part of the largest velocity: rows
+that others imply but for their closure tolerance are met or left out."""
 
 
 def cases(size: Size) -> Iterator[str]:
@@ -58,13 +59,23 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
         names = draw.sample([*known], min(CHANGED, len(known)))
         given = {name: known[name] * (1 + draw.uniform(-BY, BY)) for name in names}
         motion: Any = mechanism.simulate(times=[0.0], parameters=given)
-        elsewhere, faster = missed(scene_from_dict(tree), given, motion)
+        scene = scene_from_dict(tree)
+        elsewhere, _ = missed(scene, given, motion)
+        closed, faster = missed(scene, given, motion, is_there=True)
     except KousokuError as error:
         outcome.count(f"refused: {reason_of(error)}")
         return
     outcome.count("begun" if mechanism.solver.layout.given else "begun, nothing depends on them")
-    outcome.measure("place of the file (lengths of the scene)", elsewhere, place, PLACE)
-    outcome.measure("velocity of the file (relative)", faster, place)
+    is_redundant = bool(mechanism.solver.left_out)
+    what = ", with redundant rows" if is_redundant else ""
+    outcome.measure(f"place of the file{what} (lengths of the scene)", elsewhere, place)
+    outcome.measure("place of the file written there (lengths of the scene)", closed, place, PLACE)
+    outcome.measure("velocity of the file there (relative)", faster, place)
+    if not (elsewhere <= PLACE or is_redundant):
+        outcome.find(
+            "a run with other parameters begins elsewhere than its file",
+            f"{elsewhere:.3g}; {place}",
+        )
     if not faster <= VELOCITY:
         options = " ".join(f"--set {name}={value!r}" for name, value in given.items())
         outcome.find(
@@ -78,11 +89,12 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
 @contextmanager
 def in_the_body() -> Iterator[None]:
     """Let components of angular velocities in frame O count as those in the body."""
+    right = GivenStart.from_data
 
-    def spin_b(self: GivenVelocity, _: Any) -> Any:
-        return self.spin
+    def wrong(data: Any) -> GivenStart:
+        return replace(right(data), is_in_o=False)
 
-    with patch.object(GivenVelocity, "spin_b", spin_b):
+    with patch.object(GivenStart, "from_data", wrong):
         yield
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
@@ -12,7 +11,7 @@ from kousoku.model.errors import AssemblyError, SceneError
 from kousoku.model.formulas import used_names
 from kousoku.model.frames import to_quaternion
 from kousoku.model.mechanism import GivenStart
-from kousoku.model.varying import fixed_system
+from kousoku.model.varying import fixed, fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -40,22 +39,19 @@ def given_start(scene: Scene, written: System, joined: System) -> tuple[GivenSta
     if not (_varies(joined) or used_names(" ".join(one.law for one in joined.constraints), names)):
         return ()
     found = []
-    for body, own in zip(scene.bodies.values(), fixed_system(written).bodies, strict=True):
-        frame = precise.compose(normalised(own.p), normalised(own.axes_b))
+    for body, own in zip(scene.bodies.values(), written.bodies, strict=True):
+        axes = fixed(own.axes_b)
         found.append(
             GivenStart(
                 () if written.held else body.position,
-                to_quaternion(frame),
+                to_quaternion(precise.compose(normalised(own.p), normalised(axes))),
                 body.velocity,
                 body.angular_velocity_b or body.angular_velocity or REST,
                 own.spins_in_o,
-                (),
+                (own.mass, *own.inertia, *own.origin_b, *own.axes_b),
             )
         )
-    return tuple(
-        replace(one, weight=(own.mass, *own.inertia, *own.origin_b, *own.axes_b))
-        for one, own in zip(found, written.bodies, strict=True)
-    )
+    return tuple(found)
 
 
 def require_held(written: System, placed: System) -> None:

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
-from tests.start_velocities import folded, missed
+from tests.start_with_parameters import folded, missed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,7 +40,7 @@ position = [1, 0, 0]
 velocity = [0, 1, 0]
 angular_velocity = [0, 0, -2]
 mass = 1
-center = ["0.2*L", 0, 0]
+center = ["0.2*L", 0.1, 0]
 {BODY}
 [joints.k]
 type = "spherical"
@@ -50,7 +50,7 @@ points = [["L", 0, 0], [0, 0, 0]]
 IN_SPACE = (
     TWO.replace('name = "two"', 'name = "in_space"')
     .replace('["0.3*L", 0, 0]', '["0.3*L", 0.1, -0.2]')
-    .replace('["0.2*L", 0, 0]', '[0.1, "0.2*L", 0.3]')
+    .replace('["0.2*L", 0.1, 0]', '[0.1, "0.2*L", 0.3]')
     .replace("angular_velocity = [0, 0, 3]", "angular_velocity = [2, -1, 3]")
     .replace("angular_velocity = [0, 0, -2]", "angular_velocity_b = [1, 4, -2]")
 )
@@ -95,7 +95,43 @@ motor = { joint = "hinge", value = "phase + rate*t" }
 FLAT = (
     TWO.replace('name = "two"', 'name = "flat"')
     .replace('"spherical"', '"revolute"\naxes = [[0, 0, 1], [0, 0, 1]]')
-    .replace('["0.2*L", 0, 0]', '[0.1, "0.2*L", 0]')
+    .replace('["0.2*L", 0.1, 0]', '[0.1, "0.2*L", 0]')
+)
+SKEW = f"""
+name = "skew"
+unit = "m"
+[parameters]
+m = 1.0
+[bodies.a]
+position = [0.5, 0, 0]
+orientation = {{ axis = [1, 2, 3], angle = 0.75 }}
+mass = 1
+center = [0.2, 0.1, 0]
+angular_velocity_b = [1.5, -2, 3]
+{BODY}
+[bodies.b]
+position = [3, 0, 0]
+mass = "m"
+velocity = [1, 0, 0]
+{BODY}
+[bodies.c]
+position = [4, 0, 0]
+mass = 2
+{BODY}
+[joints.hinge]
+type = "cylindrical"
+bodies = ["ground", "a"]
+at = [0, 0, 0]
+axis = [0, 1, 0]
+[joints.k]
+type = "spherical"
+bodies = ["b", "c"]
+at = [3, 1, 0]
+"""
+HELD_PLACE = (
+    IN_SPACE.replace('name = "in_space"', 'name = "held_place"')
+    .replace('["L", 0, 0]', "[1.0, 0, 0]")
+    .replace("[bodies.b]\n", '[bodies.b]\nhold = ["x", "orientation"]\n')
 )
 WELD = f"""
 [bodies.c]
@@ -152,6 +188,9 @@ SCENES = {
     "welded": (WELDED, {"L": 1.3, "m": 2.0}),
     "welded, flat": (WELDED_FLAT, {"L": 1.3, "m": 2.0}),
     "masses": (IN_SPACE, {"m": 4.0}),
+    "masses, moved": (IN_SPACE.replace("[1, 0, 0]", "[1.5, 0.5, 0]"), {"m": 4.0}),
+    "held place": (HELD_PLACE, {"m": 4.0, "L": 1.2}),
+    "skew": (SKEW, {"m": 3.0}),
 }
 NOW = [0.0]
 POINT = '{ body = "bob", point = [0, 0, 300], along = [1, 0, 0] }'
@@ -164,9 +203,7 @@ def load(backend: str, bodies_folder: Callable[..., Path]) -> Any:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_a_run_begins_with_the_velocities_of_the_scene_where_it_places_bodies(
-    load: Any, name: str
-) -> None:
+def test_a_run_begins_as_the_file_with_its_parameters(load: Any, name: str) -> None:
     text, given = SCENES[name]
     scene = scene_from_toml(text)
     solver = load(scene)
@@ -178,8 +215,8 @@ def test_a_run_begins_with_the_velocities_of_the_scene_where_it_places_bodies(
 
 
 def test_bodies_that_are_fixed_to_each_other_are_one_here(load: Any) -> None:
-    solver = load(scene_from_toml(WELDED))
-    assert [len(one.weight) for one in solver.layout.given] == [0, 11, 11]
+    a, b, c = load(scene_from_toml(WELDED)).bodies
+    assert a.r != b.r == c.r
 
 
 def test_a_motion_with_parameters_is_that_of_the_file_with_them(load: Any) -> None:
@@ -195,12 +232,18 @@ def test_a_motion_with_parameters_is_that_of_the_file_with_them(load: Any) -> No
                 found = getattr(motion, table)[body]
                 np.testing.assert_allclose(found, values, rtol=0, atol=1e-13)
     assert np.abs(wanted.angular_velocity["b"][0] - [0, 0, -2]).max() > 0.1
+    assert wanted.position["b"][0, 1] < -0.01  # it was turned, too
 
 
 def test_velocities_that_a_caller_gives_stay(load: Any) -> None:
     solver, given = load(scene_from_toml(TWO)), {"L": 1.7}
     run = solver.begin(NOW).restart(given, v=np.zeros_like(solver.v))
     assert not run.finish().angular_velocity["a"].any()
+    there = solver.begin(NOW, parameters=given).finish()
+    q = there.rows[0, 1 : 1 + len(solver.q)] + np.tile([1.0, 0.0, 0.0, 0.0], 2)  # x, y, e0, e3
+    moved = solver.begin(NOW).restart(given, q=q).finish()
+    np.testing.assert_allclose(moved.position["b"], there.position["b"] + [1, 0, 0], atol=1e-14)
+    np.testing.assert_allclose(moved.velocity["b"], there.velocity["b"], atol=1e-14)
     rest = np.zeros(12)
     assert not solver.simulate(times=NOW, parameters=given, v0=rest).velocity["b"].any()
 
@@ -270,14 +313,14 @@ print(begin([0.0], parameters={given!r}).state.tobytes().hex())
 @pytest.mark.parametrize(
     "text",
     [
-        TWO.replace("velocity = [0, 1, 0]\nangular_velocity = [0, 0, -2]\n", "").replace(
-            "angular_velocity = [0, 0, 3]\n", ""
-        ),
         HELD.replace("KEPT", "").replace("LAW", "t").replace("MASS", "2"),
+        DRIVEN[: DRIVEN.index("[bodies.bob]")].replace("L = 1000\n", "")
+        + DRIVEN[DRIVEN.index("[joints.hinge]") : DRIVEN.index("[joints.pin]")]
+        + DRIVEN[DRIVEN.index("[drivers]") :],
     ],
-    ids=["at rest", "no design"],
+    ids=["nothing depends", "driven"],
 )
-def test_scenes_whose_start_depends_on_nothing_carry_nothing(text: str) -> None:
+def test_scenes_whose_start_depends_on_nothing_else_carry_nothing(text: str) -> None:
     files = generate_dynamics(scene_from_toml(text))
     assert '"given"' not in files["motion.json"]
 
@@ -291,10 +334,13 @@ def test_scenes_whose_start_depends_on_nothing_carry_nothing(text: str) -> None:
         ("orientation", "0.1*p + t", "2", "drivers.motor begins elsewhere"),
         ("orientation", "p*t", '"p"', ""),
         ("velocity", "t + p*t^2", "2", ""),
+        ("moved", "t", '"p"', "masses share otherwise what positions"),
     ],
 )
 def test_what_parameters_change_is_not_held(kept: str, law: str, mass: str, says: str) -> None:
     text = HELD.replace("KEPT", f'"{kept}"').replace("LAW", law).replace("MASS", mass)
+    if kept == "moved":
+        text = text.replace('"moved"', '"orientation"').replace('t" }', '0.1 + t" }')
     if not says:
         generate_dynamics(scene_from_toml(text))
         return

@@ -1,4 +1,4 @@
-"""Velocities with which a run begins, beside those of the file that has its parameters."""
+"""Where and how fast a run begins, beside the file that has its parameters."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ def folded(scene: Scene, given: Mapping[str, float]) -> Scene:
     return with_numbers(read_formulas(other, Problems()))
 
 
-def missed(scene: Scene, given: Mapping[str, float], motion: Motion) -> tuple[float, float]:
+def missed(
+    scene: Scene, given: Mapping[str, float], motion: Motion, *, is_there: bool = False
+) -> tuple[float, float]:
     """Return by how much a run begins elsewhere, and faster, than the file with its parameters.
-
-    The bodies of the file are written where the run has them, with the velocities of the scene.
 
     Parameters
     ----------
@@ -43,6 +43,9 @@ def missed(scene: Scene, given: Mapping[str, float], motion: Motion) -> tuple[fl
         The parameters of the run.
     motion : Motion
         The run, from time 0.
+    is_there : bool
+        Whether bodies of the file are written where the run has them, with the velocities of the
+        scene, instead of where the scene has them.
 
     Returns
     -------
@@ -53,15 +56,17 @@ def missed(scene: Scene, given: Mapping[str, float], motion: Motion) -> tuple[fl
         the scene's length.
     """
     system = system_of(folded(scene, given), ())
-    length = motion.layout.length
-    bodies = tuple(_placed(body, system.unit, motion) for body in system.bodies)
-    placed = put_together(replace(system, bodies=bodies))
+    length, unit = motion.layout.length, system.unit
+    if is_there:
+        bodies = tuple(_placed(body, unit, motion) for body in system.bodies)
+        system = replace(system, bodies=bodies)
+    placed = put_together(system)
     found = _written(placed)
     speeds = [x for _, *rates in _written(system) + found for x in _sizes(rates, length)]
     lengths, rates = [0.0], [0.0]
     for body, (origin, velocity, spin) in zip(placed.bodies, found, strict=True):
-        lengths.append(_far(origin, system.unit * motion.position[body.name][0]) / length)
-        rates.append(_far(velocity, system.unit * motion.velocity[body.name][0]) / length)
+        lengths.append(_far(origin, unit * motion.position[body.name][0]) / length)
+        rates.append(_far(velocity, unit * motion.velocity[body.name][0]) / length)
         if not body.is_point:
             rates.append(_far(spin, motion.angular_velocity[body.name][0]))
     return max(lengths), max(rates) / (max(speeds) or 1.0)
