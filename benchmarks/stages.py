@@ -29,7 +29,8 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
             *("system_of", "require_kept", "put_together", "without_held", "merged", "weighted"),
-            *("outlined", "require_driven", "changes_of_assembly", "notes_of_freedom"),
+            *("require_held", "given_start", "outlined", "require_driven"),
+            *("changes_of_assembly", "notes_of_freedom"),
         ),
     },
     "compose": {

@@ -264,6 +264,35 @@ class Carried:
 
 
 @dataclass(frozen=True, slots=True)
+class GivenStart:
+    """A body of the scene at the start, as it is written.
+
+    Parameters
+    ----------
+    position : (3,) [unit of the scene], or (0,)
+        Of the origin of the user's body frame, frame O; empty where assembly holds positions.
+    orientation : (4,)
+        Euler parameters of that frame.
+    velocity : (3,) [unit of the scene per s]
+        Of that origin, frame O.
+    spin : (3,) [rad/s]
+        Angular velocity.
+    is_in_o : bool
+        Whether its components are in frame O, not in the user's body frame.
+    weight : (11,)
+        Mass [kg], principal moments [kg m²], and of its own principal frame ``origin_b`` [m] and
+        ``axes_b`` as of a :class:`MovingBody`, also where another body carries it.
+    """
+
+    position: tuple[float, ...]
+    orientation: Quaternion
+    velocity: Vector
+    spin: Vector
+    is_in_o: bool
+    weight: tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Event:
     """A formula that passes zero, and what a run does then.
 
@@ -329,6 +358,8 @@ class System:
         Rows of joints that others imply but for less are redundant.
     events : tuple of Event
         In the order of the scene.
+    given : tuple of GivenStart
+        All bodies of the scene, in its order, where the start depends on parameters; else empty.
     """
 
     name: str
@@ -349,6 +380,7 @@ class System:
     positive: tuple[tuple[str, float], ...] = ()
     closure_tolerance: float = CLOSURE_TOLERANCE
     events: tuple[Event, ...] = ()
+    given: tuple[GivenStart, ...] = ()
 
     def has_gravity(self, axis: int) -> bool:
         """Return whether gravity has a component along an axis, or may have one."""

@@ -67,7 +67,7 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     Parameters
     ----------
     solver : DynamicsSolver
-        A scene as it was loaded.
+        A scene as it was loaded, or with other parameters.
     values : array
         All parameters, in the order of the scene.
 
@@ -76,6 +76,11 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
     SolveError
         A number of the scene is not possible with them; the message has its key.
     """
+    if solver.base is not None:
+        own = np.array([value for _, value in solver.parameters])
+        if np.array_equal(values, own):
+            return solver
+        solver = solver.base
     design = solver.design
     if design is None:
         return solver
@@ -94,7 +99,6 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
         solver,
         q=state[:count],
         v=state[count:],
-        design=None,
         layout=solver.layout.at(numbers),
     )
 

@@ -82,6 +82,8 @@ class DynamicsSolver:
     design : Design, optional
         Numbers of the scene that depend on parameters, where it has some. Then ``q`` and ``v`` are
         the start with the parameters of the scene, and :meth:`at` has that with others.
+    base : DynamicsSolver, optional
+        Of a solver with other parameters that with those of the scene.
     """
 
     name: str
@@ -100,6 +102,7 @@ class DynamicsSolver:
     state: Mapping[str, Field]
     moved: Mapping[str, Moved]
     design: Design | None = None
+    base: DynamicsSolver | None = None
 
     @property
     def unit(self) -> float:
@@ -182,8 +185,9 @@ class DynamicsSolver:
         """Return the solver with other parameters, and with the start that the scene then has.
 
         Where the centre of mass or the principal axes of a body depend on parameters, ``q`` and
-        ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A scene
-        without formulas in place of masses, points and lengths has one start for all parameters.
+        ``v`` do, too: the frame of the body, and its velocity, stay as the scene has them. A run
+        brings bodies from there to where they fit. A scene without formulas in place of masses,
+        points and lengths has one start for all parameters.
 
         Raises
         ------
@@ -192,7 +196,7 @@ class DynamicsSolver:
         """
         given = with_values(self, parameters)
         placed = with_parameters(self, np.array([value for _, value in given]))
-        return replace(placed, parameters=given)
+        return replace(placed, parameters=given, base=self.base or self)
 
     def evaluate(
         self,

@@ -22,6 +22,7 @@ from kousoku.runtime.integrate.given import (
     require_room,
     require_shape,
 )
+from kousoku.runtime.integrate.given_start import given_start
 from kousoku.runtime.integrate.initial_given import Initial
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.initial import Evaluate
     from kousoku.runtime.options import Options
 
     Array = npt.NDArray[np.float64]
@@ -121,6 +123,7 @@ class Run:
         self._rows = self._room()
         self._told = [] if saved is None else [*saved.events]
         self._is_shown, self._is_elsewhere = False, any(options.initial)
+        self._is_as_given = self._has_given()
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
@@ -142,10 +145,11 @@ class Run:
 
     def __reduce__(self) -> tuple[Any, ...]:
         given = (self.solver, self.times, self.options, self.save())
-        return type(self), given, (self._q, self._v, self._is_elsewhere, self.mechanism)
+        start = self._q, self._v, self._is_as_given, self._is_elsewhere, self.mechanism
+        return type(self), given, start
 
-    def __setstate__(self, start: tuple[Array, Array, bool, Any]) -> None:
-        self._q[:], self._v[:], self._is_elsewhere, self.mechanism = start
+    def __setstate__(self, start: tuple[Array, Array, bool, bool, Any]) -> None:
+        self._q[:], self._v[:], self._is_as_given, self._is_elsewhere, self.mechanism = start
 
     def restart(
         self,
@@ -178,7 +182,7 @@ class Run:
             self._there, self.options = with_parameters(self.solver, values), options
             self._values[:] = values
             self._q[:], self._v[:] = self._there.q, self._there.v
-            self._is_elsewhere = any(options.initial)
+            self._is_as_given, self._is_elsewhere = self._has_given(), any(options.initial)
         if q is not None or v is not None:
             self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
         for name, own, given in (("q", self._q, q), ("v", self._v, v)):
@@ -186,12 +190,13 @@ class Run:
                 array = numbers_of(self.solver.name, name, given)
                 require_shape(self.solver.name, name, array, own)
                 own[:] = array
+        self._is_as_given &= v is None
         if self._is_shown:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
         self._status, self._error = Status.PAUSED, None
         self._told = []
-        self._start()
+        self._start(is_moved=q is None)
         return self
 
     def _room(self) -> Array:
@@ -206,11 +211,17 @@ class Run:
                 " for fewer times"
             ) from None
 
-    def _start(self) -> None:
+    def _start(self, *, is_moved: bool = True) -> None:
         begin = perf_counter()
         status = self._begin()
+        y = self.solver.state["y"].view(self.state)
+        if status == Status.GOOD and self._is_as_given:
+            self._q[:], self._v[:] = given_start(
+                self._there.layout, self._evaluate(), y, is_moved=is_moved
+            )
+            self._is_as_given = False
+            status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:
-            y = self.solver.state["y"].view(self.state)
             self._q[:], self._v[:] = self._led(y)
             self._is_elsewhere = False  # to start over leads nowhere again
             status = self._begin()
@@ -220,15 +231,25 @@ class Run:
             where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
 
+    def _has_given(self) -> bool:
+        """Return whether parameters are other ones than those that the scene is assembled with."""
+        own = (self._there.base or self._there).parameters
+        return bool(self._there.layout.given) and self.options.parameters != own
+
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given where the scene starts."""
-        from kousoku.runtime.integrate.initial import evaluated
         from kousoku.runtime.integrate.placing import started
 
-        there, target = self._there, self.solver.target
-        evaluate = evaluated(target.evaluate, self._values, target.work_size, there.places)
+        there = self._there
         rows = (*there.rows, *there.left_out, *there.reduced)
-        return started(there.layout, rows, evaluate, y, self.options.initial)
+        return started(there.layout, rows, self._evaluate(), y, self.options.initial)
+
+    def _evaluate(self) -> Evaluate:
+        """Return what the scene computes at time 0, with the parameters of the run."""
+        from kousoku.runtime.integrate.initial import evaluated
+
+        target = self.solver.target
+        return evaluated(target.evaluate, self._values, target.work_size, self._there.places)
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""

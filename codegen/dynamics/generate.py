@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import Freedom, by_instance, fr
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
+from kousoku.codegen.dynamics.simplification.given_start import given_start, require_held
 from kousoku.codegen.dynamics.simplification.merge import merged
 from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.dynamics.simplification.weights import require_driven, weighted
@@ -122,9 +123,13 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     given = system_of(scene, wanted)
     require_kept(given)
     placed = put_together(given)
+    require_held(given, placed)
     found = weighted(merged(without_held(placed), wanted).system)
     outline = outlined(found.system, (*LEDGER, *wanted))
     freedom = outline.freedom
+    if freedom.degrees:
+        start = given_start(scene, given, outline.system)
+        outline = outline._replace(system=replace(outline.system, given=start))
     require_driven(found, freedom, wanted)
     made = (with_reactions if "reactions" in wanted else of_outline)((*LEDGER, *wanted), outline)
     program = reduced(made.system, (*LEDGER, *wanted), made.program)

@@ -9,6 +9,7 @@ import numpy as np
 
 from .events import Told, add_row
 from .given import require_options, require_steps, times_of, values_of
+from .given_start import given_start
 from .initial_given import initial_of
 from .methods import METHODS
 from .motion import Layout, Motion
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from .initial import Evaluate
     from .initial_given import Initial
     from .solver import Solver
 
@@ -142,6 +144,10 @@ class Run:
                 start[place] = numbers[at]
             self._layout = scene.layout.at(numbers)
         self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
+        if self._layout.given and (given != solver.scene.parameters).any():
+            y = state_of(solver.scene, self.state).y
+            placed = given_start(self._layout, self._evaluate(given), y)
+            self._require(solver.start(0.0, *placed, given, self.state, self._work))
         if any(started):
             led = self._led(started, given)
             self._require(solver.start(0.0, *led, given, self.state, self._work))
@@ -154,15 +160,19 @@ class Run:
 
     def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given the start of the scene."""
-        from .initial import evaluated
         from .placing import started
 
-        data, solver = self._scene.data, self._scene.solver
-        size = solver.scene.work_size
-        evaluate = evaluated(solver.evaluate, parameters, size, data["places"])
+        data, scene = self._scene.data, self._scene.solver.scene
         rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
-        y = state_of(solver.scene, self.state).y.copy()
-        return started(self._layout, rows, evaluate, y, initial)
+        y = state_of(scene, self.state).y.copy()
+        return started(self._layout, rows, self._evaluate(parameters), y, initial)
+
+    def _evaluate(self, parameters: Array) -> Evaluate:
+        """Return what the scene computes at time 0, with the parameters of the run."""
+        from .initial import evaluated
+
+        solver, places = self._scene.solver, self._scene.data["places"]
+        return evaluated(solver.evaluate, parameters, solver.scene.work_size, places)
 
     @property
     def time(self) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
 from .events import Event, Told
+from .given_start import GivenStart
 from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
 if TYPE_CHECKING:
@@ -123,6 +124,8 @@ class Layout:
         Keys of forces that jump where a ``sign`` in their formula changes.
     events : tuple of (str, str)
         Name and action of each event.
+    given : tuple of GivenStart
+        Where the scene has its bodies and how they move, where parameters may change its start.
     """
 
     name: str
@@ -143,6 +146,7 @@ class Layout:
     jumps: tuple[str, ...] = ()
     events: tuple[tuple[str, str], ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    given: tuple[GivenStart, ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -171,6 +175,7 @@ class Layout:
             duration=data["duration"],
             jumps=tuple(data["jumps"]),
             events=tuple((name, action) for name, action in data["events"]),
+            given=tuple(map(GivenStart.from_data, data.get("given", ()))),
         )
 
     def at(self, design: Array) -> Layout:
@@ -186,6 +191,7 @@ class Layout:
                 for one in self.bodies
             ),
             reactions=tuple(replace(one, point_b=given(one.point_b)) for one in self.reactions),
+            given=tuple(replace(one, weight=given(one.weight)) for one in self.given),
         )
 
     def parts(self, rows: Array) -> dict[str, Array]:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
-from kousoku.codegen.dynamics.assembly.least import Metric, Solver
+from kousoku.codegen.dynamics.assembly.least import THINNEST, Metric, Solver
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
@@ -107,7 +107,7 @@ def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
     pose = Pose.of(system.bodies, system.coordinates)
     if not fits:
         pose = _nearest(system, left_out, metric)
-    v = _velocities(system, speeds, metric, pose)
+    v = _velocities(system, speeds, Metric(system, THINNEST), pose)
     fastest = max(_speed(v, k, metric.size) for k in range(len(system.bodies)))
     bodies = tuple(
         _placed(body, pose, v, k, (metric.size, fastest), is_moved=not fits)

@@ -36,6 +36,9 @@ ENOUGH = 1e-35
 THIN = 1e-3
 """Least moment of inertia that weighs a displacement, as a part of the largest of the body."""
 
+THINNEST = 1e-12
+"""The same of one that weighs a change of velocity: moments count as they are, as in a run."""
+
 
 class Metric:
     """What a displacement weighs: masses and moments, relative to those of the system.
@@ -44,15 +47,19 @@ class Metric:
     ----------
     system : System
         Its bodies give masses, its constraints the length that compares metres with radians.
+    thin : float
+        Least moment of inertia, as a part of the largest of the body.
     """
 
-    def __init__(self, system: System) -> None:
+    def __init__(self, system: System, thin: float = THIN) -> None:
         given = [body.mass for body in system.bodies if body.mass > 0]
         mass = sum(given) / len(given) if given else 1.0
         #: A length of the system [m].
         self.size = _size(system)
         weights = [
-            value / mass for body in system.bodies for value in _weights(body, mass, self.size)
+            value / mass
+            for body in system.bodies
+            for value in _weights(body, mass, self.size, thin)
         ]
         #: Diagonal of W⁻¹ in 50 digits, per column.
         self.inverse = [1 / precise.number(weight) for weight in weights]
@@ -68,11 +75,11 @@ class Metric:
         return [one if is_length else size for is_length in residuals.in_metres]
 
 
-def _weights(body: MovingBody, mass: float, size: float) -> list[float]:
+def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:
     """Return six weights of a body; what it does not say is taken from the system."""
     own = body.mass if body.mass > 0 else mass
     largest = max(body.inertia) or own * size**2 / 10
-    return [own] * 3 + [max(moment, THIN * largest) for moment in body.inertia]
+    return [own] * 3 + [max(moment, thin * largest) for moment in body.inertia]
 
 
 def _size(system: System) -> float:

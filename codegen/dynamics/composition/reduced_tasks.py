@@ -27,10 +27,11 @@ from kousoku.codegen.dynamics.recording.recorder import Block, column, zeros
 from kousoku.codegen.dynamics.simplification.reduced_mass import (
     arms_of,
     inverse_of,
+    is_principal,
     mass_of,
     shares_of,
 )
-from kousoku.codegen.dynamics.simplification.reduction import NOTHING, POINT
+from kousoku.codegen.dynamics.simplification.reduction import AXIS, NOTHING, POINT
 from kousoku.model import precise
 
 if TYPE_CHECKING:
@@ -120,12 +121,16 @@ class ReducedTasks:
     def fit(self) -> tuple[Block, Block, Block]:
         """Record u, what v lacks of R u + β, and β."""
         one, blocks = self.one, self.blocks
-        fitted = Fit(blocks.columns, one.turn, one.slides, bool(one.turned), bool(one.slid))
+        masses, moments = shares_of(one, self.moving)
+        is_skew = one.turn == AXIS and not (one.turned or is_principal(one, self.moving))
+        fitted = Fit(
+            blocks.columns, one.turn, one.slides, bool(one.turned), bool(one.slid), is_skew
+        )
         u, lacks, beta = self.recorder.call(
             fitted,
             *(blocks.v_r, blocks.omega_b, self.arm, self.axis_b, self._vector(one.axis)),
             *(self._pair(one.across_b), self._pair(one.across)),
-            self._table(shares_of(one, self.moving)[0]),
+            *map(self._table, (masses, moments) if is_skew else (masses,)),
             *self._derivatives(1),
         )
         return u, lacks, beta

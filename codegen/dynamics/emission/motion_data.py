@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import WORK
@@ -60,7 +61,11 @@ def motion_data(
     """
     about = about or About()
     q, v = program.region("q").base, program.region("v").base
-    varying = {"design": _design(program)} if program.design else {}
+    varying: dict[str, object] = {"design": _design(program)} if program.design else {}
+    if system.given:
+        varying["given"] = [
+            asdict(replace(one, weight=tuple(_shown(program, one.weight)))) for one in system.given
+        ]
     return {
         "format": 1,
         "name": system.name,

@@ -100,7 +100,8 @@ class Fit:
     """Velocities that fit the joint.
 
     Blocks: v, ω′, the arm, a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m of
-    the turns; then the rates that drive turn and displacement.
+    the turns, and (Rᵀ M R)⁻¹ a′ᵀ I′ where the axis is skew; then the rates that drive turn and
+    displacement.
 
     They are changed by the least in the metric of the masses, as all rows would do it: a turn is
     what both ω′ and v say of it.
@@ -113,6 +114,8 @@ class Fit:
         What it turns about.
     slides, is_turned, is_slid : bool
         Whether it can be displaced, and what is driven.
+    is_skew : bool
+        Whether a′ is no principal axis: what ω′ has across it says something of the turn, too.
     """
 
     columns: tuple[int, ...]
@@ -120,6 +123,7 @@ class Fit:
     slides: bool
     is_turned: bool
     is_slid: bool
+    is_skew: bool
     title: str = "velocity on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
@@ -138,6 +142,8 @@ class Fit:
         else:
             turn = axis_b.T @ omega
             more = masses @ (arm.T @ (v - arm @ turn))
+            if self.is_skew:
+                more += next(given) @ (omega - axis_b @ turn)
             lacks = axis_b @ more
             if self.turn == AXIS:
                 lacks -= across_b @ (across_b.T @ omega)

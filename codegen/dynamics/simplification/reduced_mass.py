@@ -9,7 +9,7 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.simplification.reduction import NOTHING, POINT
+from kousoku.codegen.dynamics.simplification.reduction import NOTHING, PARALLEL, POINT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -62,6 +62,14 @@ def shares_of(one: Reduction, body: MovingBody) -> tuple[Square, Square]:
     return [[mass * x for x in row] for row in inverse], [
         [_dot(row, column) for column in transposed(spins)] for row in inverse
     ]
+
+
+def is_principal(one: Reduction, body: MovingBody) -> bool:
+    """Return whether the axis that a body turns about is a principal one, to rounding."""
+    x, y, z = (Fraction(x) for x in one.axis_b)
+    a, b, c = (Fraction(value) for value in body.inertia)
+    off = (y * z * (c - b), z * x * (a - c), x * y * (b - a))  # a′ × I′a′
+    return all(abs(value) <= PARALLEL * max(a, b, c) for value in off)
 
 
 def transposed(rows: Sequence[Sequence[Fraction]]) -> Square:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 TOGETHER = 8192
 #: The tables that are in the unit of the scene.
 LENGTHS = ("position", "velocity", "acceleration")
+#: What turns a body back, of Euler parameters.
+BACK = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,16 +183,19 @@ def solver_state(
             p, omega = q_written[at_q : at_q + 4], v_written[at_v : at_v + 3]
             at_q, at_v = at_q + 4, at_v + 3
             axes, arm = np.array(body.axes_b), np.array(body.origin_b)
-            back = axes * np.array([1.0, -1.0, -1.0, -1.0])
-            p, omega = composed(p / np.sqrt(p @ p), back), rotated(axes, omega)
-            known = np.array([start[0][k] if isinstance(k, int) else k for k in body.p])
-            p = -p if known @ p < 0 else p
+            p, omega = composed(p / np.sqrt(p @ p), axes * BACK), rotated(axes, omega)
+            p = -p if taken(body.p, start[0]) @ p < 0 else p
             _put(q, body.p, p)
             _put(v, body.omega_b, omega)
             r, rate = r - rotated(p, arm), rate - rotated(p, crossed(omega, arm))
         _put(q, body.r, r)
         _put(v, body.v, rate)
     return q, v
+
+
+def taken(places: Sequence[float], q: Array) -> Array:
+    """Return what stands at places; numbers stand for themselves."""
+    return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
 def _put(target: Array, places: Sequence[int | float], values: Array) -> None:
@@ -224,7 +229,7 @@ def _of_rigid(
         np.array(values).T[:, :, np.newaxis]
         for values in ([body.origin_b for body in bodies], [body.axes_b for body in bodies])
     )
-    back = axes * np.array([1.0, -1.0, -1.0, -1.0])[:, np.newaxis, np.newaxis]
+    back = axes * BACK[:, np.newaxis, np.newaxis]
     turn = crossed(omega, arm)
     found["position"] += rotated(p, arm)
     found["velocity"] += rotated(p, turn)

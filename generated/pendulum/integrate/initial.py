@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .body_tables import composed
+from .body_tables import BACK, composed, taken
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -43,8 +43,6 @@ DEPENDENT = 1e-10
 APART = 1e-4
 #: What values may miss that others determine.
 AGREES = 1e-9
-#: What turns a body back, of Euler parameters.
-BACK = np.array([1.0, -1.0, -1.0, -1.0])
 #: So many freedoms of bodies that no coordinate names are held.
 MOST_HELD = 100
 #: What scenes may lack.
@@ -448,11 +446,6 @@ def _require(
             problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
     if problems:
         raise InitialError(f"initial values do not fit: {'; '.join(problems)}")
-
-
-def taken(places: Sequence[float], q: Array) -> Array:
-    """Return what stands at places; numbers stand for themselves."""
-    return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
 def indices(places: Sequence[float]) -> list[int]:
