@@ -18,7 +18,7 @@ MOST_STEPS = 1_000_000
 KINEMATICS = "kinematics"
 #: The least tolerance at which each of the others needs the fewest evaluations to the error that it
 #: gives; ``make bench`` measures that.
-LEAST_TOLERANCES = {"dopri5": 5e-5, "dop853": 0.0}
+LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
 #: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
 #: memory.h has it, too.
 CLEARLY = 10.0

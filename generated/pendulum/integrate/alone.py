@@ -9,13 +9,13 @@ import numpy as np
 
 from .events import Told, add_row
 from .given import require_options, require_steps, times_of, values_of
-from .given_velocities import given_start
+from .given_start import given_start
 from .initial_given import initial_of
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
 from .scene import state_of
-from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status
+from .settings import KINEMATICS, MOST_STEPS, OPTIONS, Settings, Status, method_for
 from .state import fields
 from .trust import CheckedRows, trust_of
 
@@ -121,7 +121,7 @@ class Run:
         require_steps(name, tolerance, step, largest_step, most_steps)
         started = initial_of(scene.layout, initial, q0, v0)
         methods = [*(one.name for one in METHODS), *[KINEMATICS] * solver.scene.is_driven]
-        chosen = method or methods[-1 if solver.scene.is_driven else int(tolerance <= 1e-5)]
+        chosen = method or method_for(tolerance, is_driven=solver.scene.is_driven)
         if chosen not in methods:
             raise ValueError(f"{name}: {unknown('method', chosen, methods)}")
         self.method, longest = chosen, min(largest_step, 1e300)
@@ -151,6 +151,12 @@ class Run:
         if any(started):
             led = self._led(started, given)
             self._require(solver.start(0.0, *led, given, self.state, self._work))
+
+    def __repr__(self) -> str:
+        state = state_of(self._scene.solver.scene, self.state)
+        rows = f"{int(state.next_row)} of {len(self.times)} rows"
+        at = f"at {self.time:.6g} s, {int(state.steps)} steps"
+        return f"<Run of {self._scene.layout.name}: {at}, {rows}>"
 
     def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given the start of the scene."""

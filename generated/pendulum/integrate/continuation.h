@@ -85,18 +85,20 @@ static int are_changed(const double *given)
 
 /* whether rows that are left out, because they depend on others with the parameters of the scene,
  * do so with those of the run: at the start, which is in the workspace, and beside it, where all
- * others let bodies move. The state stays as it is. */
+ * others let bodies move, there per unit of that motion. The state stays as it is. */
 static int stay_closed(State *s, Work *work)
 {
     enum { SINGLE = offsetof(State, y) / sizeof(double) };
-    double counts[SINGLE], *w = work->w, *y = work->k[0], *u = work->k[1], drift = 0.0;
+    double counts[SINGLE], before[NCHECK - NC + 1], drift = 0.0;
+    double *w = work->w, *y = work->k[0], *u = work->k[1];
     check(w);
-    if (!are_closed(w, 1.0)) return 0;
+    if (!are_closed(w, NULL, 1.0)) return 0;
+    memcpy(before, w + W_C + NC, (NCHECK - NC) * sizeof *before);
     for (size_t k = 0; k < NV; ++k) { /* no special direction */
         const double x = 0.6180339887498949 * (double)(k + 1);
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
     }
-    project_onto_tangent(s->y + NQ, work, u);
+    take_normal_part(1.0, s->y + NQ, work, u);
     const double size = size_of(u);
     if (pivot_ratio(work, s) < WEAK || !(size > NO_WAY)) return 1;
     memcpy(counts, s, sizeof counts);
@@ -109,7 +111,7 @@ static int stay_closed(State *s, Work *work)
         memcpy(y + NQ, s->y + NQ, NV * sizeof *y);
         if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
             check(w);
-            is_good = are_closed(w, 1.0);
+            is_good = are_closed(w, before, way);
             break;
         }
     }

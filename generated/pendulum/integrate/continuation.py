@@ -90,12 +90,14 @@ def stay_closed(state: State, work: Work) -> bool:
     """Return whether rows that are left out depend on others with the parameters of the run, too.
 
     They do with those of the scene. They are looked at where the run starts, which is in the
-    workspace, and beside it, where all others let bodies move. The state stays as it is.
+    workspace, and beside it, where all others let bodies move, there per unit of that motion. The
+    state stays as it is.
     """
     w, y, scene = work.w, work.k[0], work.scene
     w.run("check")
     if not are_closed(work, 1.0):
         return False
+    before = w.C_left_out.copy()
     x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
     u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
     take_normal_part(1.0, state.y[scene.nq :], work, u)
@@ -111,7 +113,7 @@ def stay_closed(state: State, work: Work) -> bool:
         y[scene.nq :] = state.y[scene.nq :]
         if 0.0 <= project(state.time, 0.0, y, None, None, work, state) <= CLOSE:
             w.run("check")
-            is_good = are_closed(work, 1.0)
+            is_good = are_closed(work, way, before)
             break
         way *= 0.5
     state.numbers[:SINGLE] = counts

@@ -140,7 +140,9 @@ static void bound_seen(const Node *a, const Node *b, double *w)
         const double *p = a->read + 2 * k, *q = b->read + 2 * k;
         double *own = ranges + 2 + 6 * k;
         const double mean = (q[1] - p[1]) / h;
-        const double rounding = 6.0 * SMALLEST * (fabs(p[0]) + fabs(q[0])) / h;
+        /* what reads a coordinate are numbers as large as its size, however small it is */
+        const double known = measure_sizes[k] + fabs(p[0]) + fabs(q[0]);
+        const double rounding = 6.0 * SMALLEST * known / h;
         const double off = fabs(3.0 * (p[1] + q[1]) - 6.0 * (q[0] - p[0]) / h);
         const double bend = larger(0.0, off - rounding) / h;
         own[4] = mean - DOUBT * bend;
@@ -216,12 +218,14 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
 }
 
 /* when the first function but for events is on a side that was near to zero so far: formulas at
- * zero, where jumps are, tell nothing of what follows */
+ * zero, where jumps are, tell nothing of what follows; those that are near to it on that side
+ * already do */
 static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
     double first = HUGE_VAL;
     for (size_t k = EVENTS; k != N_CROSSINGS; ++k) {
-        if (s->sides[k] != 0.0 || side_at(b, k) == 0) continue;
+        const int now = side_at(b, k);
+        if (s->sides[k] != 0.0 || now == 0 || now * middle(a, k) > 0.0) continue;
         first = smaller(first, time_of(k, a, b, look, s, work));
     }
     return first;

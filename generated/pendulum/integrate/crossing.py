@@ -198,7 +198,8 @@ def bound_seen(a: Node, b: Node, look: Look) -> Array:
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = a.time, b.time
     mean = (u - v) / h
-    rounding = 6.0 * SMALLEST * (np.abs(x) + np.abs(y)) / h
+    # what reads a coordinate are numbers as large as its size, however small it is
+    rounding = 6.0 * SMALLEST * (look.work.scene.measure_sizes + np.abs(x) + np.abs(y)) / h
     off = np.abs(3.0 * (v + u) - 6.0 * (y - x) / h)
     bend = largest(np.zeros_like(off), off - rounding) / h
     own[:, 4], own[:, 5] = mean - DOUBT * bend, mean + DOUBT * bend
@@ -274,11 +275,12 @@ def first_time(a: Node, b: Node, look: Look) -> float:
 def first_left(a: Node, b: Node, look: Look) -> float:
     """Return when the first function but for events is on a side that was near to zero so far.
 
-    Formulas at zero, where jumps are, tell nothing of what follows.
+    Formulas at zero, where jumps are, tell nothing of what follows; those that are near to it on
+    that side already do.
     """
-    first, sides, now = math.inf, look.state.sides, side_at(b)
+    first, sides, now, before = math.inf, look.state.sides, side_at(b), middle(a)
     for k in range(len(look.work.scene.events), len(sides)):
-        if sides[k] == 0.0 and now[k] != 0.0:
+        if sides[k] == 0.0 and now[k] != 0.0 and not now[k] * before[k] > 0.0:
             first = smaller(first, time_of(k, a, b, look))
     return first
 

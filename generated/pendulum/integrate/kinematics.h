@@ -223,11 +223,12 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         if (!(end - s->time > SMALLEST * larger(fabs(s->time), fabs(asked)))) return STEP_TOO_SMALL;
         const int good = reach(end, part <= 1.0, s, work, &drift);
         const double ratio = pivot_ratio(work, s);
-        double error = 0.0, factor = 2.0;
+        double error = 0.0, factor = 2.0, moved = 0.0;
         int is_told = 0;
         /* rows or the ledger tell the work */
         if (good && part <= 1.0 && (HAS_ENERGIES || settings->checks)) {
             error = sum_works(settings, end, s, work, &is_told);
+            if (WORKS > 0 && settings->checks) moved = energy_moved(work->w, end_of(work).y, s);
         }
         const double order = is_told ? 7.0 : 5.0;
         if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -1.0 / order)));
@@ -259,6 +260,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
                                      : larger(s->largest_pivot_ratio, ratio);
         note_largest_pivot(work, s);
         s->drift = larger(s->drift, drift);
+        s->energy_moved = larger(s->energy_moved, moved);
         s->untold += is_told ? 0.0 : end - s->time;
         s->step_size = is_last ? larger(s->step_size, factor * longest) : factor * longest;
         accept_position(end, asked, work, s);

@@ -25,7 +25,7 @@ from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .scene import larger, smaller
 from .settings import Status
-from .stepper import note_motion, usual_energy, usual_rate
+from .stepper import energy_moved, note_motion, usual_energy, usual_rate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -269,10 +269,12 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         if not end - state.time > SMALLEST * larger(abs(state.time), abs(asked)):
             return Status.STEP_TOO_SMALL
         drift = reach(end, state, work, in_halves=part <= 1.0)
-        is_good, error, is_told = drift >= 0.0, 0.0, False
+        is_good, error, is_told, moved = drift >= 0.0, 0.0, False, 0.0
         ratio = pivot_ratio(work, state)
         if is_good and part <= 1.0 and (has_energies or s.checks):  # these tell the work
             error, is_told = sum_works(s, end, state, work)
+            if work.scene.works > 0 and s.checks:
+                moved = energy_moved(end_of(work).y, work, state)
         order = 7.0 if is_told else 5.0
         factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error ** (-1.0 / order)))
         is_weak = ratio < WEAK * state.largest_pivot_ratio
@@ -299,6 +301,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     )
     note_largest_pivot(work, state)
     state.drift = larger(state.drift, drift)
+    state.energy_moved = larger(state.energy_moved, moved)
     state.untold += 0.0 if is_told else end - state.time
     state.step_size = larger(state.step_size, factor * longest) if is_last else factor * longest
     accept_position(end, asked, state, work)

@@ -10,22 +10,15 @@ static double energy_balance(const double *w, const State *s)
 }
 
 /* whether the rows that are left out, which stand behind C, miss so many times CLOSURE_TOLERANCE at
- * most where they were evaluated last, relative to LENGTH */
-static int are_closed(const double *w, double times)
+ * most where they were evaluated last, relative to LENGTH; or no more beyond what they missed before
+ * if that is not NULL */
+static int are_closed(const double *w, const double *before, double times)
 {
     for (size_t k = NC; k != NCHECK; ++k) {
         const double most = times * CLOSURE_TOLERANCE * (left_is_length[k - NC] ? LENGTH : 1.0);
-        if (!(fabs(w[W_C + k]) <= most)) return 0;
+        if (!(fabs(w[W_C + k] - (before ? before[k - NC] : 0.0)) <= most)) return 0;
     }
     return 1;
-}
-
-/* kinetic energy, change of potential energy since the start, and all works */
-static double energy_moved(const double *w, const State *s)
-{
-    double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
-    for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(w[W_Q + k]);
-    return moved;
 }
 
 /* notes what is left of the constraints, and what of energy and momenta is not as at the start */
@@ -39,7 +32,7 @@ static void note_checks(double *w, State *s)
         for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
     }
     s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
-    s->energy_moved = larger(s->energy_moved, energy_moved(w, s));
+    s->energy_moved = larger(s->energy_moved, energy_moved(w, w + W_Q, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {
         const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);
@@ -123,7 +116,7 @@ static int write_row(
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
     if (settings->checks) note_checks(w, s);
-    if (settings->checks && !is_passed && !are_closed(w, CLEARLY)) return NOT_CLOSED;
+    if (settings->checks && !is_passed && !are_closed(w, NULL, CLEARLY)) return NOT_CLOSED;
     find_reactions(work, is_passed);
     coordinate(w);
     double *next = row;

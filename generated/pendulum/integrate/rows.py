@@ -14,6 +14,7 @@ from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
 from .scene import larger
 from .settings import CLEARLY, Status
+from .stepper import energy_moved
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -37,22 +38,13 @@ def energy_balance(work: Work, state: State) -> float:
     return float(balance)
 
 
-def are_closed(work: Work, times: float) -> bool:
+def are_closed(work: Work, times: float, before: Array | float = 0.0) -> bool:
     """Return whether rows that are left out miss so many times the closure tolerance at most.
 
-    That is where they were evaluated last.
+    That is where they were evaluated last, and beyond what they missed before.
     """
     limits = times * work.scene.closure_tolerance * work.scene.left_lengths
-    return bool((np.abs(work.w.C_left_out) <= limits).all())
-
-
-def energy_moved(work: Work, state: State) -> float:
-    """Return kinetic energy, change of potential energy since the start, and all works."""
-    w, scene = work.w, work.scene
-    moved = w.energies[0] + abs(w.energies[1] - state.potential)
-    for done in w.q[scene.nq - scene.works :]:
-        moved += abs(done)
-    return float(moved)
+    return bool((np.abs(work.w.C_left_out - before) <= limits).all())
 
 
 def note_checks(work: Work, state: State) -> None:
@@ -62,7 +54,7 @@ def note_checks(work: Work, state: State) -> None:
     for worst, left in zip(state.violations, (w.all_C, w.C_dot, w.C_ddot), strict=True):
         np.fmax(worst, np.abs(left), out=worst)
     state.energy_error = larger(state.energy_error, abs(energy_balance(work, state)))
-    state.energy_moved = larger(state.energy_moved, energy_moved(work, state))
+    state.energy_moved = larger(state.energy_moved, energy_moved(work.w.q, work, state))
     w.run("momentum")
     changes = np.abs(w.momenta - state.momenta)
     np.fmax(state.momentum_errors, changes, out=state.momentum_errors)

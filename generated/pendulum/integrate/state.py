@@ -163,7 +163,7 @@ class State:
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")
     potential = Number("J", "potential energy at the start")
-    energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum in rows")
+    energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum")
     row_drift = Number("-", "largest correction of a row between steps, relative to LENGTH")
     not_finite = Number("-", "rows with numbers that are not finite, those passed left out")
     not_finite_time = Number("s", "when the first of them was")

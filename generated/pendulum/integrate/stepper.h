@@ -34,6 +34,7 @@
 /* a step of length h that is tried */
 typedef struct {
     double h, drift, error;         /* its length [s], largest correction, error / tolerance */
+    double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double last_ratio;              /* that of the end */
     int is_last;                    /* whether it ends at the last time */
@@ -71,6 +72,15 @@ static void note_motion(double h, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
+/* kinetic energy, change of potential energy since the start, and all works, which are in q; that of
+ * every step counts, whatever rows are written */
+static double energy_moved(const double *w, const double *q, const State *s)
+{
+    double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
+    for (size_t k = NQ - WORKS; k != NQ; ++k) moved += fabs(q[k]);
+    return moved;
+}
+
 /* the root mean square of one estimate of the error, in units of the tolerance */
 static double estimate(const Method *m, const double *row, const Trial *trial, const State *s,
     Work *work, double tolerance)
@@ -102,7 +112,6 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
 static double local_error(
     const Method *m, const Trial *trial, const State *s, Work *work, double tolerance)
 {
-    if (WORKS > 0) energy(work->w);
     const double e = estimate(m, m->error, trial, s, work, tolerance);
     if (!m->error_2 || e * e == 0.0) return e;
     const double e2 = estimate(m, m->error_2, trial, s, work, tolerance);
@@ -157,6 +166,7 @@ static void accept(
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
     s->drift = larger(s->drift, trial->drift);
+    s->energy_moved = larger(s->energy_moved, trial->moved);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, trial->last_ratio);
     note_pivot_ratio(trial->least_ratio, s->time + 0.5 * h, s);
     s->time_before = s->time;
@@ -184,7 +194,7 @@ static int step(
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 0 };
+        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0 };
         double h = is_fixed && avoided == 0 ? settings->fixed_step
                                             : smaller(s->step_size, settings->largest_step);
         trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
@@ -206,6 +216,8 @@ static int step(
             s->avoided += 1;
             continue;
         }
+        if (good && (WORKS > 0 || settings->checks)) energy(work->w);
+        if (good && settings->checks) trial.moved = energy_moved(work->w, work->y, s);
         if (!is_fixed && good) trial.error = local_error(m, &trial, s, work, settings->tolerance);
         const int is_vague = N_SEEN > 0 && is_fixed && good &&
                              !(local_error(m, &trial, s, work, LEAST_PART) <= 1.0);

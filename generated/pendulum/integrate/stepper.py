@@ -82,6 +82,8 @@ class Trial:
         Whether it ends at the last time.
     drift, error : float
         Largest correction, negative where a stage is impossible; error in units of the tolerance.
+    moved : float [J]
+        The energy that has moved at its end, where rows are checked.
     least_ratio, most_ratio, last_ratio : float
         Of the pivot ratios of its stages, and that of the end.
     """
@@ -90,6 +92,7 @@ class Trial:
     is_last: bool
     drift: float = 0.0
     error: float = 0.0
+    moved: float = 0.0
     least_ratio: float = 1.0
     most_ratio: float = 0.0
     last_ratio: float = 1.0
@@ -131,6 +134,18 @@ def usual_energy(rate: float, scene: Scene) -> float:
     return scene.mass * (scene.length * rate) * (scene.length * rate) / 2.0
 
 
+def energy_moved(q: Array, work: Work, state: State) -> float:
+    """Return kinetic energy, change of potential energy since the start, and all works.
+
+    Works are in q. That of every step counts, whatever rows are written.
+    """
+    kinetic, potential = work.w.energies
+    moved = kinetic + abs(potential - state.potential)
+    for done in q[work.scene.nq - work.scene.works : work.scene.nq]:
+        moved += abs(done)
+    return float(moved)
+
+
 def estimate(
     m: Method, row: Sequence[float], trial: Trial, state: State, work: Work, tolerance: float
 ) -> float:
@@ -156,8 +171,6 @@ def estimate(
 
 def local_error(m: Method, trial: Trial, state: State, work: Work, tolerance: float) -> float:
     """Return the error of a step, in units of the tolerance."""
-    if work.scene.works > 0:
-        work.w.run("energy")
     e = estimate(m, m.errors[0], trial, state, work, tolerance)
     if len(m.errors) == 1 or e * e == 0.0:
         return e
@@ -220,6 +233,7 @@ def accept(
         state.step_size = following
     state.error = larger(error, 1e-4)
     state.drift = larger(state.drift, trial.drift)
+    state.energy_moved = larger(state.energy_moved, trial.moved)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, trial.last_ratio)
     note_pivot_ratio(trial.least_ratio, state.time + 0.5 * h, state)
     state.time_before = state.time
@@ -270,6 +284,10 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             is_beyond = True
             state.avoided += 1
             continue
+        if is_good and (work.scene.works > 0 or s.checks):
+            work.w.run("energy")
+        if is_good and s.checks:
+            trial.moved = energy_moved(work.y, work, state)
         if not is_fixed and is_good:
             trial.error = local_error(m, trial, state, work, s.tolerance)
         is_vague = (
