@@ -1,8 +1,9 @@
-/* What a scene lacks: counts, places in the workspace, tables, and the segments that compute on it.
+/* What a scene lacks.
  *
- * solver.c defines what the scene has, and a macro that is 1 for each part that other scenes may
- * lack. Parts that it lacks are 0 here, with their counts and places, and their segments do nothing:
- * the compiler drops all that is only for them. */
+ * solver.c defines counts, places in the workspace, tables and segments of what the scene has, and
+ * a macro that is 1 for each part that other scenes may lack. Parts that it lacks are 0 here, with
+ * their counts and places, and their segments do nothing: the compiler drops all that is only for
+ * them. */
 #ifndef KOUSOKU_INTEGRATE_LACKING_H
 #define KOUSOKU_INTEGRATE_LACKING_H
 
