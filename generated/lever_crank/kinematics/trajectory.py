@@ -65,7 +65,8 @@ class Iterations(NamedTuple):
 
     def __str__(self) -> str:
         return (
-            f"{self.method} by {self.target}: {self.rows} positions, {self.least} to {self.most}"
+            f"{self.method} by {self.target}: {self.rows} position{'s' * (self.rows != 1)},"
+            f" {self.least} to {self.most}"
             f" iterations a step, {self.total} in all, residual at most {self.residual:.1e}"
             f" {self.unit}, condition at most {self.condition:.2g}"
         )

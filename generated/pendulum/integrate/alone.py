@@ -146,6 +146,12 @@ class Run:
             led = self._led(started, given)
             self._require(solver.start(0.0, *led, given, self.state, self._work))
 
+    def __repr__(self) -> str:
+        state = state_of(self._scene.solver.scene, self.state)
+        rows = f"{int(state.next_row)} of {len(self.times)} rows"
+        at = f"at {self.time:.6g} s, {int(state.steps)} steps"
+        return f"<Run of {self._scene.layout.name}: {at}, {rows}>"
+
     def _led(self, initial: Initial, parameters: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given the start of the scene."""
         from .initial import evaluated

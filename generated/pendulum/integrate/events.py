@@ -75,4 +75,4 @@ class Event:
         times = ", ".join(f"{time:.6g}" for time in self.time[:3])
         more = ", …" * (len(self.time) > 3)
         at = f", at {times}{more} s" if times else ""
-        return f"<Event {self.name}: {self.count} times{at}>"
+        return f"<Event {self.name}: {self.count} time{'s' * (self.count != 1)}{at}>"

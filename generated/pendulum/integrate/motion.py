@@ -599,6 +599,7 @@ class Motion(Result):
         stopped = "" if self.is_complete else ", stopped before its end"
         stopped = f", {self._end()}" if self.stopped_by else stopped
         return (
-            f"{len(self)} rows from {self.time[0]:g} to {self.time[-1]:g} s{stopped};"
-            f" {self.unit}, kg, s, rad; {self.method} in {self.target}"
+            f"{len(self)} row{'s' * (len(self) > 1)} from {self.time[0]:g} to"
+            f" {self.time[-1]:g} s{stopped}; {self.unit}, kg, s, rad;"
+            f" {self.method} in {self.target}"
         )

@@ -6,19 +6,20 @@ import io
 import os
 import zipfile
 from collections.abc import Mapping
+from contextlib import suppress
 from functools import cached_property
 from importlib import import_module
-from inspect import signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypedDict, TypeVar
 
 import numpy as np
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
-    from typing import TypeAlias
+    from typing import TypeAlias, Unpack
 
     import numpy.typing as npt
+    from matplotlib.figure import Figure
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
@@ -105,6 +106,32 @@ class Coordinates(np.ndarray):
         """Hand on what belongs to them to what is computed from them."""
         self.parameters = getattr(other, "parameters", None)
         self.counted = getattr(other, "counted", None)
+
+
+class AnimationOptions(TypedDict, total=False):
+    """What an animation may be told, as ``kousoku.view.animate`` takes it."""
+
+    paths_of: Sequence[str | tuple[str, Sequence[float]]] | str | None
+    forces: Sequence[str] | bool
+    fps: float
+    speed: float | None
+    start: float | None
+    end: float | None
+    parameters: Mapping[str, float] | None
+
+
+class Animation(Protocol):
+    """An animation, ``kousoku.view.Animation``: a page that shows a motion."""
+
+    @property
+    def html(self) -> str:
+        """The page."""
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page to a file ``*.html``, or a picture that moves by itself to ``*.svg``."""
+
+    def still(self, time: float | None = None) -> str:
+        """Return a picture of one moment as SVG; of the start unless a time [s] is given."""
 
 
 class Part:
@@ -235,6 +262,8 @@ class Result:
 
     def _no_column(self, name: object) -> str:
         columns = [*self.places]
+        if own := [column for column, place in self.places.items() if place.owner == name]:
+            return f"no column {shown(name)}: those of {name} are {listed(own)}"
         return f"no column {shown(name)}: there are {listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
@@ -306,13 +335,13 @@ class Result:
         """Write the columns to a ``.csv``, ``.npz`` or ``.parquet`` file, whole or not at all.
 
         A CSV file has one line of names, then one line a row with all digits of the doubles. A run
-        that is kept as ``.npz`` can be opened again, :func:`kousoku.open_run`.
+        that is kept as ``.npz`` can be opened again, :func:`kousoku.open_run`. No folder is made.
 
         Raises
         ------
         kousoku.model.errors.SolveError
-            The name ends otherwise or is none, or the file cannot be written; without ``kousoku``
-            a ``ValueError``.
+            The name ends otherwise or is none, its folder is missing, or the file cannot be
+            written; without ``kousoku`` a ``ValueError``.
         """
         if not isinstance(path, str | os.PathLike):
             raise refusal(f"{shown(path)} is no name of a file; wanted one")
@@ -322,6 +351,7 @@ class Result:
         if path.suffix not in SUFFIXES:
             suffixes = f"{', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
             raise refusal(f"{path}: results go to a file that ends in {suffixes}")
+        require_folder(path)
         buffer, table = io.BytesIO(), dict[str, Any](self.columns())
         if path.suffix == ".csv":
             rows = zip(*(column.tolist() for column in table.values()), strict=True)
@@ -339,34 +369,50 @@ class Result:
         except OSError as error:
             raise refusal(f"{path}: cannot be written: {error.strerror or error}") from error
 
-    def plot(self, *columns: str) -> Any:
+    def plot(self, *columns: str) -> Figure:
         """Draw columns over time, what was asked for unless named; a matplotlib ``Figure``."""
-        return self._late("kousoku.result_plots", "plot").plot(self, *columns)
+        figure: Figure = self._late("kousoku.result_plots", "plot").plot(self, *columns)
+        return figure
 
-    def figures(self, of: str | None = None) -> dict[str, Any]:
+    def figures(self, of: str | None = None) -> dict[str, Figure]:
         """Draw all plots of a run by name, as ``--plot FOLDER``, or those of a body or node."""
         plots = self._late("kousoku.result_plots", "plot")
-        found: dict[str, Any] = plots.figures_of(self, of=of)
+        found: dict[str, Figure] = plots.figures_of(self, of=of)
         return found
 
-    def animate(self, path: str | Path | None = None, **options: Any) -> Any:
-        """Show the motion on a page of its own; options as of ``kousoku.view.animate``."""
-        view = self._late("kousoku.view", "plot")
-        if self.mechanism is None:
-            raise refusal(f"{self.name}: only what kousoku.load gave has the solids to be drawn")
-        _, _, *known = signature(view.animate).parameters
+    def animate(
+        self, path: str | os.PathLike[str] | None = None, **options: Unpack[AnimationOptions]
+    ) -> Animation:
+        """Show the motion on a page of its own; options as of ``kousoku.view.animate``.
+
+        Raises
+        ------
+        kousoku.model.errors.SolveError
+            There is no such option, joint or body, or the page cannot be written; or what moved is
+            not known, as where a folder was copied: ``kousoku.load`` its scene there.
+        """
+        known = ["path", *AnimationOptions.__annotations__]
         for name in options:
             if name not in known:
                 raise refusal(f"{self.name}: {unknown('option', name, known)}")
-        options = {"parameters": dict(self.parameters), **options}
-        return view.animate(self, self.mechanism.scene, path, **options)
+        if self.mechanism is None:
+            raise refusal(
+                f"{self.name}: only runs of what kousoku.load gave have solids to be drawn: load"
+                " the scene file where kousoku is, pip install kousoku",
+                alone=ModuleNotFoundError,
+            )
+        shown: AnimationOptions = {"parameters": dict(self.parameters), **options}
+        view = import_module("kousoku.view")
+        animation: Animation = view.animate(self, self.mechanism.scene, path, **shown)
+        return animation
 
     def _late(self, module: str, extra: str) -> Any:
         """Return a module that is imported when it is needed, or say how to install it."""
         try:
             return import_module(module)
         except ModuleNotFoundError as error:
-            line = f"{self.name}: needs {error.name}: pip install 'kousoku[{extra}]'"
+            package = (error.name or module).partition(".")[0]
+            line = f"{self.name}: needs {package}: pip install 'kousoku[{extra}]'"
             raise ModuleNotFoundError(line, name=error.name) from None
 
     def _repr_html_(self) -> str:
@@ -491,11 +537,23 @@ def _write_arrays(buffer: io.BytesIO, arrays: Mapping[str, Any]) -> None:
                 np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
 
 
+def require_folder(path: Path) -> None:
+    """Refuse a file whose folder is missing: a folder that was misspelt is not made.
+
+    Raises
+    ------
+    kousoku.model.errors.SolveError
+        The message names the folder; without ``kousoku`` a ``ValueError``.
+    """
+    with suppress(OSError):  # a name that is too long is told by who writes
+        if not path.absolute().parent.is_dir():
+            raise refusal(f"{path}: there is no folder {path.parent}; make it first")
+
+
 def _write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all."""
     import tempfile
 
-    path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         part = Path(folder) / path.name
         part.write_bytes(data)
