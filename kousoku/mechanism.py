@@ -38,6 +38,11 @@ class Mechanism:
 
     :func:`kousoku.load` makes it. It can be copied and pickled, with the sources of its solver.
 
+    Both are one type: which of them a file holds no type checker knows. A linkage has no masses and
+    no parameters, and is not integrated; it refuses by name :meth:`begin`, :meth:`resume`,
+    :meth:`evaluate`, and options of :meth:`simulate` that are of bodies, as bodies refuse those of
+    linkages.
+
     Parameters
     ----------
     solver : DynamicsSolver or LinkageSolver
@@ -165,9 +170,8 @@ class Mechanism:
         """Move from time 0 on.
 
         Bodies are integrated, or where drivers determine the motion, found position by position;
-        a linkage follows its inputs in time. What of the two it is stands in the scene file, which
-        no type checker reads: one sees that an option is of either, and that options of both are
-        not mixed; an option of the other is refused here, by name.
+        a linkage follows its inputs in time. A type checker sees that options of bodies and of
+        linkages are not mixed; those of the other are refused here.
 
         Parameters
         ----------
@@ -302,7 +306,7 @@ class Mechanism:
         return times
 
     def begin(self, times: Sequence[float] | Array, **options: Unpack[RunOptions]) -> Run:
-        """Return a run at time 0 that can be stopped, saved and gone on with.
+        """Return a run of bodies at time 0 that can be stopped, saved and gone on with.
 
         Parameters
         ----------
@@ -314,7 +318,7 @@ class Mechanism:
         Raises
         ------
         SolveError
-            An option is not possible, or the start is not.
+            An option is not possible, or the start is not; or it is a linkage of nodes.
         """
         return self._knowing(self._bodies("a run that goes on").begin(times, **options))
 
@@ -324,7 +328,7 @@ class Mechanism:
         Raises
         ------
         SolveError
-            It belongs to another solver, or is no saved run.
+            It belongs to another solver, or is no saved run; or this is a linkage of nodes.
         """
         return self._knowing(self._bodies("a run that goes on").resume(saved))
 
@@ -360,7 +364,13 @@ class Mechanism:
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Evaluation:
-        """Return accelerations and multipliers, see :func:`kousoku.matrices.evaluate`."""
+        """Return accelerations and multipliers, see :func:`kousoku.matrices.evaluate`.
+
+        Raises
+        ------
+        SolveError
+            The state is not possible, or it is a linkage of nodes.
+        """
         from kousoku.matrices import evaluate
 
         solver = self._bodies("accelerations")

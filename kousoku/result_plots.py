@@ -114,7 +114,7 @@ def draw_into(
     of : str, optional
         The only body or node to draw.
     """
-    if path.suffix:
+    if path.suffix and not path.is_dir():
         save(plot(result, *(columns or ([of] if of else []))), path)
         return [path]
     path.mkdir(parents=True, exist_ok=True)

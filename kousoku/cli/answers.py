@@ -252,6 +252,23 @@ class Listing(TypedDict):
     packages: list[Package]
 
 
+class CatalogEntry(TypedDict):
+    """One thing that a scene may have, and what it is given by."""
+
+    name: str
+    title: str
+    aliases: list[str]
+    keys: dict[str, str]
+
+
+class ListedSection(TypedDict):
+    """What ``kousoku list joints`` lists."""
+
+    format: int
+    section: str
+    entries: list[CatalogEntry]
+
+
 class MovedByAssembly(TypedDict):
     """What assembly changed of a body; velocities where the scene gives one."""
 
@@ -445,7 +462,7 @@ ANSWERS: dict[str, Any] = {
     "explain": ExplainBodies | ExplainLinkage,
     "generate": Generate | GenerateCheck,
     "ledger": Ledger,
-    "list": Listing,
+    "list": Listing | ListedSection,
     "simulate": MOVED,
     "solve": MOVED,
     "verify": Verify,

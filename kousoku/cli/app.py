@@ -2,7 +2,7 @@
 
 import io
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Annotated
 
 import typer
@@ -48,26 +48,31 @@ def _kousoku(
         ),
     ] = False,
 ) -> None:
-    """Derive constraint equations, emit them as NumPy and C, verify what was emitted, solve.
+    """Move mechanisms with closed loops; derive, emit and verify the equations that move them.
 
     Exit codes: 0 all is well, 1 emitted code or a proof disagrees with what was derived, 2 bad
     input, 3 a motion that stopped or cannot be trusted, 130 Ctrl-C.
     """
 
 
-app.command("derive")(derive)
-app.command("generate")(generate)
-app.command("verify")(verify)
-app.command("new")(new)
-app.command("check")(check)
-app.command("schema")(schema)
-app.command("explain")(explain)
-app.command("solve")(solve)
-app.command("simulate")(simulate)
-app.command("animate")(animate)
-app.command("ledger")(ledger)
-app.command("list")(list_names)
-app.command("cache")(cache)
+#: The commands, as a newcomer meets them, with a line each that no terminal cuts off.
+COMMANDS: tuple[tuple[str, Callable[..., None], str], ...] = (
+    ("new", new, "Write a commented scene that moves, to begin with."),
+    ("check", check, "Tell all that is wrong with scene files."),
+    ("simulate", simulate, "Move a mechanism in time."),
+    ("solve", solve, "Solve a driven mechanism at the divisions of its inputs."),
+    ("animate", animate, "Show a mechanism that moves on a page of its own."),
+    ("list", list_names, "List what a scene may have; or the generated packages."),
+    ("explain", explain, "Say what the solver of a scene leaves out, and saves."),
+    ("derive", derive, "Derive a kind of constraints, step by step."),
+    ("generate", generate, "Write NumPy and C for kinds and scenes."),
+    ("verify", verify, "Check emitted code against values of 50 digits."),
+    ("ledger", ledger, "List the equations of the lectures, and what is true."),
+    ("schema", schema, "Print the JSON schema of scenes, or of answers."),
+    ("cache", cache, "Show or clear what was generated and compiled before."),
+)
+for _name, _command, _line in COMMANDS:
+    app.command(_name, short_help=_line)(_command)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

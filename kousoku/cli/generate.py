@@ -91,6 +91,7 @@ def generate(
         return
     from kousoku.codegen.generate import write_tree
     from kousoku.model.cache import write_atomically
+    from kousoku.runtime.integrate.result import listed
 
     rows = [
         (order.folder, write_tree(order.folder, tree))
@@ -106,7 +107,7 @@ def generate(
         return
     for folder, changed in rows:
         if changed:
-            typer.echo(f"{_shown(folder)}: {', '.join(changed)}")
+            typer.echo(f"{_shown(folder)}: {listed(changed)}")
     same = sum(not changed for _, changed in rows)
     typer.echo(f"{same} of {counted(len(rows), 'package')} unchanged")
 

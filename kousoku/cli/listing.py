@@ -1,15 +1,28 @@
-"""``kousoku list``: which generated packages there are, and what their kernels compute."""
+"""``kousoku list``: what a scene may have; or the generated packages, and their kernels."""
 
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
+
+import typer
 
 from kousoku.cli.console import AsJson, generated_packages, print_json, print_table
 from kousoku.model.manifest import Manifest
 from kousoku.symbolic import KINDS
 
 
-def list_names(as_json: AsJson = False) -> None:
-    """List the generated packages and their kernels."""
+def list_names(
+    section: Annotated[
+        str | None,
+        typer.Argument(help="kinds, joints, forces, drivers, coordinates, events or bodies."),
+    ] = None,
+    name: Annotated[str | None, typer.Argument(help="One of them: its keys are listed.")] = None,
+    *,
+    as_json: AsJson = False,
+) -> None:
+    """List what a scene may have, such as joints; the generated packages when left out."""
+    if section is not None:
+        _list_section(section, name, as_json=as_json)
+        return
     rows = [_row(folder) for folder in generated_packages()]
     if as_json:
         print_json({"packages": rows})
@@ -18,6 +31,22 @@ def list_names(as_json: AsJson = False) -> None:
         ("name", "what", "other names", "kernels"),
         [(r["name"], r["title"], ", ".join(r["aliases"]), ", ".join(r["kernels"])) for r in rows],
     )
+
+
+def _list_section(section: str, name: str | None, *, as_json: bool) -> None:
+    """List a section of the catalog, or the keys of an entry."""
+    from kousoku.cataloging import catalog
+
+    found = catalog()[section]
+    entries = list(found.values()) if name is None else [found[name]]
+    if as_json:
+        data = [
+            {"name": x.name, "title": x.title, "aliases": list(x.aliases), "keys": dict(x.keys)}
+            for x in entries
+        ]
+        print_json({"section": section, "entries": data})
+        return
+    typer.echo(repr(found if name is None else entries[0]))
 
 
 def _row(folder: Path) -> dict[str, Any]:

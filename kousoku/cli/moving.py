@@ -224,9 +224,9 @@ def check_destinations(wish: Wish) -> None:
             raise SolveError("--plot needs matplotlib: pip install kousoku[plot]")
         if plot.suffix in PICTURES:
             require_place("--plot", plot, PICTURES)
-        elif plot.exists() and not plot.is_dir():
-            wanted = " or ".join(PICTURES)
-            raise SolveError(f"--plot {plot}: is a file; wanted a folder, or a name with {wanted}")
+        elif not plot.is_dir() and (plot.exists() or plot.suffix):
+            wanted = f"wanted a folder, or a name that ends in {' or '.join(PICTURES)}"
+            raise SolveError(f"--plot {plot}: {'is a file; ' * plot.exists()}{wanted}")
 
 
 def require_place(option: str, path: Path, suffixes: Sequence[str]) -> None:

@@ -72,7 +72,8 @@ def simulate(
         int | None, typer.Option(help="A run that needs more steps is stopped; 1000000.")
     ] = None,
     strict: Annotated[
-        bool, typer.Option(help="Refuse a start that assembly moved, turned or sped up.")
+        bool,
+        typer.Option("--strict", help="Refuse a start that assembly moved, turned or sped up."),
     ] = False,
     estimate_error: Annotated[
         bool,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+import kousoku as ks
 from kousoku import __version__
 from kousoku.symbolic import KINDS
 
@@ -48,6 +49,26 @@ def test_the_list_is_a_table_for_people(run: Run) -> None:
     code, out, _ = run("list")
     assert code == 0
     assert any("constraint_z" in line and "inline" in line for line in out.splitlines())
+
+
+def test_what_a_scene_may_have_is_listed(run: Run) -> None:
+    code, out, _ = run("list", "joints")
+    assert code == 0 and out == f"{ks.catalog()['joints']!r}\n" and "a turn about an axis" in out
+    code, out, _ = run("list", "joints", "hinge")
+    assert code == 0 and out == f"{ks.catalog()['joints']['revolute']!r}\n"
+    code, out, _ = run("list", "forces", "--json")
+    assert [one["name"] for one in json.loads(out)["entries"]] == [*ks.catalog()["forces"]]
+    code, _, err = run("list", "joints", "hing")
+    assert code == 2 and "did you mean 'hinge'" in err and err.count("\n") == 1
+
+
+def test_no_line_of_the_help_is_cut_off(run: Run) -> None:
+    code, out, _ = run("--help")
+    assert (
+        code == 0
+        and "simulate  Move a mechanism in time.\n" in out
+        and "..." not in out.partition("Commands:")[2]
+    )
 
 
 @pytest.mark.parametrize("name", ["n2", "INPLANE", "dot-2"])

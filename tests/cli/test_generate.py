@@ -52,7 +52,7 @@ def test_a_new_folder_is_that_of_one_package(
 ) -> None:
     monkeypatch.setenv("KOUSOKU_CC", "none")
     made = tmp_path / "made"
-    for changed in ("manifest.json", "1 of 1 package unchanged"):
+    for changed in (" more\n0 of 1 package unchanged", "1 of 1 package unchanged"):
         code, out, _ = run("generate", LEVER, "--out", made)
         assert code == 0 and changed in out
         assert names_in(made) > FILES

@@ -119,7 +119,7 @@ def test_steps_are_no_longer_than_the_longest(run: Run, compiler: object) -> Non
     assert free < 100
     assert bound >= 1000
     code, _, err = run(*options, "--largest-step", -1)
-    assert code == 2 and "largest step" in err.replace("_", " ")
+    assert code == 2 and "--largest-step -1.0; wanted one above 0" in err
 
 
 def test_too_many_steps_stop_the_run(run: Run, compiler: object, tmp_path: Path) -> None:
@@ -186,6 +186,25 @@ def test_a_run_that_was_kept_is_animated(run: Run, compiler: object, tmp_path: P
     assert err.startswith(f"kousoku: {kept}: holds no run") and err.count("\n") == 1
 
 
+@pytest.mark.parametrize("name", ["x.gif", "plots.d", "x.bmp"])
+def test_a_plot_of_another_format_is_refused_before_it_moves(
+    run: Run, tmp_path: Path, name: str
+) -> None:
+    code, out, err = run("simulate", LOOP, "--end", 1, "--plot", tmp_path / name)
+    assert (code, out, [*tmp_path.iterdir()]) == (2, "", [])
+    wanted = "wanted a folder, or a name that ends in .png or .svg or .pdf"
+    assert err == f"kousoku: --plot {tmp_path / name}: {wanted}\n"
+
+
+def test_a_folder_with_a_point_in_its_name_takes_plots(
+    run: Run, compiler: object, tmp_path: Path
+) -> None:
+    place = tmp_path / "run.1"
+    place.mkdir()
+    assert run("simulate", LOOP, "--end", 1, "--plot", place)[0] == 0
+    assert (place / "loop_free_coordinates.svg").exists()
+
+
 @pytest.mark.parametrize(
     ("command", "says"),
     [
@@ -194,6 +213,10 @@ def test_a_run_that_was_kept_is_animated(run: Run, compiler: object, tmp_path: P
         (
             ["simulate", LOOP, "--end", 9, "--step", 1, "--largest-step", 0.1],
             "step 1.0 with --largest-step 0.1",
+        ),
+        (
+            ["simulate", LOOP, "--end", 1, "--largest-step", 0],
+            "--largest-step 0.0; wanted one",
         ),
         (
             ["simulate", LOOP, "--end", 1, "--initial", "crank_angle=1", "--output", "energies"],

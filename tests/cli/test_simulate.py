@@ -142,8 +142,8 @@ def test_progress_is_shown_on_a_terminal_only(run: Run, monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("options", "says"),
     [
-        (("--end", 0), "wanted an end above 0"),
-        (("--end", 1, "--tolerance", 0), "wanted a tolerance from 1e-15"),
+        (("--end", 0), "end 0.0; wanted one above 0, in seconds"),
+        (("--end", 1, "--tolerance", 0), "tolerance 0.0; wanted one from 1e-15 to 1\n"),
         (("--end", 1, "--body", "bob"), "the scene has rod"),
         (("--end", 1, "--out", "rows.txt"), "must end in"),
         (("--end", 1, "--output", "angles"), "angles"),

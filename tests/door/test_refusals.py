@@ -29,6 +29,10 @@ def run() -> ks.Result:
     ("ask", "says"),
     [
         (lambda run: run["crank_angel"], "no column 'crank_angel': .*did you mean 'crank_angle'"),
+        (
+            lambda run: run["crank"],
+            "no column 'crank': those of crank are crank.x, crank.y,",
+        ),
         (lambda run: run.body("rod"), "no body 'rod': there are crank, coupler, rocker"),
         (lambda run: run.node("O1"), r"no node 'O1': the result has \.body"),
         (lambda run: run.columns_of("rod"), "no column 'rod'"),

@@ -366,13 +366,13 @@ def test_a_run_of_a_copied_folder_shows_itself_as_one_of_kousoku(free_loop: Path
 
 def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> None:
     calls = {
-        "simulate(-1)": "ValueError: my_loop: end -1 with 1001 samples; wanted an end above 0",
-        "simulate(1, samples=1)": "ValueError: my_loop: end 1 with 1 samples; wanted",
+        "simulate(-1)": "ValueError: my_loop: end -1; wanted one above 0, in seconds",
+        "simulate(1, samples=1)": "ValueError: my_loop: samples 1; wanted 2 to",
         "simulate(times=[1, 0.5])": "ValueError: my_loop: times must ascend from 0 or later",
         "simulate(1, tolerence=1)": "TypeError: my_loop: no option 'tolerence': there are end,"
         " times, samples, tolerance, method",
         "begin([0], checked=1)": "TypeError: my_loop: no option 'checked': there are times, tol",
-        "simulate(1, tolerance=0)": "ValueError: my_loop: tolerance 0, largest step inf",
+        "simulate(1, tolerance=0)": "ValueError: my_loop: tolerance 0; wanted one from 1e-15 to 1",
         "simulate(1, parameters={'mass': 'a'})": "ValueError: my_loop: parameter mass is 'a',",
         "simulate(1, initial={'crank_angle': float('nan')})": "ValueError: my_loop: initial"
         " crank_angle is nan; wanted a finite number, or an angle such as '30 deg'",

@@ -45,7 +45,7 @@ GENERATED = Path(__file__).parents[2] / "generated"
         ({"end": Decimal("1")}, r"end Decimal\('1'\); wanted a number"),
         ({"end": 10**400}, "end 10{59}…; wanted a number in the range of doubles"),
         ({"end": 1.0, "tolerance": 10**5000}, "a number of very many digits; wanted a number in"),
-        ({"end": 1.0, "samples": 10**12}, "1000000000000 samples; wanted an end above 0 and 2 to"),
+        ({"end": 1.0, "samples": 10**12}, "samples 1000000000000; wanted 2 to 1000000000"),
         ({"end": 1.0, "checks": "no"}, "checks 'no'; wanted True or False"),
         ({"end": 1.0, "progress": 3}, "progress 3; wanted a function of two times"),
         ({"end": 1.0, "parameters": [("k", 3)]}, "wanted a mapping of names to numbers"),

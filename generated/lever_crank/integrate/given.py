@@ -154,11 +154,10 @@ def times_of(scene: str, end: object, times: object, samples: object, size: int 
         require_numbers(scene, end=end)
         require_numbers(scene, is_whole=True, samples=samples)
         last, count = cast(float, end), cast(int, samples)
-        if not (0.0 < last < np.inf and 2 <= count <= MOST_ROWS):
-            raise refusal(
-                f"{scene}: end {shown(end)} with {shown(samples)} samples; wanted an end"
-                f" above 0 and 2 to {MOST_ROWS} samples"
-            )
+        if not 0.0 < last < np.inf:
+            raise refusal(f"{scene}: end {shown(end)}; wanted one above 0, in seconds")
+        if not 2 <= count <= MOST_ROWS:
+            raise refusal(f"{scene}: samples {shown(samples)}; wanted 2 to {MOST_ROWS}")
         require_room(scene, count, size)
         return np.linspace(0.0, float(last), count)
     chosen = numbers_of(scene, "times", times)
@@ -212,12 +211,11 @@ def require_steps(
                 f"{scene}: step {step!r} with largest_step {largest_step!r}; wanted one of them, or"
                 " steps that are no longer"
             )
-    if not (1e-15 <= tolerance < 1.0 and largest_step > 0.0 and most_steps > 0):
-        raise refusal(
-            f"{scene}: tolerance {shown(tolerance)}, largest step {shown(largest_step)}, at"
-            f" most {shown(most_steps)} steps; wanted a tolerance from 1e-15 to 1 and the others"
-            " above 0"
-        )
+    if not 1e-15 <= tolerance < 1.0:
+        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted one from 1e-15 to 1")
+    for name, value in (("largest_step", largest_step), ("most_steps", most_steps)):
+        if not value > 0.0:
+            raise refusal(f"{scene}: {name} {shown(value)}; wanted one above 0")
 
 
 def _is_finite(value: Any) -> bool:
