@@ -9,7 +9,7 @@ import numpy as np
 
 from .events import Told, add_row
 from .given import require_options, require_steps, times_of, values_of
-from .given_velocities import given_start
+from .given_start import given_start
 from .initial_given import initial_of
 from .methods import METHODS
 from .motion import Layout, Motion

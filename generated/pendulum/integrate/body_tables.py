@@ -198,6 +198,11 @@ def taken(places: Sequence[float], q: Array) -> Array:
     return np.array([q[k] if isinstance(k, int) else k for k in places])
 
 
+def indices(places: Sequence[float]) -> list[int]:
+    """Return the places that are none but numbers."""
+    return [place for place in places if isinstance(place, int)]
+
+
 def _put(target: Array, places: Sequence[int | float], values: Array) -> None:
     """Write components where they have an index."""
     for place, value in zip(places, values, strict=True):

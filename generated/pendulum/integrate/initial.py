@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .body_tables import BACK, composed, taken
+from .body_tables import BACK, composed, indices, taken
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -446,8 +446,3 @@ def _require(
             problems.append(f"{name} is {wanted!r}, wanted {has:.9g}: {why}")
     if problems:
         raise InitialError(f"initial values do not fit: {'; '.join(problems)}")
-
-
-def indices(places: Sequence[float]) -> list[int]:
-    """Return the places that are none but numbers."""
-    return [place for place in places if isinstance(place, int)]

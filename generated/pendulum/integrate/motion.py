@@ -10,7 +10,7 @@ import numpy as np
 
 from .body_tables import BodyPlaces, body_tables, crossed, rotated, written_state
 from .events import Event, Told
-from .given_velocities import GivenVelocity
+from .given_start import GivenStart
 from .result import Column, Coordinates, Named, Result, key_of, listed, missing, not_generated
 
 if TYPE_CHECKING:
@@ -124,8 +124,8 @@ class Layout:
         Keys of forces that jump where a ``sign`` in their formula changes.
     events : tuple of (str, str)
         Name and action of each event.
-    given : tuple of GivenVelocity
-        The velocities that the scene gives to bodies, where parameters may change its start.
+    given : tuple of GivenStart
+        Where the scene has its bodies and how they move, where parameters may change its start.
     """
 
     name: str
@@ -146,7 +146,7 @@ class Layout:
     jumps: tuple[str, ...] = ()
     events: tuple[tuple[str, str], ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
-    given: tuple[GivenVelocity, ...] = ()
+    given: tuple[GivenStart, ...] = ()
 
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> Layout:
@@ -175,7 +175,7 @@ class Layout:
             duration=data["duration"],
             jumps=tuple(data["jumps"]),
             events=tuple((name, action) for name, action in data["events"]),
-            given=tuple(map(GivenVelocity.from_data, data.get("given", ()))),
+            given=tuple(map(GivenStart.from_data, data.get("given", ()))),
         )
 
     def at(self, design: Array) -> Layout:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .body_tables import solver_state, written_state
-from .initial import ROUNDING, InitialError, Leader, Start, indices, lead
+from .body_tables import indices, solver_state, written_state
+from .initial import ROUNDING, InitialError, Leader, Start, lead
 from .result import refusal
 
 if TYPE_CHECKING:

@@ -1,0 +1,268 @@
+"""The start of a run with other parameters than the scene's: what the file with these would have.
+
+Bodies are where they fit nearest to where the scene has them, weighed with masses and moments of
+inertia; their velocities are those of the scene there, changed by the least. Assembly found both
+for the parameters of the scene, and they fit there only. The way from there to the parameters of
+the run chooses the branch.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .body_tables import BACK, composed, crossed, indices, rotated
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy.typing as npt
+
+    from .initial import Evaluate
+    from .motion import Layout
+
+    Array = npt.NDArray[np.float64]
+
+#: Least moment of inertia that weighs a displacement, as a part of the largest of the body.
+THIN = 1e-3
+#: The longest step towards the nearest place, lengths relative to the scene's; steps at most, of
+#: which so many need not be smaller than the one before, as where Euler parameters get norm one.
+LONGEST, MOST, FIRST = 0.3, 100, 3
+#: A step that counts as rounding, and one that is small enough where rounding goes on.
+ROUNDING, SMALL = 1e-15, 1e-12
+#: Below this angle [rad] a series has all digits.
+SERIES = 1e-4
+#: A point does not turn.
+NO_TURN = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class GivenStart:
+    """A body at the start, as the scene gives it.
+
+    Parameters
+    ----------
+    position : (3,) [unit of the scene], or (0,)
+        Of the origin of its frame, frame O; empty where assembly holds positions.
+    orientation : (4,)
+        Euler parameters of its frame.
+    velocity : (3,) [unit of the scene per s]
+        Of that origin, frame O.
+    spin : (3,) [rad/s]
+        Angular velocity.
+    is_in_o : bool
+        Whether its components are in frame O, not in the frame of the body.
+    weight : (11,)
+        Its mass [kg], principal moments [kg m²], and of its own principal frame ``origin_b`` [m]
+        and ``axes_b``, as of :class:`.body_tables.BodyPlaces`: another body may carry it. An index
+        of the design stands in place of a number that depends on parameters.
+    """
+
+    position: tuple[float, ...]
+    orientation: tuple[float, ...]
+    velocity: tuple[float, ...]
+    spin: tuple[float, ...]
+    is_in_o: bool
+    weight: tuple[int | float, ...]
+
+    @classmethod
+    def from_data(cls, data: Mapping[str, Any]) -> GivenStart:
+        """Return what ``motion.json`` says of a body."""
+        names = ("position", "orientation", "velocity", "spin", "weight")
+        return cls(is_in_o=data["is_in_o"], **{name: tuple(data[name]) for name in names})
+
+
+class Places:
+    """Where components of bodies stand in q or v; a number that never changes stands for itself.
+
+    Parameters
+    ----------
+    rows : sequence of sequence
+        For each body the places of its components.
+    """
+
+    def __init__(self, rows: Sequence[Sequence[int | float]]) -> None:
+        flat = [[(k, 0.0) if isinstance(k, int) else (-1, k) for k in row] for row in rows]
+        table = np.array(flat, dtype=np.float64).reshape(len(rows), -1, 2).T
+        self.at, self.numbers = table[0].astype(int), table[1]
+        self.moves = self.at >= 0
+
+    def of(self, source: Array) -> Array:
+        """Return the components, bodies behind each other."""
+        found: Array = np.where(self.moves, source[self.at], self.numbers)
+        return found
+
+    def put(self, target: Array, values: Array) -> None:
+        """Write those that have a place."""
+        target[self.at[self.moves]] = values[self.moves]
+
+
+class Given:
+    """The bodies of a scene as it gives them, each in the principal frame of what carries it.
+
+    A body carries itself, or another one that it is fixed to. Components stand before bodies.
+
+    Parameters
+    ----------
+    layout : Layout
+        What stands where, with the parameters of the run.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        pairs = zip(layout.bodies, layout.given, strict=True)
+        moving = [(body, one) for body, one in pairs if indices((*body.v, *body.omega_b))]
+        keys = [(*body.r, *body.p, *body.v, *body.omega_b) for body, _ in moving]
+        carriers = {key: body for key, (body, _) in reversed([*zip(keys, moving, strict=True)])}
+        order = {key: k for k, key in enumerate(carriers)}
+        self.carrier, self.count = np.array([order[key] for key in keys], dtype=int), len(order)
+        bodies = [*carriers.values()]
+        self.r, self.v = Places([one.r for one in bodies]), Places([one.v for one in bodies])
+        self.p = Places([one.p or NO_TURN for one in bodies])
+        self.omega_b = Places([one.omega_b or (0.0,) * 3 for one in bodies])
+        weight = np.array([one.weight for _, one in moving]).T
+        self.mass, self.inertia, arm, own = weight[0], weight[1:4], weight[4:7], _back(weight[7:])
+        self.heavy = np.maximum(self.inertia, THIN * self.inertia.max(axis=0))
+        self.frame = np.array([body.axes_b for body, _ in moving]).T
+        self.origin = np.array([body.origin_b for body, _ in moving]).T
+        self.axes = composed(self.frame, own)
+        self.center = self.origin - rotated(self.axes, arm)
+        self.written_p = composed(np.array([one.orientation for _, one in moving]).T, own)
+        self.has_places = all(one.position for _, one in moving)
+        if self.has_places:
+            position = layout.unit * np.array([one.position for _, one in moving]).T
+            self.written_r = position - rotated(self.written_p, arm)
+        self.velocity = layout.unit * np.array([one.velocity for _, one in moving]).T
+        self.spin = np.array([one.spin for _, one in moving]).T
+        self.is_in_o = np.array([one.is_in_o for _, one in moving])
+        self.masses = self._summed(self.mass[np.newaxis])[0]
+        self.moments = self._summed(self._own_moments())
+
+    def _summed(self, values: Array) -> Array:
+        """Return the sum of what the bodies of each carrier have."""
+        found = np.zeros((len(values), self.count))
+        np.add.at(found.T, self.carrier, values.T)
+        return found
+
+    def _own_moments(self) -> Array:
+        """Return the diagonal of moments of inertia about the origin of the carrier."""
+        found: Array = self.mass * ((self.center**2).sum(axis=0) - self.center**2)
+        for axis, moment in zip(np.eye(3)[:, :, np.newaxis], self.inertia, strict=True):
+            found += moment * rotated(self.axes, np.broadcast_to(axis, found.shape)) ** 2
+        return found
+
+    def _put(self, u: Array, turn: Array, linear: Array, angular: Array) -> None:
+        """Write M⁻¹ times a force and torque, or momentum, in the frames of carriers."""
+        force, torque = self._summed(linear), self._summed(crossed(self.center, linear) + angular)
+        self.v.put(u, rotated(turn, force) / self.masses)
+        rest = np.zeros_like(torque)
+        self.omega_b.put(u, np.divide(torque, self.moments, out=rest, where=self.moments > 0.0))
+
+    def move(self, q: Array, v: Array) -> None:
+        """Write velocities of the scene; bodies of one carrier have the sum of their momenta."""
+        turn = self.p.of(q)
+        back = _back(turn)[:, self.carrier]
+        omega = np.where(self.is_in_o, rotated(back, self.spin), rotated(self.frame, self.spin))
+        velocity = rotated(back, self.velocity) + crossed(omega, self.center - self.origin)
+        spin = rotated(self.axes, self.inertia * rotated(_back(self.axes), omega))
+        self._put(v, turn, self.mass * velocity, spin)
+
+    def pull(self, q: Array, u: Array) -> None:
+        """Write M⁻¹ f, with the force f of ½ dᵀ W d at the displacement d since the scene."""
+        r, turn = self.r.of(q), self.p.of(q)
+        own = turn[:, self.carrier]
+        moved = r[:, self.carrier] + rotated(own, self.center) - self.written_r
+        since = composed(_back(self.written_p), composed(own, self.axes))
+        sine = np.sqrt((since[1:] ** 2).sum(axis=0))
+        angle = 2.0 * np.arctan2(sine, np.abs(since[0]))
+        half = np.maximum(angle, SERIES) / 2.0
+        # with T of a rotation vector w, δθ′ = T dw, the torque is T⁻ᵀ I′ w
+        w = since[1:] * np.copysign(angle / np.where(sine > 0.0, sine, 1.0), since[0])
+        part = np.where(angle > SERIES, (1.0 - half / np.tan(half)) / half**2 / 4.0, 1.0 / 12.0)
+        effort = self.heavy * w
+        across = crossed(w, effort)
+        torque = effort - across / 2.0 + part * crossed(w, across)
+        force = self.mass * rotated(_back(own), moved)
+        self._put(u, turn, force, rotated(self.axes, torque))
+
+
+def given_start(
+    layout: Layout, evaluate: Evaluate, y: Array, *, is_moved: bool = True
+) -> tuple[Array, Array]:
+    """Return q and v of the start with the parameters of a run.
+
+    Velocities are projected onto the constraints once: to do it again takes away what is rounded.
+
+    Parameters
+    ----------
+    layout : Layout
+        What stands where, with the parameters of the run.
+    evaluate : callable
+        What :func:`.initial.evaluated` returns, with these parameters.
+    y : array
+        Where bodies fit, on the branch of the scene: q, then some v.
+    is_moved : bool
+        Whether they are brought to the nearest place from there.
+    """
+    given, count = Given(layout), layout.sizes["q"]
+    q, v = y[:count].copy(), y[count:].copy()
+    if is_moved and given.has_places:
+        q = nearest(layout, given, evaluate, q)
+    given.move(q, v)
+    return q, v + evaluate(q, v)["dv"]
+
+
+def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array:
+    """Return the place nearest to where the scene has its bodies, that can be reached from q.
+
+    There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
+    towards it, as long as Barzilai and Borwein take it. Where that leads nowhere bodies stay.
+    """
+    rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
+    moves[[place for _, place in layout.works]] = 0.0
+    sizes, sizes_q, weights = np.ones(len(rest)), np.ones(len(q)), np.ones(len(rest))
+    lengths = np.full((3, given.count), layout.length)
+    for target, places, values in (
+        (sizes, given.v, lengths),
+        (sizes_q, given.r, lengths),
+        (weights, given.v, np.tile(given.masses, (3, 1))),
+        (weights, given.omega_b, given.moments),
+    ):
+        places.put(target, values)
+    start, last, before, step = q, np.inf, rest, rest
+    for _ in range(MOST):
+        u = rest.copy()
+        given.pull(q, u)
+        u += evaluate(q, u)["dv"] - evaluate(q, rest)["dv"]
+        size = float(np.max(np.abs(u) / sizes, initial=0.0))
+        if size <= ROUNDING or (size <= SMALL and size > 0.5 * last):
+            return q
+        bend = step @ (weights * (u - before))
+        part = float(step @ (weights * step) / bend) if bend > 0.0 else 1.0
+        before, step = u, -min(part, LONGEST / size) * u
+        found = _closed(evaluate, q + moves * evaluate(q, step)["q_dot"], rest, sizes_q)
+        if found is None:
+            break
+        q, last = found, size
+    return start
+
+
+def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | None:
+    """Return a position near q that meets the constraints; None where it is not near."""
+    last = np.inf
+    for attempt in range(MOST):
+        moved = evaluate(q, rest)["q_moved"]
+        change = float(np.max(np.abs(moved - q) / sizes, initial=0.0))
+        if change <= ROUNDING or (change <= SMALL and change > 0.5 * last):
+            return moved
+        if not (change < last or attempt < FIRST):
+            break
+        q, last = moved, change
+    return None
+
+
+def _back(p: Array) -> Array:
+    """Return the Euler parameters of the opposite rotations."""
+    turned: Array = p * BACK[:, np.newaxis]
+    return turned
