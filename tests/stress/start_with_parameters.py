@@ -55,7 +55,8 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
         return
     try:
         mechanism = ks.load(tree, target="numpy")
-        known = dict(mechanism.solver.parameters)
+        solver: Any = mechanism.solver
+        known = dict(solver.parameters)
         names = draw.sample([*known], min(CHANGED, len(known)))
         given = {name: known[name] * (1 + draw.uniform(-BY, BY)) for name in names}
         motion: Any = mechanism.simulate(times=[0.0], parameters=given)
@@ -65,8 +66,8 @@ def ask(tree: dict[str, Any], draw: random.Random, outcome: Outcome, place: str)
     except KousokuError as error:
         outcome.count(f"refused: {reason_of(error)}")
         return
-    outcome.count("begun" if mechanism.solver.layout.given else "begun, nothing depends on them")
-    is_redundant = bool(mechanism.solver.left_out)
+    outcome.count("begun" if solver.layout.given else "begun, nothing depends on them")
+    is_redundant = bool(solver.left_out)
     what = ", with redundant rows" if is_redundant else ""
     outcome.measure(f"place of the file{what} (lengths of the scene)", elsewhere, place)
     outcome.measure("place of the file written there (lengths of the scene)", closed, place, PLACE)

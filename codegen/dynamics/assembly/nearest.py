@@ -47,6 +47,9 @@ ON_THE_WAY = 1e-9
 MOST_STEPS = 12
 """Steps in 50 digits on the way to the nearest positions; each adds some digits."""
 
+MOST_SLIDES, SLID = 60, 1e-16
+"""Steps along positions that fit, and the last of them, as a part of the size of the system."""
+
 ROUNDING = 16 * 2.0**-52
 """What fits to this part of the size of the system is taken as it is."""
 
@@ -190,13 +193,14 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
     """Return the positions nearest to ``start`` on the branch of ``pose``, which fits already.
 
     With d the displacement so far, and C_d = C_q ∂q/∂d, d ← W⁻¹ C_dᵀ λ where S λ = C_d d − C, until
-    it stays. Where that does not settle, the positions stay those that fit.
+    it stays. Where that does not settle, rows that depend on each other where they hold and nowhere
+    else lead along themselves.
     """
     metric, rough = search.metric, search.rough
     begin = Place.of(start)
     place = rough.polished(begin, Place.of(pose))
     if place is None:
-        return pose
+        return _slid(start, pose, search)
     moved = replace(place.pose(), near=pose.near)
     d = moved.since(start)
     solver: Solver | None = None
@@ -212,7 +216,30 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
         left = rough.settled(begin, place, np.array([float(x) for x in missing]))
         d = [x + precise.number(y) for x, y in zip(d, left.tolist(), strict=True)]
         moved = search.rows.counted(replace(start.moved(d), near=moved.near))
-    return moved if change <= ROUNDING * metric.size else pose
+    return moved if change <= ROUNDING * metric.size else _slid(start, pose, search)
+
+
+def _slid(start: Pose, pose: Pose, search: _Search) -> Pose:
+    """Return the positions nearest to ``start``, by steps from positions to others that fit.
+
+    The step is what d has beside W⁻¹ C_dᵀ λ. Where steps do not become smaller, the positions stay.
+    """
+    metric, rows = search.metric, search.rows
+    here, last = pose, metric.norm(pose.since(start))
+    for _ in range(MOST_SLIDES):
+        d = here.since(start)
+        jacobian = rows.at(here)[1].of_displacement(d)
+        step = _less(Solver(jacobian, metric, rows).displacement(jacobian.times(d)), d)
+        size = metric.norm(step)
+        if size <= SLID * metric.size:
+            return here
+        if not size < last:
+            break
+        moved = rows.counted(replace(start.moved(_less(d, [-x for x in step])), near=here.near))
+        here, last = search.restored(search.rough.restored(Place.of(moved)).pose()), size
+        if violations(rows, here, CLOSED, metric.size):
+            break
+    return pose
 
 
 def _less(a: Sequence[High], b: Sequence[High]) -> list[High]:
