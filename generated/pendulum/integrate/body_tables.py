@@ -185,11 +185,11 @@ def solver_state(
             axes, arm = np.array(body.axes_b), np.array(body.origin_b)
             p, omega = composed(p / np.sqrt(p @ p), axes * BACK), rotated(axes, omega)
             p = -p if taken(body.p, start[0]) @ p < 0 else p
-            put(q, body.p, p)
-            put(v, body.omega_b, omega)
+            _put(q, body.p, p)
+            _put(v, body.omega_b, omega)
             r, rate = r - rotated(p, arm), rate - rotated(p, crossed(omega, arm))
-        put(q, body.r, r)
-        put(v, body.v, rate)
+        _put(q, body.r, r)
+        _put(v, body.v, rate)
     return q, v
 
 
@@ -203,7 +203,7 @@ def indices(places: Sequence[float]) -> list[int]:
     return [place for place in places if isinstance(place, int)]
 
 
-def put(target: Array, places: Sequence[int | float], values: Array) -> None:
+def _put(target: Array, places: Sequence[int | float], values: Array) -> None:
     """Write components where they have an index."""
     for place, value in zip(places, values, strict=True):
         if isinstance(place, int):

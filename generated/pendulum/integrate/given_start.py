@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .body_tables import BACK, composed, crossed, indices, put, rotated, taken
+from .body_tables import BACK, composed, crossed, indices, rotated
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
     import numpy.typing as npt
 
-    from .body_tables import BodyPlaces
     from .initial import Evaluate
     from .motion import Layout
 
@@ -34,7 +33,9 @@ LONGEST, MOST, FIRST = 0.3, 100, 3
 #: A step that counts as rounding, and one that is small enough where rounding goes on.
 ROUNDING, SMALL = 1e-15, 1e-12
 #: Below this angle [rad] a series has all digits.
-SERIES = 1e-3
+SERIES = 1e-4
+#: A point does not turn.
+NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,108 +70,121 @@ class GivenStart:
     @classmethod
     def from_data(cls, data: Mapping[str, Any]) -> GivenStart:
         """Return what ``motion.json`` says of a body."""
-        return cls(**{key: tuple(x) if isinstance(x, list) else x for key, x in data.items()})
+        names = ("position", "orientation", "velocity", "spin", "weight")
+        return cls(is_in_o=data["is_in_o"], **{name: tuple(data[name]) for name in names})
 
 
-class Member:
-    """A body, in the principal frame of what carries it: itself, or one that others are fixed to.
+class Places:
+    """Where components of bodies stand in q or v; a number that never changes stands for itself.
 
     Parameters
     ----------
-    body : BodyPlaces
-        Where it stands in q and v.
-    given : GivenStart
-        As the scene gives it.
-    unit : float [m]
-        The unit of the scene.
+    rows : sequence of sequence
+        For each body the places of its components.
     """
 
-    def __init__(self, body: BodyPlaces, given: GivenStart, unit: float) -> None:
-        weight = np.array(given.weight)
-        self.mass, self.inertia, arm, own = weight[0], weight[1:4], weight[4:7], weight[7:] * BACK
-        self.heavy = np.maximum(self.inertia, THIN * self.inertia.max())
-        self.frame, self.origin = np.array(body.axes_b), np.array(body.origin_b)
+    def __init__(self, rows: Sequence[Sequence[int | float]]) -> None:
+        flat = [[(k, 0.0) if isinstance(k, int) else (-1, k) for k in row] for row in rows]
+        table = np.array(flat, dtype=np.float64).reshape(len(rows), -1, 2).T
+        self.at, self.numbers = table[0].astype(int), table[1]
+        self.moves = self.at >= 0
+
+    def of(self, source: Array) -> Array:
+        """Return the components, bodies behind each other."""
+        found: Array = np.where(self.moves, source[self.at], self.numbers)
+        return found
+
+    def put(self, target: Array, values: Array) -> None:
+        """Write those that have a place."""
+        target[self.at[self.moves]] = values[self.moves]
+
+
+class Given:
+    """The bodies of a scene as it gives them, each in the principal frame of what carries it.
+
+    A body carries itself, or another one that it is fixed to. Components stand before bodies.
+
+    Parameters
+    ----------
+    layout : Layout
+        What stands where, with the parameters of the run.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        pairs = zip(layout.bodies, layout.given, strict=True)
+        moving = [(body, one) for body, one in pairs if indices((*body.v, *body.omega_b))]
+        keys = [(*body.r, *body.p, *body.v, *body.omega_b) for body, _ in moving]
+        carriers = {key: body for key, (body, _) in reversed([*zip(keys, moving, strict=True)])}
+        order = {key: k for k, key in enumerate(carriers)}
+        self.carrier, self.count = np.array([order[key] for key in keys], dtype=int), len(order)
+        bodies = [*carriers.values()]
+        self.r, self.v = Places([one.r for one in bodies]), Places([one.v for one in bodies])
+        self.p = Places([one.p or NO_TURN for one in bodies])
+        self.omega_b = Places([one.omega_b or (0.0,) * 3 for one in bodies])
+        weight = np.array([one.weight for _, one in moving]).T
+        self.mass, self.inertia, arm, own = weight[0], weight[1:4], weight[4:7], _back(weight[7:])
+        self.heavy = np.maximum(self.inertia, THIN * self.inertia.max(axis=0))
+        self.frame = np.array([body.axes_b for body, _ in moving]).T
+        self.origin = np.array([body.origin_b for body, _ in moving]).T
         self.axes = composed(self.frame, own)
         self.center = self.origin - rotated(self.axes, arm)
-        self.p = composed(np.array(given.orientation), own)
-        self.r = unit * np.array(given.position) - rotated(self.p, arm) if given.position else None
-        self.velocity, self.spin = unit * np.array(given.velocity), np.array(given.spin)
-        self.is_in_o = given.is_in_o
+        self.written_p = composed(np.array([one.orientation for _, one in moving]).T, own)
+        self.has_places = all(one.position for _, one in moving)
+        if self.has_places:
+            position = layout.unit * np.array([one.position for _, one in moving]).T
+            self.written_r = position - rotated(self.written_p, arm)
+        self.velocity = layout.unit * np.array([one.velocity for _, one in moving]).T
+        self.spin = np.array([one.spin for _, one in moving]).T
+        self.is_in_o = np.array([one.is_in_o for _, one in moving])
+        self.masses = self._summed(self.mass[np.newaxis])[0]
+        self.moments = self._summed(self._own_moments())
 
-    def moments(self) -> Array:
-        """Return the diagonal of its moments of inertia about the origin."""
-        turned: Array = rotated(self.axes, np.eye(3)) ** 2 @ self.inertia
-        return turned + self.mass * (self.center @ self.center - self.center**2)
+    def _summed(self, values: Array) -> Array:
+        """Return the sum of what the bodies of each carrier have."""
+        found = np.zeros((len(values), self.count))
+        np.add.at(found.T, self.carrier, values.T)
+        return found
 
-    def momenta(self, turn: Array) -> tuple[Array, Array]:
-        """Return momentum and angular momentum that the scene gives, where the frame is turned."""
-        omega = rotated(turn * BACK if self.is_in_o else self.frame, self.spin)
-        velocity = rotated(turn * BACK, self.velocity) + crossed(omega, self.center - self.origin)
-        impulse = self.mass * velocity
-        own = rotated(self.axes, self.inertia * rotated(self.axes * BACK, omega))
-        return impulse, crossed(self.center, impulse) + own
+    def _own_moments(self) -> Array:
+        """Return the diagonal of moments of inertia about the origin of the carrier."""
+        found: Array = self.mass * ((self.center**2).sum(axis=0) - self.center**2)
+        for axis, moment in zip(np.eye(3)[:, :, np.newaxis], self.inertia, strict=True):
+            found += moment * rotated(self.axes, np.broadcast_to(axis, found.shape)) ** 2
+        return found
 
-    def pull(self, r: Array, turn: Array) -> tuple[Array, Array]:
-        """Return force and torque of ½ dᵀ W d, with the displacement d from where it is given."""
-        force = rotated(turn * BACK, self.mass * (r + rotated(turn, self.center) - self.r))
-        since = composed(self.p * BACK, composed(turn, self.axes))
-        sine = np.sqrt(since[1:] @ since[1:])
-        angle = 2.0 * np.arctan2(sine, abs(since[0]))
-        w = since[1:] * (np.copysign(angle, since[0]) / sine if sine else 0.0)
-        effort, half = self.heavy * w, angle / 2.0
-        # with T of a rotation vector w, δθ′ = T dw, that is T⁻ᵀ I′ w
-        part = (1.0 - half / np.tan(half)) / angle**2 if angle > SERIES else 1.0 / 12.0
-        across = crossed(w, effort)
-        torque = effort - across / 2.0 + part * crossed(w, across)
-        return force, crossed(self.center, force) + rotated(self.axes, torque)
+    def _put(self, u: Array, turn: Array, linear: Array, angular: Array) -> None:
+        """Write M⁻¹ times a force and torque, or momentum, in the frames of carriers."""
+        force, torque = self._summed(linear), self._summed(crossed(self.center, linear) + angular)
+        self.v.put(u, rotated(turn, force) / self.masses)
+        rest = np.zeros_like(torque)
+        self.omega_b.put(u, np.divide(torque, self.moments, out=rest, where=self.moments > 0.0))
 
-
-class Carrier:
-    """A body of the solver, with the bodies of the scene that are part of it.
-
-    Parameters
-    ----------
-    places : BodyPlaces
-        Where it stands in q and v.
-    members : sequence of Member
-        Its bodies.
-    """
-
-    def __init__(self, places: BodyPlaces, members: Sequence[Member]) -> None:
-        self.places, self.members = places, members
-        self.mass = sum(one.mass for one in members)
-        self.moments = sum((one.moments() for one in members), np.zeros(3))
-
-    def turn(self, q: Array) -> Array:
-        """Return the Euler parameters of its principal frame."""
-        return taken(self.places.p, q) if self.places.p else np.array([1.0, 0.0, 0.0, 0.0])
-
-    def share(self, q: Array, v: Array) -> None:
-        """Write its velocity, which has the momenta of its bodies."""
-        turn = self.turn(q)
-        self._put(v, turn, [one.momenta(turn) for one in self.members])
+    def move(self, q: Array, v: Array) -> None:
+        """Write velocities of the scene; bodies of one carrier have the sum of their momenta."""
+        turn = self.p.of(q)
+        back = _back(turn)[:, self.carrier]
+        omega = np.where(self.is_in_o, rotated(back, self.spin), rotated(self.frame, self.spin))
+        velocity = rotated(back, self.velocity) + crossed(omega, self.center - self.origin)
+        spin = rotated(self.axes, self.inertia * rotated(_back(self.axes), omega))
+        self._put(v, turn, self.mass * velocity, spin)
 
     def pull(self, q: Array, u: Array) -> None:
-        """Write M⁻¹ times the force and torque of its displacement."""
-        r, turn = taken(self.places.r, q), self.turn(q)
-        self._put(u, turn, [one.pull(r, turn) for one in self.members])
-
-    def _put(self, v: Array, turn: Array, sums: Sequence[tuple[Array, Array]]) -> None:
-        linear, angular = (sum(parts, np.zeros(3)) for parts in zip(*sums, strict=True))
-        omega = np.divide(angular, self.moments, out=np.zeros(3), where=self.moments > 0.0)
-        put(v, self.places.v, rotated(turn, linear) / self.mass)
-        put(v, self.places.omega_b, omega[: len(self.places.omega_b)])
-
-
-def carriers_of(layout: Layout) -> Iterator[Carrier]:
-    """Yield the bodies of a solver that move."""
-    groups: dict[tuple[int | float, ...], list[tuple[BodyPlaces, Member]]] = {}
-    for body, given in zip(layout.bodies, layout.given, strict=True):
-        if indices((*body.v, *body.omega_b)):
-            own = groups.setdefault((*body.r, *body.p, *body.v, *body.omega_b), [])
-            own.append((body, Member(body, given, layout.unit)))
-    for pairs in groups.values():
-        yield Carrier(pairs[0][0], [member for _, member in pairs])
+        """Write M⁻¹ f, with the force f of ½ dᵀ W d at the displacement d since the scene."""
+        r, turn = self.r.of(q), self.p.of(q)
+        own = turn[:, self.carrier]
+        moved = r[:, self.carrier] + rotated(own, self.center) - self.written_r
+        since = composed(_back(self.written_p), composed(own, self.axes))
+        sine = np.sqrt((since[1:] ** 2).sum(axis=0))
+        angle = 2.0 * np.arctan2(sine, np.abs(since[0]))
+        half = np.maximum(angle, SERIES) / 2.0
+        # with T of a rotation vector w, δθ′ = T dw, the torque is T⁻ᵀ I′ w
+        w = since[1:] * np.copysign(angle / np.where(sine > 0.0, sine, 1.0), since[0])
+        part = np.where(angle > SERIES, (1.0 - half / np.tan(half)) / half**2 / 4.0, 1.0 / 12.0)
+        effort = self.heavy * w
+        across = crossed(w, effort)
+        torque = effort - across / 2.0 + part * crossed(w, across)
+        force = self.mass * rotated(_back(own), moved)
+        self._put(u, turn, force, rotated(self.axes, torque))
 
 
 def given_start(
@@ -178,9 +192,7 @@ def given_start(
 ) -> tuple[Array, Array]:
     """Return q and v of the start with the parameters of a run.
 
-    Bodies that are fixed to each other are one where they weigh displacements together, and
-    have the sum of their momenta. Velocities are projected onto the constraints once: to do it
-    again takes away what is rounded.
+    Velocities are projected onto the constraints once: to do it again takes away what is rounded.
 
     Parameters
     ----------
@@ -193,16 +205,15 @@ def given_start(
     is_moved : bool
         Whether they are brought to the nearest place from there.
     """
-    carriers, count = [*carriers_of(layout)], layout.sizes["q"]
+    given, count = Given(layout), layout.sizes["q"]
     q, v = y[:count].copy(), y[count:].copy()
-    if is_moved and all(one.position for one in layout.given):
-        q = nearest(layout, carriers, evaluate, q)
-    for one in carriers:
-        one.share(q, v)
+    if is_moved and given.has_places:
+        q = nearest(layout, given, evaluate, q)
+    given.move(q, v)
     return q, v + evaluate(q, v)["dv"]
 
 
-def nearest(layout: Layout, carriers: Sequence[Carrier], evaluate: Evaluate, q: Array) -> Array:
+def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array:
     """Return the place nearest to where the scene has its bodies, that can be reached from q.
 
     There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
@@ -211,21 +222,24 @@ def nearest(layout: Layout, carriers: Sequence[Carrier], evaluate: Evaluate, q: 
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
     moves[[place for _, place in layout.works]] = 0.0
     sizes, sizes_q, weights = np.ones(len(rest)), np.ones(len(q)), np.ones(len(rest))
-    for one in carriers:
-        sizes[indices(one.places.v)] = sizes_q[indices(one.places.r)] = layout.length
-        put(weights, one.places.v, np.full(3, one.mass))
-        put(weights, one.places.omega_b, one.moments[: len(one.places.omega_b)])
-    start, last, part, before, step = q, np.inf, 1.0, rest, rest
+    lengths = np.full((3, given.count), layout.length)
+    for target, places, values in (
+        (sizes, given.v, lengths),
+        (sizes_q, given.r, lengths),
+        (weights, given.v, np.tile(given.masses, (3, 1))),
+        (weights, given.omega_b, given.moments),
+    ):
+        places.put(target, values)
+    start, last, before, step = q, np.inf, rest, rest
     for _ in range(MOST):
         u = rest.copy()
-        for one in carriers:
-            one.pull(q, u)
+        given.pull(q, u)
         u += evaluate(q, u)["dv"] - evaluate(q, rest)["dv"]
         size = float(np.max(np.abs(u) / sizes, initial=0.0))
         if size <= ROUNDING or (size <= SMALL and size > 0.5 * last):
             return q
         bend = step @ (weights * (u - before))
-        part = step @ (weights * step) / bend if bend > 0.0 else 1.0
+        part = float(step @ (weights * step) / bend) if bend > 0.0 else 1.0
         before, step = u, -min(part, LONGEST / size) * u
         found = _closed(evaluate, q + moves * evaluate(q, step)["q_dot"], rest, sizes_q)
         if found is None:
@@ -246,3 +260,9 @@ def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | 
             break
         q, last = moved, change
     return None
+
+
+def _back(p: Array) -> Array:
+    """Return the Euler parameters of the opposite rotations."""
+    turned: Array = p * BACK[:, np.newaxis]
+    return turned

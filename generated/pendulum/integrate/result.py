@@ -262,6 +262,8 @@ class Result:
 
     def _no_column(self, name: object) -> str:
         columns = [*self.places]
+        if own := [column for column, place in self.places.items() if place.owner == name]:
+            return f"no column {shown(name)}: those of {name} are {listed(own)}"
         return f"no column {shown(name)}: there are {listed(columns)}{_near(name, columns)}"
 
     def __contains__(self, name: object) -> bool:
