@@ -14,7 +14,6 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.continuation import LEAST_ASIDE
 from kousoku.runtime.integrate.events import Told, add_row
 from kousoku.runtime.integrate.given import (
     numbers_of,
@@ -44,6 +43,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
+#: Joints that miss more than this part of the closure tolerance are named where a start is refused.
+OPENING = 1e-3
 MESSAGES: dict[int, str] = {
     Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
     " too fast, or the tolerance is too tight for doubles",
@@ -257,7 +258,7 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, LEAST_ASIDE)
+            joints = not_closed(self.solver, self._memory.work, OPENING)
             return (
                 f"with {given}: joints stay open, or come open by more than closure_tolerance for"
                 f" each length or radian that bodies move: {joints}; only with the parameters of"
