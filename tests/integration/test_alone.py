@@ -376,7 +376,7 @@ def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> Non
         "simulate(1, parameters={'mass': 'a'})": "ValueError: my_loop: parameter mass is 'a',",
         "simulate(1, initial={'crank_angle': float('nan')})": "ValueError: my_loop: initial"
         " crank_angle is nan; wanted a finite number, or an angle such as '30 deg'",
-        "simulate(1e-9, samples=2)['crank']": "MissingError: my_loop: no column 'crank': there",
+        "simulate(1e-9, samples=2)['crank']": "MissingError: my_loop: no column 'crank': those of",
         "simulate(1e-9, samples=2).save('no/x.csv')": "ValueError: no/x.csv: there is no folder no",
     }
     got = run(
