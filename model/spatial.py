@@ -98,7 +98,7 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     Parameters
     ----------
     type : str
-        What the joint allows: a name or an alias of :data:`kousoku.model.joints.JOINTS`.
+        What the joint allows: one of the joints, or another name of it.
     bodies : (str, str), optional
         Body i and body j; ``ground`` is the fixed body. Every joint but a coupling has them.
     points : ((3,), (3,)) [unit of the scene], optional

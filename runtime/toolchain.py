@@ -199,8 +199,10 @@ def probe(command: tuple[str, ...], added: tuple[str, ...]) -> Toolchain:
                 flags=flags,
             )
         refusals.append(output(macros))
+    said = f"it said:\n{refusals[0]}\n" if refusals[0] else "it said nothing "
     raise CompilerError(
-        f"the C compiler {' '.join(command)!r} does not work here; it said:\n{refusals[0]}"
+        f"the C compiler {' '.join(command)!r} does not work here; {said}"
+        "(KOUSOKU_CC chooses another compiler; KOUSOKU_CC=none the NumPy kernels)"
     )
 
 

@@ -66,6 +66,16 @@ def test_a_chosen_compiler_that_does_not_work_shows_its_output(
         find_toolchain()
 
 
+def test_a_chosen_compiler_that_says_nothing_is_told_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, wrapper: Callable[[str], str]
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CC", wrapper("exit 1"))
+    with pytest.raises(CompilerError) as raised:
+        find_toolchain()
+    assert "does not work here; it said nothing (KOUSOKU_CC chooses another" in str(raised.value)
+    assert "\n" not in str(raised.value)
+
+
 def test_a_broken_compiler_is_passed_over_for_one_that_works(
     monkeypatch: pytest.MonkeyPatch, wrapper: Callable[[str], str]
 ) -> None:
@@ -151,5 +161,5 @@ def test_messages_of_the_compiler_are_in_english(
 ) -> None:
     monkeypatch.setenv("LC_ALL", "de_DE.UTF-8")
     monkeypatch.setenv("KOUSOKU_CC", wrapper('echo "LC_ALL is $LC_ALL"; exit 1'))
-    with pytest.raises(CompilerError, match=r"LC_ALL is C\Z"):
+    with pytest.raises(CompilerError, match=r"LC_ALL is C\n"):
         find_toolchain()
