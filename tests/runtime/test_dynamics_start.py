@@ -178,6 +178,31 @@ type = "force"
 body = "a"
 force = ["p", 0, 0]
 """
+#: A linkage of Bricard, as in `scenes/bricard.toml`: corners of a cube, edges, axes.
+CORNERS = ((1.05, 0.02, 0), (1, 1, 0), (1, 1, 1), (0, 1, 1), (0, 0, 1))
+EDGES = ((0, 1, 0), (0, 0, 1), (-1, 0, 0), (0, -1, 0), (0, 0, -1))
+AXES = ("[0, 0, 1]", "[1, 0, 0]", "[0, 1, 0]")
+CUBE = 'name = "cube"\nunit = "m"\n[parameters]\nm = 1.0\n' + "".join(
+    f"""
+[bodies.rod_{k}]
+position = {[*corner]}
+cylinders = [{{ mass = {'"m"' if k == 0 else 1}, radius = 0.05, ends = [[0, 0, 0], {[*edge]}] }}]
+angular_velocity_b = [1, 2, {k}]
+[joints.head_{k}]
+type = "revolute"
+bodies = ["rod_{k}", "{f"rod_{k + 1}" if k < 4 else "ground"}"]
+points = [{[*edge]}, [0, 0, 0]]
+axes = [{AXES[(k + 1) % 3]}, {AXES[(k + 1) % 3]}]
+"""
+    for k, (corner, edge) in enumerate(zip(CORNERS, EDGES, strict=True))
+)
+CUBE += """
+[joints.foot]
+type = "revolute"
+bodies = ["ground", "rod_0"]
+points = [[1, 0, 0], [0, 0, 0]]
+axes = [[0, 0, 1], [0, 0, 1]]
+"""
 SCENES = {
     "in space": (IN_SPACE, {"L": 1.4, "m": 3.0}),
     "flat": (FLAT, {"L": 1.4, "m": 3.0}),
@@ -191,6 +216,7 @@ SCENES = {
     "masses, moved": (IN_SPACE.replace("[1, 0, 0]", "[1.5, 0.5, 0]"), {"m": 4.0}),
     "held place": (HELD_PLACE, {"m": 4.0, "L": 1.2}),
     "skew": (SKEW, {"m": 3.0}),
+    "over-constrained": (CUBE, {"m": 5.0}),
 }
 NOW = [0.0]
 POINT = '{ body = "bob", point = [0, 0, 300], along = [1, 0, 0] }'
