@@ -10,8 +10,8 @@ static double energy_balance(const double *w, const State *s)
 }
 
 /* whether the rows that are left out, which stand behind C, miss so many times CLOSURE_TOLERANCE at
- * most where they were evaluated last, relative to LENGTH; or no more beyond what they missed before
- * if that is not NULL */
+ * most where they were evaluated last, relative to LENGTH; or no more beyond what they missed
+ * before, if that is not NULL */
 static int are_closed(const double *w, const double *before, double times)
 {
     for (size_t k = NC; k != NCHECK; ++k) {

@@ -72,8 +72,8 @@ static void note_motion(double h, State *s)
 /* the energy of all bodies where they move at such a rate */
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
-/* kinetic energy, change of potential energy since the start, and all works, which are in q; that of
- * every step counts, whatever rows are written */
+/* kinetic energy, change of potential energy since the start, and all works, which are in q; that
+ * of every step counts, whatever rows are written */
 static double energy_moved(const double *w, const double *q, const State *s)
 {
     double moved = w[W_ENERGIES] + fabs(w[W_ENERGIES + 1] - s->potential);
