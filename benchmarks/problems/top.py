@@ -240,6 +240,5 @@ PROBLEMS = (
                 ),
             }
         ),
-        magnifies=True,
     ),
 )

@@ -107,7 +107,6 @@ def problem_of_chain(count: int) -> Problem:
             *([partial(equations, tree)] if count <= LAGRANGE else []),
         ),
         peers=partial(peers, tree, is_long=count > INLINED),
-        magnifies=count > LAGRANGE,
     )
 
 

@@ -12,7 +12,16 @@ from benchmarks.kit import MissingError, Record, Size
 from benchmarks.peers import mujoco
 from benchmarks.problems import andrews, closed, linkage, n_four_bar, pendulum, trees
 from benchmarks.problems.catalog import PROBLEMS
-from benchmarks.problems.problem import TIMES, Digits, finished, kousoku_call
+from benchmarks.problems.growth import growth
+from benchmarks.problems.problem import (
+    GROWTH,
+    PROMISED,
+    TIMES,
+    USUAL_GROWTH,
+    Digits,
+    finished,
+    kousoku_call,
+)
 from benchmarks.problems.tree import Tree, frames, placed, point_at, pulled, slopes
 from kousoku.runtime.toolchain import Toolchain
 
@@ -60,6 +69,17 @@ def test_kousoku_meets_digits_and_reactions(name: str, compiler: Toolchain) -> N
     judged = kousoku_call(PROBLEMS[name], "dop853", 1e-12, "end").judge()
     assert judged.error is not None and judged.error < 1e-9
     assert judged.extra.get("reactions", 0.0) < 1e-8
+
+
+@pytest.mark.parametrize("name", ["andrews", "pendulum", "driven_pendulum", *GROWTH])
+def test_what_is_promised_grows_with_errors(name: str, compiler: Toolchain) -> None:
+    noted, promised = GROWTH.get(name), PROBLEMS[name].promised
+    if noted is None:
+        assert 1 < growth(PROBLEMS[name]) < USUAL_GROWTH
+        assert promised == PROMISED
+    else:
+        assert growth(PROBLEMS[name]) == pytest.approx(noted, rel=0.1)
+        assert promised == pytest.approx(PROMISED * noted / USUAL_GROWTH)
 
 
 def test_a_scene_starts_where_its_tree_does(compiler: Toolchain) -> None:
