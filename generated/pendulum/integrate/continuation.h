@@ -93,7 +93,7 @@ static int stay_closed(State *s, Work *work)
         const double x = 0.6180339887498949 * (double)(k + 1);
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
     }
-    project_onto_tangent(s->y + NQ, work, u);
+    take_normal_part(1.0, s->y + NQ, work, u);
     const double size = size_of(u);
     if (pivot_ratio(work, s) < WEAK || !(size > NO_WAY)) return 1;
     memcpy(counts, s, sizeof counts);

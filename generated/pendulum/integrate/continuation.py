@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .pivot_monitor import WEAK, pivot_ratio
-from .projection import project, project_onto_tangent
+from .projection import project, take_normal_part
 from .rows import are_closed
 from .scene import smaller
 from .state import SINGLE
@@ -98,7 +98,7 @@ def stay_closed(state: State, work: Work) -> bool:
         return False
     x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
     u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
-    project_onto_tangent(state.y[scene.nq :], work, u)
+    take_normal_part(1.0, state.y[scene.nq :], work, u)
     size = w.size_of(u)
     if pivot_ratio(work, state) < WEAK or not size > NO_WAY:
         return True

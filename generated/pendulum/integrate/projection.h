@@ -10,8 +10,6 @@
 #define LOST 2e-12
 /* the same of any accelerations */
 #define LOST_BY_ANY 2e-11
-/* up to 2 to this power, in lengths or radians per second, bodies are no faster than usual */
-#define USUAL_EXPONENT 10
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
 enum { MOST_REFINEMENTS = 4 };
@@ -160,27 +158,18 @@ static int project(
     return 1;
 }
 
-/* what a displacement is multiplied by where it is added to velocities: a power of two, so that it
- * is as large as they are in fast motions, and not lost in their rounding */
-static double as_fast_as(double speed)
-{
-    int exponent = 0;
-    if (!(speed < HUGE_VAL)) return 1.0;
-    (void)frexp(speed, &exponent);
-    return exponent > USUAL_EXPONENT ? ldexp(1.0, exponent) : 1.0;
-}
-
-/* brings a displacement or a change of the velocity v into the tangent space of the constraints at
- * the geometry in the workspace: what is normal to it does not last, the next projection takes it
- * away */
-static void project_onto_tangent(const double *v, Work *work, double *u)
+/* takes a part of what is normal to the constraints, at the geometry in the workspace, from a
+ * displacement or a change of the velocity v: without all of it u is in the tangent space. Where
+ * drivers lead it is added to v as large as v is, so that it is not lost in the rounding of fast
+ * motions */
+static void take_normal_part(double part, const double *v, Work *work, double *u)
 {
     double *w = work->w;
     if (NC == 0 && !FITS) return;
-    const double factor = HAS_DRIVERS ? as_fast_as(size_of(v)) : 1.0;
+    const double factor = HAS_DRIVERS ? larger(1.0, size_of(v)) : 1.0;
     for (size_t k = 0; k < NV; ++k) w[W_V + k] = HAS_DRIVERS ? v[k] + factor * u[k] : u[k];
     correct_velocity(work);
-    for (size_t k = 0; k < NV; ++k) u[k] += w[W_DV + k] / factor;
+    for (size_t k = 0; k < NV; ++k) u[k] += part * (w[W_DV + k] / factor);
 }
 
 /* the displacements that belong to a small change of q */

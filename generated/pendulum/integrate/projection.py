@@ -9,7 +9,7 @@ import numpy as np
 
 from .pivot_monitor import pivot_ratio
 from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_rows, solve_rows
-from .scene import rounding_of_sum
+from .scene import larger, rounding_of_sum
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: Up to 2 to this power, in lengths or radians per second, bodies are no faster than usual.
-USUAL_EXPONENT = 10
 #: A correction this small, relative to a length of the scene, is rounding.
 ROUNDING = 4e-16
 #: Newton squares a correction this small away.
@@ -214,31 +212,20 @@ def project(
     return first
 
 
-def as_fast_as(speed: float) -> float:
-    """Return what a displacement is multiplied by where it is added to velocities.
+def take_normal_part(part: float, v: Array, work: Work, u: Array) -> None:
+    """Take a part of what is normal to the constraints from a displacement, or a change of v.
 
-    It is a power of two, so that a displacement is as large as they are in fast motions, and not
-    lost in their rounding.
-    """
-    if not speed < math.inf:
-        return 1.0
-    _, exponent = math.frexp(speed)
-    return math.ldexp(1.0, exponent) if exponent > USUAL_EXPONENT else 1.0
-
-
-def project_onto_tangent(v: Array, work: Work, u: Array) -> None:
-    """Bring a displacement or a change of v into the tangent space of the constraints.
-
-    It is that at the geometry in the workspace. What is normal to it does not last, the next
-    projection takes it away.
+    It is normal at the geometry in the workspace; without all of it u is in the tangent space.
+    Where drivers lead it is added to v as large as v is, so that it is not lost in the rounding of
+    fast motions.
     """
     scene, w = work.scene, work.w
     if scene.nc == 0 and not scene.fits:
         return
-    factor = as_fast_as(w.size_of(v)) if scene.has_drivers else 1.0
+    factor = larger(1.0, w.size_of(v)) if scene.has_drivers else 1.0
     w.v[:] = v + factor * u if scene.has_drivers else u
     correct_velocity(work)
-    u += w.dv / factor
+    u += part * (w.dv / factor)
 
 
 def displacement_of(scene: Scene, q: Array, dq: Array, u: Array) -> None:

@@ -14,6 +14,13 @@
 #define MOST_POLISHED 3
 /* the largest correction of a step where drivers lead */
 #define NEAR 1e-3
+/* this part of what is normal to the constraints does not count as an error; nothing of it does
+ * where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
+ * far, where it is rounding */
+#define FORGIVEN 0.5
+#define CLEAR 1e-3
+/* a step is this much shorter than what would meet the tolerance */
+#define SAFETY 0.8
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
@@ -23,6 +30,14 @@
  * the whole time */
 #define FIRST 0.01
 #define FIRST_OF_SPAN 1e-6
+
+/* a step of length h that is tried */
+typedef struct {
+    double h, drift, error;         /* its length [s], largest correction, error / tolerance */
+    double least_ratio, most_ratio; /* of the pivot ratios of its stages */
+    double last_ratio;              /* that of the end */
+    int is_last;                    /* whether it ends at the last time */
+} Trial;
 
 /* adds y to what it starts from: a small sum, so that y is rounded once; what that leaves over goes
  * to low if it is not NULL */
@@ -57,17 +72,19 @@ static void note_motion(double h, State *s)
 static double usual_energy(double rate) { return MASS * (LENGTH * rate) * (LENGTH * rate) / 2.0; }
 
 /* the root mean square of one estimate of the error, in units of the tolerance */
-static double estimate(
-    const Method *m, const double *row, double h, const State *s, Work *work, double tolerance)
+static double estimate(const Method *m, const double *row, const Trial *trial, const State *s,
+    Work *work, double tolerance)
 {
     const double *now = s->y, *end = work->y;
     double *error = work->scratch, *u = work->u, sum = 0.0;
-    const double rate = usual_rate(h, end, s);
-    combine(m->stages + 1, row, NULL, h, work->k, error);
+    const double rate = usual_rate(trial->h, end, s);
+    const int is_clear = !HAS_DRIVERS && trial->least_ratio >= CLEAR * s->largest_pivot_ratio;
+    const double forgiven = is_clear ? FORGIVEN : 1.0;
+    combine(m->stages + 1, row, NULL, trial->h, work->k, error);
     for (int part = 0; part < 2; ++part) {
         if (part == 0) displacement_of(end, error, u);
         else memcpy(u, error + NQ, NV * sizeof *u);
-        project_onto_tangent(end + NQ, work, u);
+        take_normal_part(forgiven, end + NQ, work, u);
         for (size_t i = 0; i < NV; ++i) {
             double size = is_length[i] ? LENGTH : 1.0;
             if (part) size = rate * size + larger(fabs(now[NQ + i]), fabs(end[NQ + i]));
@@ -82,12 +99,13 @@ static double estimate(
     return sqrt(sum / (double)(2 * NV)) / tolerance;
 }
 
-static double local_error(const Method *m, double h, const State *s, Work *work, double tolerance)
+static double local_error(
+    const Method *m, const Trial *trial, const State *s, Work *work, double tolerance)
 {
     if (WORKS > 0) energy(work->w);
-    const double e = estimate(m, m->error, h, s, work, tolerance);
+    const double e = estimate(m, m->error, trial, s, work, tolerance);
     if (!m->error_2 || e * e == 0.0) return e;
-    const double e2 = estimate(m, m->error_2, h, s, work, tolerance);
+    const double e2 = estimate(m, m->error_2, trial, s, work, tolerance);
     return e * e / sqrt(e * e + 0.01 * e2 * e2);
 }
 
@@ -100,14 +118,6 @@ static int stage(const Method *m, size_t n, double h, double enough, double *y, 
     add_to_start(s->y, y, low);
     return project(s->time + m->c[n] * h, enough, y, low, work->k[n], work, s, drift);
 }
-
-/* a step of length h that is tried */
-typedef struct {
-    double h, drift, error;         /* its length [s], largest correction, error / tolerance */
-    double least_ratio, most_ratio; /* of the pivot ratios of its stages */
-    double last_ratio;              /* that of the end */
-    int is_last;                    /* whether it ends at the last time */
-} Trial;
 
 /* the stages from which the end of the step is made; 0 where one is impossible */
 static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
@@ -142,7 +152,7 @@ static void accept(
     const double h = trial->h, error = trial->error, exponent = 1.0 / (double)m->order;
     const double before = larger(s->error, 1e-4);
     double factor = 10.0;
-    if (error != 0.0) factor = 0.9 * pow(error, -0.7 * exponent) * pow(before, 0.4 * exponent);
+    if (error != 0.0) factor = SAFETY * pow(error, -0.8 * exponent) * pow(before, 0.2 * exponent);
     const double next = h * smaller(was_rejected ? 1.0 : 10.0, larger(0.2, factor));
     if (!trial->is_last || next < s->step_size) s->step_size = next;
     s->error = larger(error, 1e-4);
@@ -196,9 +206,9 @@ static int step(
             s->avoided += 1;
             continue;
         }
-        if (!is_fixed && good) trial.error = local_error(m, h, s, work, settings->tolerance);
+        if (!is_fixed && good) trial.error = local_error(m, &trial, s, work, settings->tolerance);
         const int is_vague = N_SEEN > 0 && is_fixed && good &&
-                             !(local_error(m, h, s, work, LEAST_PART) <= 1.0);
+                             !(local_error(m, &trial, s, work, LEAST_PART) <= 1.0);
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
         const double last = trial.is_last ? end : s->time + h;
@@ -223,9 +233,10 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (!is_whole) trial.error = 1e3;
-        const double by_error = isfinite(trial.error)
-                                    ? larger(0.2, 0.9 * pow(trial.error, -1.0 / (double)m->order))
-                                    : 0.2;
+        double by_error = 0.2;
+        if (isfinite(trial.error)) {
+            by_error = larger(by_error, SAFETY * pow(trial.error, -1.0 / (double)m->order));
+        }
         if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
             const int is_kept = trial.error <= 1.0;
             const double *f = work->k[m->stages];

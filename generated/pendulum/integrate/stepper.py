@@ -22,7 +22,7 @@ from .crossing import (
 )
 from .dense_output import combine
 from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
-from .projection import displacement_of, last_ratio, project, project_onto_tangent, ratio_at
+from .projection import displacement_of, last_ratio, project, ratio_at, take_normal_part
 from .row_switch import forget_trials
 from .scene import larger, mean_square, rounding_of_sum, smaller
 from .settings import Status
@@ -52,6 +52,13 @@ LEAST_PART = 0.02
 MOST_POLISHED = 3
 #: The largest correction of a step where drivers lead.
 NEAR = 1e-3
+#: This part of what is normal to the constraints does not count as an error; nothing of it does
+#: where drivers lead, which is exact, and at a pivot ratio this much smaller than the largest so
+#: far, where it is rounding.
+FORGIVEN = 0.5
+CLEAR = 1e-3
+#: A step is this much shorter than what would meet the tolerance.
+SAFETY = 0.8
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
@@ -61,6 +68,31 @@ NOTHING_MOVES = 1e-4
 #: moves yet, in the whole time.
 FIRST = 0.01
 FIRST_OF_SPAN = 1e-6
+
+
+@dataclass(slots=True)
+class Trial:
+    """A step that is tried.
+
+    Parameters
+    ----------
+    h : float [s]
+        Its length.
+    is_last : bool
+        Whether it ends at the last time.
+    drift, error : float
+        Largest correction, negative where a stage is impossible; error in units of the tolerance.
+    least_ratio, most_ratio, last_ratio : float
+        Of the pivot ratios of its stages, and that of the end.
+    """
+
+    h: float
+    is_last: bool
+    drift: float = 0.0
+    error: float = 0.0
+    least_ratio: float = 1.0
+    most_ratio: float = 0.0
+    last_ratio: float = 1.0
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -100,18 +132,19 @@ def usual_energy(rate: float, scene: Scene) -> float:
 
 
 def estimate(
-    m: Method, row: Sequence[float], h: float, state: State, work: Work, tolerance: float
+    m: Method, row: Sequence[float], trial: Trial, state: State, work: Work, tolerance: float
 ) -> float:
     """Return the root mean square of one estimate of the error, in units of the tolerance."""
     scene, now, end, error = work.scene, state.y, work.y, work.scratch
     nq, nv = scene.nq, scene.nv
-    rate = usual_rate(h, end, state, work)
-    combine(m.stages + 1, row, None, h, work.k, error)
+    rate = usual_rate(trial.h, end, state, work)
+    combine(m.stages + 1, row, None, trial.h, work.k, error)
     errors = np.empty((2, nv))
     displacement_of(scene, end, error, errors[0])
     errors[1] = error[nq:]
-    project_onto_tangent(end[nq:], work, errors[0])
-    project_onto_tangent(end[nq:], work, errors[1])
+    is_clear = not scene.has_drivers and trial.least_ratio >= CLEAR * state.largest_pivot_ratio
+    for u in errors:
+        take_normal_part(FORGIVEN if is_clear else 1.0, end[nq:], work, u)
     errors[0] /= scene.lengths
     errors[1] /= rate * scene.lengths + np.maximum(np.abs(now[nq:]), np.abs(end[nq:]))
     done = slice(nq - scene.works, nq)  # work is compared with the energy that moves
@@ -121,14 +154,14 @@ def estimate(
     return math.sqrt(mean_square(every, 2 * nv)) / tolerance
 
 
-def local_error(m: Method, h: float, state: State, work: Work, tolerance: float) -> float:
+def local_error(m: Method, trial: Trial, state: State, work: Work, tolerance: float) -> float:
     """Return the error of a step, in units of the tolerance."""
     if work.scene.works > 0:
         work.w.run("energy")
-    e = estimate(m, m.errors[0], h, state, work, tolerance)
+    e = estimate(m, m.errors[0], trial, state, work, tolerance)
     if len(m.errors) == 1 or e * e == 0.0:
         return e
-    e2 = estimate(m, m.errors[1], h, state, work, tolerance)
+    e2 = estimate(m, m.errors[1], trial, state, work, tolerance)
     return e * e / math.sqrt(e * e + 0.01 * e2 * e2)
 
 
@@ -149,31 +182,6 @@ def stage(
     combine(n, m.a[n], state.low, h, work.k, y)
     add_to_start(state.y, y, low)
     return project(state.time + m.c[n] * h, enough, y, low, work.k[n], work, state)
-
-
-@dataclass(slots=True)
-class Trial:
-    """A step that is tried.
-
-    Parameters
-    ----------
-    h : float [s]
-        Its length.
-    is_last : bool
-        Whether it ends at the last time.
-    drift, error : float
-        Largest correction, negative where a stage is impossible; error in units of the tolerance.
-    least_ratio, most_ratio, last_ratio : float
-        Of the pivot ratios of its stages, and that of the end.
-    """
-
-    h: float
-    is_last: bool
-    drift: float = 0.0
-    error: float = 0.0
-    least_ratio: float = 1.0
-    most_ratio: float = 0.0
-    last_ratio: float = 1.0
 
 
 def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: State) -> None:
@@ -206,7 +214,7 @@ def accept(
     h, error, exponent, factor = trial.h, trial.error, 1.0 / m.order, 10.0
     if error != 0.0:
         before = larger(state.error, 1e-4)
-        factor = 0.9 * error ** (-0.7 * exponent) * before ** (0.4 * exponent)
+        factor = SAFETY * error ** (-0.8 * exponent) * before ** (0.2 * exponent)
     following = h * smaller(1.0 if was_rejected else 10.0, larger(0.2, factor))
     if not trial.is_last or following < state.step_size:
         state.step_size = following
@@ -263,12 +271,12 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             state.avoided += 1
             continue
         if not is_fixed and is_good:
-            trial.error = local_error(m, trial.h, state, work, s.tolerance)
+            trial.error = local_error(m, trial, state, work, s.tolerance)
         is_vague = (
             work.scene.sees
             and is_fixed
             and is_good
-            and not local_error(m, trial.h, state, work, LEAST_PART) <= 1.0
+            and not local_error(m, trial, state, work, LEAST_PART) <= 1.0
         )
         if is_good and trial.error <= 1.0:
             note_largest_pivot(work, state)
@@ -293,7 +301,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return Status.NOT_PROJECTED
         if not is_whole:
             trial.error = 1e3
-        by_error = larger(0.2, 0.9 * trial.error ** (-1.0 / m.order)) if trial.error else 1.0
+        by_error = larger(0.2, SAFETY * trial.error ** (-1.0 / m.order)) if trial.error else 1.0
         if not math.isfinite(trial.error):
             by_error = 0.2
         is_kept = trial.error <= 1.0
