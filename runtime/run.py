@@ -217,9 +217,10 @@ class Run:
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
         if status == Status.GOOD and self._is_as_given:
-            self._q[:], self._v[:] = given_start(
+            self._q[:], self._v[:], layout = given_start(
                 self._there.layout, self._evaluate(), y, is_moved=is_moved
             )
+            self._there = replace(self._there, layout=layout)
             self._is_as_given = False
             status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:

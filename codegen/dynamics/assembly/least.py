@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
+from kousoku.runtime.integrate.given_start import THIN
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -33,11 +34,9 @@ PASSES = 6
 ENOUGH = 1e-35
 """What may be missing then, as a part of what is wanted."""
 
-THIN = 1e-3
-"""Least moment of inertia that weighs a displacement, as a part of the largest of the body."""
-
 THINNEST = 1e-12
-"""The same of one that weighs a change of velocity: moments count as they are, as in a run."""
+"""Least moment of inertia that weighs a change of velocity, as a part of the largest of the body:
+moments count as they are, as in a run."""
 
 
 class Metric:

@@ -222,20 +222,20 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
 def _slid(start: Pose, pose: Pose, search: _Search) -> Pose:
     """Return the positions nearest to ``start``, by steps from positions to others that fit.
 
-    The step is what d has beside W⁻¹ C_dᵀ λ. Where steps do not become smaller, the positions stay.
+    A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay.
     """
     metric, rows = search.metric, search.rows
     here, last = pose, metric.norm(pose.since(start))
     for _ in range(MOST_SLIDES):
         d = here.since(start)
         jacobian = rows.at(here)[1].of_displacement(d)
-        step = _less(Solver(jacobian, metric, rows).displacement(jacobian.times(d)), d)
-        size = metric.norm(step)
+        normal = Solver(jacobian, metric, rows).displacement(jacobian.times(d))
+        size = metric.norm(_less(d, normal))
         if size <= SLID * metric.size:
             return here
         if not size < last:
             break
-        moved = rows.counted(replace(start.moved(_less(d, [-x for x in step])), near=here.near))
+        moved = rows.counted(replace(start.moved(normal), near=here.near))
         here, last = search.restored(search.rough.restored(Place.of(moved)).pose()), size
         if violations(rows, here, CLOSED, metric.size):
             break

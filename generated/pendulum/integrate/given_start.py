@@ -8,7 +8,7 @@ the run chooses the branch.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -34,6 +34,11 @@ LONGEST, MOST, FIRST = 0.3, 100, 3
 ROUNDING, SMALL = 1e-15, 1e-12
 #: Below this angle [rad] a series has all digits.
 SERIES = 1e-4
+#: What is told where no step leads nearer.
+NOT_NEAREST = (
+    "with these parameters bodies begin where they follow to from the start of the scene: the"
+    " nearest place, where the file with them has bodies, was not found"
+)
 #: A point does not turn.
 NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
@@ -189,8 +194,8 @@ class Given:
 
 def given_start(
     layout: Layout, evaluate: Evaluate, y: Array, *, is_moved: bool = True
-) -> tuple[Array, Array]:
-    """Return q and v of the start with the parameters of a run.
+) -> tuple[Array, Array, Layout]:
+    """Return q and v of the start with the parameters of a run, and the layout with notes on it.
 
     Velocities are projected onto the constraints once: to do it again takes away what is rounded.
 
@@ -208,16 +213,20 @@ def given_start(
     given, count = Given(layout), layout.sizes["q"]
     q, v = y[:count].copy(), y[count:].copy()
     if is_moved and given.has_places:
-        q = nearest(layout, given, evaluate, q)
+        found = nearest(layout, given, evaluate, q)
+        if found is None:
+            layout = replace(layout, notes=(*layout.notes, NOT_NEAREST))
+        else:
+            q = found
     given.move(q, v)
-    return q, v + evaluate(q, v)["dv"]
+    return q, v + evaluate(q, v)["dv"], layout
 
 
-def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array:
+def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array | None:
     """Return the place nearest to where the scene has its bodies, that can be reached from q.
 
     There the force f of ½ dᵀ W d is normal to the constraints: what is tangent of −M⁻¹ f is a step
-    towards it, as long as Barzilai and Borwein take it. Where that leads nowhere bodies stay.
+    towards it, as long as Barzilai and Borwein take it. None where that leads nowhere.
     """
     rest, moves = np.zeros(layout.sizes["v"]), np.ones(len(q))
     moves[[place for _, place in layout.works]] = 0.0
@@ -230,7 +239,7 @@ def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array
         (weights, given.omega_b, given.moments),
     ):
         places.put(target, values)
-    start, last, before, step = q, np.inf, rest, rest
+    last, before, step = np.inf, rest, rest
     for _ in range(MOST):
         u = rest.copy()
         given.pull(q, u)
@@ -245,7 +254,7 @@ def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array
         if found is None:
             break
         q, last = found, size
-    return start
+    return None
 
 
 def _closed(evaluate: Evaluate, q: Array, rest: Array, sizes: Array) -> Array | None:
