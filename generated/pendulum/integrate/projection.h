@@ -159,11 +159,7 @@ static int project(
 }
 
 /* takes a part of what is normal to the constraints, at the geometry in the workspace, from a
-<<<<<<< HEAD
- * displacement or a change of the velocity v: with all of it u is in the tangent space. Where
-=======
  * displacement or a change of the velocity v: without all of it u is in the tangent space. Where
->>>>>>> steps
  * drivers lead it is added to v as large as v is, so that it is not lost in the rounding of fast
  * motions */
 static void take_normal_part(double part, const double *v, Work *work, double *u)
