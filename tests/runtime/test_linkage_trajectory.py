@@ -77,12 +77,17 @@ def test_unknown_suffix_writes_nothing(motion: Trajectory, tmp_path: Path) -> No
     assert not list(tmp_path.iterdir())
 
 
-def test_failed_writing_keeps_the_old_file(motion: Trajectory, tmp_path: Path) -> None:
+def test_failed_writing_keeps_what_is_there(motion: Trajectory, tmp_path: Path) -> None:
     path = tmp_path / "file" / "motion.csv"
     path.parent.write_text("not a folder")
-    with pytest.raises(SolveError, match="cannot be written"):
+    with pytest.raises(SolveError, match="there is no folder"):
         motion.save(path)
     assert path.parent.read_text() == "not a folder"
+    folder = tmp_path / "folder.csv"
+    (folder / "motion").mkdir(parents=True)
+    with pytest.raises(SolveError, match="cannot be written"):
+        motion.save(folder)
+    assert sorted(tmp_path.rglob("*")) == [path.parent, folder, folder / "motion"]
 
 
 def test_summary_is_ready_for_json(motion: Trajectory) -> None:
