@@ -41,6 +41,12 @@ FAITHFUL = 0.02
 NEGLIGIBLE = 1e-6
 #: The part of the way of a step that velocities may not explain: a driver jumps.
 UNEXPLAINED = 1e-3
+#: Pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
+#: half of a step: beside a singular configuration there is another branch. No check is made of
+#: halves in which bodies move less than this, in lengths and radians.
+SMALL_PIVOT = 0.5
+MOST_GROWTH = 2.0
+FINEST_WAY = 1e-4
 #: How far behind a position where rows are nearly dependent a step is tried, in its length.
 FURTHEST = 8.0
 #: The largest turn of a step: angles count their turns [rad].
@@ -113,6 +119,20 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     return miss <= larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest)
 
 
+def may_leap(
+    h: float, before: float, after: float, last: Position, state: State, work: Work
+) -> bool:
+    """Return whether half a step of length h may leap over a singular configuration.
+
+    There is another branch behind it. The ratio of pivots goes with the square of the distance, so
+    that it is nine times as large where a step ends that has its middle behind one as far as its
+    begin was before.
+    """
+    low, high = smaller(before, after), larger(before, after)
+    is_near = low < SMALL_PIVOT * state.largest_pivot_ratio and high > MOST_GROWTH * low
+    return is_near and h * work.w.size_of(last.y[work.scene.nq :]) > FINEST_WAY
+
+
 def middle_of(work: Work) -> Position:
     """Return where the position in the middle of a step is kept."""
     return Position(work.k[0], work.k[1])
@@ -130,17 +150,22 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
     """
     start, half, last = Position(state.y, state.f), middle_of(work), end_of(work)
     h = 0.5 * (end - state.time) if in_halves else end - state.time
-    first, before = 0.0, start
+    first, middle, before = 0.0, 0.0, start
     forget_trials(work)
     if in_halves:
         first = predict_and_correct(state.time + h, h, start, half, work, state)
         if not is_smooth(h, first, start, half, work):
             return -1.0
-        if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
+        middle = pivot_ratio(work, state)
+        if middle < WEAK * state.largest_pivot_ratio:
+            return -1.0
+        if may_leap(h, state.position_ratio, middle, half, state, work):
             return -1.0
         before = half
     second = predict_and_correct(end, h, before, last, work, state)
     if not is_smooth(h, second, before, last, work):
+        return -1.0
+    if in_halves and may_leap(h, middle, pivot_ratio(work, state), last, state, work):
         return -1.0
     if work.scene.fits and in_halves and not is_explained(h, start, half, last, work):
         return -1.0
@@ -296,6 +321,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         if look.is_untold:
             note_unresolved(state.time, state)
     note_pivot_ratio(ratio, end, state)
+    state.position_ratio = ratio
     state.largest_pivot_ratio = (
         ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)
     )

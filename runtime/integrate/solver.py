@@ -103,7 +103,7 @@ class Solver:
             return Status.NOT_ASSEMBLED
         note_lost_digits(work, s)
         note_largest_pivot(work, s)
-        s.least_pivot_ratio = pivot_ratio(work, s)
+        s.least_pivot_ratio = s.position_ratio = pivot_ratio(work, s)
         s.largest_pivot_ratio = larger(s.largest_pivot_ratio, s.least_pivot_ratio)
         work.w.run("energy")
         s.energy = energy_balance(work, s)

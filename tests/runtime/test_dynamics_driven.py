@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 import pytest
@@ -193,6 +193,22 @@ def test_branches_that_nearly_meet_are_not_exchanged_by_few_positions(load: Load
     motion = load(four_bar(rocker=rocker)).simulate(math.tau / RATE * 3, samples=11)
     wanted = pin(1.0 + RATE * motion.time, rocker)
     np.testing.assert_allclose(end_of(motion, "rocker", rocker), wanted, rtol=0, atol=1e-11)
+
+
+@pytest.mark.parametrize("gap", [1e-4, 1e-6])
+@pytest.mark.parametrize("samples", [2, 6, 11])
+def test_steps_do_not_leap_onto_the_branch_beside_a_singular_configuration(
+    backend: str, bodies_folder: Callable[..., Path], gap: float, samples: int
+) -> None:
+    """Without masses no works keep steps short: pivots alone tell that another branch is near."""
+    rocker, target = CRANK + gap, cast("Any", backend)
+    scene = four_bar(rocker=rocker)
+    scene = replace(scene, bodies={name: replace(x, boxes=()) for name, x in scene.bodies.items()})
+    solver = load_dynamics(bodies_folder(scene, ("accelerations",)), target=target)
+    motion = solver.simulate(math.tau / RATE * 3, samples=samples)
+    wanted = pin(1.0 + RATE * motion.time, rocker)
+    np.testing.assert_allclose(end_of(motion, "rocker", rocker), wanted, rtol=0, atol=1e-11)
+    assert motion.ledger.steps < 300
 
 
 @pytest.mark.parametrize("phase", [0.1, -3.0, 10.0, 50.0])

@@ -87,6 +87,25 @@ def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
     assert "try a smaller step" in str(trust)
 
 
+@pytest.mark.compiles
+@pytest.mark.parametrize("target", ["numpy", "c"])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_fixed_steps_in_which_bodies_turn_too_far_are_told(method: Any, target: Any) -> None:
+    """Energy says nothing of the angle of a rotor; that Euler parameters lose their norm does."""
+    rotor = {**CART["bodies"]["cart"], "velocity": [0, 0, 0], "angular_velocity": [0, 0, 314]}
+    hinge = {**CART["joints"]["rail"], "type": "revolute", "axis": [0, 0, 1]}
+    changes = {"bodies": {"cart": rotor}, "joints": {"rail": hinge}, "outputs": ["coordinates"]}
+    mechanism = kousoku.load({**CART, **changes}, target=target)
+    wrong, right = (
+        mechanism.simulate(1, samples=3, method=method, step=step) for step in (0.02, 1e-3)
+    )
+    assert abs(wrong["x"][-1] - 314) > 0.01
+    assert not wrong.ledger.trust.is_trusted
+    assert "a step left the constraints by" in wrong.ledger.trust.why
+    assert right["x"][-1] == pytest.approx(314, abs=1e-5)
+    assert right.ledger.trust.is_trusted
+
+
 def test_rows_between_steps_that_are_off_the_constraints_are_told() -> None:
     run = double_pendulum().simulate(2, samples=101, step=0.5)
     trust = run.ledger.trust

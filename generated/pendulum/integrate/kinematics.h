@@ -5,6 +5,12 @@
 #define NEGLIGIBLE 1e-6
 /* the part of the way of a step that velocities may not explain: a driver jumps */
 #define UNEXPLAINED 1e-3
+/* pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
+ * half of a step: beside a singular configuration there is another branch. No check is made of
+ * halves in which bodies move less than this, in lengths and radians */
+#define SMALL_PIVOT 0.5
+#define MOST_GROWTH 2.0
+#define FINEST_WAY 1e-4
 /* how far behind a position where rows are nearly dependent a step is tried, in its length */
 #define FURTHEST 8.0
 /* the largest turn of a step: angles count their turns [rad] */
@@ -76,6 +82,16 @@ static int is_explained(double h, Position start, Position half, Position last)
     return 1;
 }
 
+/* whether half a step of length h may leap over a singular configuration onto another branch: the
+ * ratio of pivots goes with the square of the distance, so that it is nine times as large where a
+ * step ends that has its middle behind one as far as its begin was before */
+static int may_leap(double h, double before, double after, Position last, const State *s)
+{
+    const double low = smaller(before, after), high = larger(before, after);
+    return low < SMALL_PIVOT * s->largest_pivot_ratio && high > MOST_GROWTH * low &&
+           h * size_of(last.y + NQ) > FINEST_WAY;
+}
+
 /* where the position in the middle of a step is kept, and that at its end */
 static Position middle_of(Work *work) { return (Position){ work->k[0], work->k[1] }; }
 static Position end_of(Work *work) { return (Position){ work->k[2], work->k[3] }; }
@@ -86,16 +102,19 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
 {
     const Position start = { s->y, s->f }, half = middle_of(work), last = end_of(work);
     const double h = in_halves ? 0.5 * (end - s->time) : end - s->time;
-    double first = 0.0, second, *change = work->k[4];
+    double first = 0.0, second, middle = 0.0, *change = work->k[4];
     forget_trials(work);
     if (in_halves) {
         if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
         if (!is_smooth(h, first, start, half, change)) return 0;
-        if (pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
+        middle = pivot_ratio(work, s);
+        if (middle < WEAK * s->largest_pivot_ratio) return 0;
+        if (may_leap(h, s->position_ratio, middle, half, s)) return 0;
     }
     const Position before = in_halves ? half : start;
     if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
     if (!is_smooth(h, second, before, last, change)) return 0;
+    if (in_halves && may_leap(h, middle, pivot_ratio(work, s), last, s)) return 0;
     if (FITS && in_halves && !is_explained(h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         last.y[k] = start.y[k] + (in_halves ? h / 3.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k])
@@ -255,6 +274,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             if (look.is_untold) note_unresolved(s->time, s);
         }
         note_pivot_ratio(ratio, end, s);
+        s->position_ratio = ratio;
         s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio
                                      ? ratio / WEAK
                                      : larger(s->largest_pivot_ratio, ratio);

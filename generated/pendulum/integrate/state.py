@@ -159,6 +159,7 @@ class State:
     unresolved_time = Number("s", "when the last of them was")
     refinements = Number("-", "accelerations that were refined, since much of them was lost")
     pivot_ratio = Number("-", "the pivot ratio of the last accelerations")
+    position_ratio = Number("-", "that of the last position that was kept")
     least_inverse_pivot = Number("", "of all steps; 0 before the first")
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")

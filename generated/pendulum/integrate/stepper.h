@@ -128,6 +128,22 @@ static int stage(const Method *m, size_t n, double h, double enough, double *y, 
     return project(s->time + m->c[n] * h, enough, y, low, work->k[n], work, s, drift);
 }
 
+/* by how much a step of such a length takes Euler parameters from norm one, before they are brought
+ * back: where steps are fixed no other error tells that bodies turn too far in one */
+static double norm_error(const Method *m, double h, const State *s, Work *work)
+{
+    double *y = work->scratch, most = 0.0;
+    combine(m->stages, m->a + m->stages * (m->stages - 1) / 2, s->low, h, work->k, y);
+    add_to_start(s->y, y, NULL);
+    for (size_t k = 0; k != TURNS; ++k) {
+        const double *p = y + turns[k][0];
+        double square = 0.0;
+        for (size_t i = 0; i != turns[k][2]; ++i) square += p[i] * p[i];
+        most = larger(most, fabs(sqrt(square) - 1.0));
+    }
+    return most;
+}
+
 /* the stages from which the end of the step is made; 0 where one is impossible */
 static int make_stages(const Method *m, double tolerance, Trial *trial, Work *work, State *s)
 {
@@ -216,6 +232,7 @@ static int step(
             s->avoided += 1;
             continue;
         }
+        if (is_fixed && good) trial.drift = larger(trial.drift, norm_error(m, h, s, work));
         if (good && (WORKS > 0 || settings->checks)) energy(work->w);
         if (good && settings->checks) trial.moved = energy_moved(work->w, work->y, s);
         if (!is_fixed && good) trial.error = local_error(m, &trial, s, work, settings->tolerance);
