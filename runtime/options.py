@@ -79,6 +79,8 @@ class Options:
         Where the run starts, if not where the scene does.
     estimate_error : bool
         Whether a second run by another method tells how exact the rows are.
+    strict : bool
+        Whether a start is refused that assembly changed.
     """
 
     tolerance: float
@@ -90,6 +92,7 @@ class Options:
     parameters: tuple[tuple[str, float], ...]
     initial: Initial
     estimate_error: bool = False
+    strict: bool = False
 
     def settings(self) -> Settings:
         """Return what a solver takes."""
@@ -161,20 +164,31 @@ def options_of(
     ):
         if not isinstance(given, bool | np.bool_):
             raise SolveError(f"{solver.name}: {option} {shown(given)}; wanted True or False")
-    if strict and solver.moved:
+    step = None if step is None else float(step)
+    name = method_for(tolerance, is_driven=solver.is_driven) if method is None else method
+    _require_method(solver, name, step)
+    values = with_values(solver, parameters)
+    if strict and not is_given_anew(solver, values):
+        require_unmoved(solver)
+    numbers = float(tolerance), float(largest_step), step
+    started = initial_of(solver.layout, initial, q0, v0)
+    flags = bool(checks), name, int(most_steps)
+    return Options(*numbers, *flags, values, started, bool(estimate_error), bool(strict))
+
+
+def is_given_anew(solver: DynamicsSolver, values: tuple[tuple[str, float], ...]) -> bool:
+    """Return whether the start depends on parameters, which are not those of the scene."""
+    return bool(solver.layout.given) and values != (solver.base or solver).parameters
+
+
+def require_unmoved(solver: DynamicsSolver) -> None:
+    """Refuse a start that assembly changed."""
+    if solver.moved:
         changed = "; ".join(f"bodies.{body} by {one}" for body, one in solver.moved.items())
         raise SolveError(
             f"{solver.name}: assembly changed the start that the scene gives: {changed}; strict"
             " refuses that: give positions and velocities that fit joints and drivers"
         )
-    step = None if step is None else float(step)
-    name = method_for(tolerance, is_driven=solver.is_driven) if method is None else method
-    _require_method(solver, name, step)
-    values = with_values(solver, parameters)
-    numbers = float(tolerance), float(largest_step), step
-    started = initial_of(solver.layout, initial, q0, v0)
-    flags = bool(checks), name, int(most_steps)
-    return Options(*numbers, *flags, values, started, bool(estimate_error))
 
 
 def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> None:

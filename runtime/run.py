@@ -26,8 +26,8 @@ from kousoku.runtime.integrate.initial_given import Initial
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
-from kousoku.runtime.options import with_values
-from kousoku.runtime.run_ledger import ledger_of
+from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
+from kousoku.runtime.run_ledger import Moved, ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
 from kousoku.runtime.saved import SavedRun
 
@@ -124,7 +124,7 @@ class Run:
         self._rows = self._room()
         self._told = [] if saved is None else [*saved.events]
         self._is_shown, self._is_elsewhere = False, any(options.initial)
-        self._is_as_given = self._has_given()
+        self._is_as_given = is_given_anew(self._there, options.parameters)
         self.state = np.zeros(target.state_size) if saved is None else saved.state.copy()
         self._memory = Memory(self.state, np.zeros(target.work_size))
         self._begin = target.starter(0.0, self._q, self._v, self._values, self._memory)
@@ -183,7 +183,8 @@ class Run:
             self._there, self.options = with_parameters(self.solver, values), options
             self._values[:] = values
             self._q[:], self._v[:] = self._there.q, self._there.v
-            self._is_as_given, self._is_elsewhere = self._has_given(), any(options.initial)
+            self._is_as_given = is_given_anew(self._there, options.parameters)
+            self._is_elsewhere = any(options.initial)
         if q is not None or v is not None:
             self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
         for name, own, given in (("q", self._q, q), ("v", self._v, v)):
@@ -217,10 +218,13 @@ class Run:
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
         if status == Status.GOOD and self._is_as_given:
-            self._q[:], self._v[:], layout = given_start(
+            self._q[:], self._v[:], layout, changes = given_start(
                 self._there.layout, self._evaluate(), y, is_moved=is_moved
             )
-            self._there = replace(self._there, layout=layout)
+            moved = {one.body: Moved(*one.sizes) for one in changes}
+            self._there = replace(self._there, layout=layout, moved=moved)
+            if self.options.strict:
+                require_unmoved(self._there)
             self._is_as_given = False
             status = self._begin()
         if status == Status.GOOD and self._is_elsewhere:
@@ -232,11 +236,6 @@ class Run:
             where = "" if status == Status.NOT_CLOSED else self._where()
             where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
-
-    def _has_given(self) -> bool:
-        """Return whether parameters are other ones than those that the scene is assembled with."""
-        own = (self._there.base or self._there).parameters
-        return bool(self._there.layout.given) and self.options.parameters != own
 
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given where the scene starts."""
@@ -417,7 +416,8 @@ class Run:
         rows.flags.writeable = False
         self._is_shown = True  # its rows are not written over
         options, state, seconds = self.options, self.state.copy(), dict(self.seconds)
-        solver, error, events = self.solver, self._error, tuple(self._told)
+        solver = replace(self.solver, moved=self._there.moved)
+        error, events = self._error, tuple(self._told)
         motion = Motion(
             self._there.layout,
             rows,

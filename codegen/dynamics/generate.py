@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly, notes_of_assembly
+from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.bodies import thickened
@@ -29,6 +29,7 @@ from kousoku.model.held import require_kept, without_held
 from kousoku.model.manifest import REFERENCE_FILE
 from kousoku.model.system import system_of
 from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.given_start import notes_of
 from kousoku.runtime.integrate.result import key_of, listed
 
 if TYPE_CHECKING:
@@ -136,11 +137,11 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
     program = replace(program, is_weighed=not found.missing)
     changes = changes_of_assembly(given, placed)
     notes = (
-        *notes_of_assembly(changes, given.unit, scene.unit),
+        *notes_of(changes, given.unit, scene.unit),
         *notes_of_freedom(made.system, freedom),
         *_of_reactions(program),
     )
-    about = replace(About.of(scene, notes), moved=tuple(one.as_data() for one in changes))
+    about = replace(About.of(scene, notes), moved=tuple([one.body, *one.sizes] for one in changes))
     return Composed(program, made.system, freedom.degrees, about, without_held(placed))
 
 

@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.model.errors import SceneError
+from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate import given_start
 from tests.start_with_parameters import folded, missed
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Sequence
     from pathlib import Path
 
 pytestmark = pytest.mark.usefixtures("numpy_solver")
@@ -239,6 +239,28 @@ def test_a_run_begins_as_the_file_with_its_parameters(load: Any, name: str) -> N
     assert faster < 1e-14
     _, other = missed(scene, given, solver.begin(NOW).finish())
     assert other > 0.01  # with the parameters of the scene it is another start
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_what_a_run_changes_of_the_start_is_told_as_the_file_tells_it(load: Any, name: str) -> None:
+    text, given = SCENES[name]
+    scene = scene_from_toml(text)
+    solver, file = load(scene), load(folded(scene, given))
+    motion = solver.begin(NOW, parameters=given).finish()
+    wanted = {body: pytest.approx(one, rel=1e-6, abs=1e-9) for body, one in file.moved.items()}
+    assert dict(motion.ledger.moved) == wanted
+    assert _changed(motion.notes) == _changed(file.layout.notes)
+    for strict in (solver.begin, solver.at(given).begin):
+        if file.moved:
+            with pytest.raises(SolveError, match=r"assembly changed the start .* strict refuses"):
+                strict(NOW, parameters=given, strict=True).finish()
+        else:
+            strict(NOW, parameters=given, strict=True).finish()
+    assert any(one for one in (file.moved, solver.moved))
+
+
+def _changed(notes: Sequence[str]) -> list[str]:
+    return [note for note in notes if note.startswith("assembly changed")]
 
 
 def test_bodies_that_are_fixed_to_each_other_are_one_here(load: Any) -> None:

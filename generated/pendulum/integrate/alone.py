@@ -146,7 +146,7 @@ class Run:
         self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
         if self._layout.given and (given != solver.scene.parameters).any():
             y = state_of(solver.scene, self.state).y
-            q, v, self._layout = given_start(self._layout, self._evaluate(given), y)
+            q, v, self._layout, _ = given_start(self._layout, self._evaluate(given), y)
             self._require(solver.start(0.0, q, v, given, self.state, self._work))
         if any(started):
             led = self._led(started, given)

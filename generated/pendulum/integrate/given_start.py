@@ -8,15 +8,16 @@ the run chooses the branch.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .body_tables import BACK, composed, crossed, indices, rotated
+from .body_tables import BACK, body_tables, composed, crossed, indices, rotated
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     import numpy.typing as npt
 
@@ -39,6 +40,11 @@ NOT_NEAREST = (
     "with these parameters bodies begin where they follow to from the start of the scene: the"
     " nearest place, where the file with them has bodies, was not found"
 )
+#: Notes leave out what is below this part of a scene's length or speed: "near" means that; what is
+#: below that part of them is known from no digit that people give. Bodies that are named.
+TOLD, KNOWN, SHOWN = 1e-2, 1e-6, 4
+#: How a note on a body that starts elsewhere begins.
+CHANGED = "assembly changed"
 #: A point does not turn.
 NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
@@ -192,11 +198,85 @@ class Given:
         self._put(u, turn, force, rotated(self.axes, torque))
 
 
+class Change(NamedTuple):
+    """What of a body is not as the scene gives it, since joints and drivers do not allow that.
+
+    Parameters
+    ----------
+    body : str
+        Its name.
+    sizes : (4,) tuple of float [m, rad, m/s, rad/s]
+        By how much its frame is moved and turned, and its velocity and angular velocity are others,
+        where the scene gives them.
+    parts : (4,) tuple of float
+        The same, relative to the scene's length, one radian, and the body's speed.
+    """
+
+    body: str
+    sizes: tuple[float, ...]
+    parts: tuple[float, ...]
+
+    def note(self, metres: float, unit: str) -> str:
+        """Return the line on it, in a unit of so many metres; empty of what is near."""
+        moved, turned, velocity, spin = self.sizes
+        texts = (
+            f"moved by {moved / metres:.3g} {unit}",
+            f"turned by {math.degrees(turned):.3g} deg",
+            f"velocity by {velocity / metres:.3g} {unit}/s",
+            f"angular velocity by {spin:.3g} rad/s",
+        )
+        told = [text for text, part in zip(texts, self.parts, strict=True) if part > TOLD]
+        return f"{CHANGED} bodies.{self.body}: {', '.join(told)}" if told else ""
+
+
+def notes_of(changes: Sequence[Change], metres: float, unit: str) -> tuple[str, ...]:
+    """Return notes on bodies that are not near where the scene has them, in its unit of length."""
+    notes = [note for one in changes if (note := one.note(metres, unit))]
+    if len(notes) > SHOWN:
+        notes[SHOWN:] = [f"{CHANGED} {len(notes) - SHOWN} more bodies, by less"]
+    return tuple(notes)
+
+
+def known(changes: Iterable[Change]) -> list[Change]:
+    """Return those that are more than digits that a scene leaves out, the largest first."""
+    found = (one for one in changes if max(one.parts) > KNOWN)
+    return sorted(found, key=lambda one: -max(one.parts))
+
+
+def changes_of(layout: Layout, q: Array, v: Array) -> list[Change]:
+    """Return what of the start that the scene gives is another one, the largest first."""
+    tables = body_tables(layout.bodies, q[np.newaxis], v[np.newaxis], None, layout.unit)
+    found = []
+    for body, given in zip(layout.bodies, layout.given, strict=True):
+        place, velocity = (tables[x][body.name][0] for x in ("position", "velocity"))
+        shift = _norm(place - given.position) if given.position else 0.0
+        angle = spun = spin = 0.0
+        if body.p:
+            p = tables["orientation"][body.name].T
+            turn = composed(_back(np.array([given.orientation]).T), p)
+            angle = 2.0 * math.atan2(_norm(turn[1:]), abs(turn[0].item()))
+            omega, spin = tables["angular_velocity"][body.name].T, _norm(given.spin)
+            omega = rotated(p, omega) if given.is_in_o else omega
+            spun = _norm(omega[:, 0] - given.spin) if spin else 0.0
+        speed, length = _norm(given.velocity), layout.length / layout.unit
+        change = _norm(velocity - given.velocity) if speed else 0.0
+        fastest = speed + spin * length
+        rates = (change / fastest, spun * length / fastest) if fastest else (0.0, 0.0)
+        sizes = (shift * layout.unit, angle, change * layout.unit, spun)
+        found.append(Change(body.name, sizes, (shift / length, angle, *rates)))
+    return known(found)
+
+
+def _norm(a: Any) -> float:
+    return float(np.linalg.norm(a))
+
+
 def given_start(
     layout: Layout, evaluate: Evaluate, y: Array, *, is_moved: bool = True
-) -> tuple[Array, Array, Layout]:
-    """Return q and v of the start with the parameters of a run, and the layout with notes on it.
+) -> tuple[Array, Array, Layout, list[Change]]:
+    """Return q and v of the start with the parameters of a run, and what it changes.
 
+    The layout has notes on that, in place of those on the start with the parameters of the scene.
     Velocities are projected onto the constraints once: to do it again takes away what is rounded.
 
     Parameters
@@ -219,7 +299,11 @@ def given_start(
         else:
             q = found
     given.move(q, v)
-    return q, v + evaluate(q, v)["dv"], layout
+    v += evaluate(q, v)["dv"]
+    changes = changes_of(layout, q, v)
+    notes = [note for note in layout.notes if not note.startswith(CHANGED)]
+    told = notes_of(changes, layout.unit, layout.unit_name)
+    return q, v, replace(layout, notes=(*told, *notes)), changes
 
 
 def nearest(layout: Layout, given: Given, evaluate: Evaluate, q: Array) -> Array | None:

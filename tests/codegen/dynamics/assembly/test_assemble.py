@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly, notes_of_assembly
+from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
@@ -24,6 +24,7 @@ from kousoku.model.errors import AssemblyError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
+from kousoku.runtime.integrate.given_start import notes_of
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import System
@@ -425,18 +426,18 @@ def test_what_assembly_changed_is_told_in_the_unit_of_the_scene() -> None:
     hinge |= {"points": [[0, 0, 0]] * 2, "axes": [[0, 1, 0]] * 2}
     tree: Tree = {"name": "s", "unit": "mm", "bodies": {"bar": bar}, "joints": {"a": hinge}}
     given = system_of(scene_from_dict(tree))
-    assert notes_of_assembly(changes_of_assembly(given, assemble(given)), given.unit, "mm") == (
+    assert notes_of(changes_of_assembly(given, assemble(given)), given.unit, "mm") == (
         "assembly changed bodies.bar: moved by 539 mm, turned by 10.6 deg,"
         " velocity by 3.74e+03 mm/s",
     )
     tree["bodies"]["bar"] = bar | {"position": [0, 0, 0], "velocity": [0, 0, 0]}
     tree["bodies"]["bar"]["angular_velocity"] = [0, 1, 2]
     given = system_of(scene_from_dict(tree))
-    assert notes_of_assembly(changes_of_assembly(given, assemble(given)), given.unit, "mm") == (
+    assert notes_of(changes_of_assembly(given, assemble(given)), given.unit, "mm") == (
         "assembly changed bodies.bar: angular velocity by 2 rad/s",
     )
 
 
 def test_velocities_that_a_scene_leaves_to_its_drivers_are_not_told() -> None:
     given = system_of(read_scene(ROOT / "scenes" / "loop.toml"))
-    assert notes_of_assembly(changes_of_assembly(given, assemble(given)), given.unit, "m") == ()
+    assert notes_of(changes_of_assembly(given, assemble(given)), given.unit, "m") == ()
