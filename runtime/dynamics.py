@@ -18,13 +18,13 @@ from kousoku.runtime.integrate.given import (
     require_shape,
     times_of,
 )
+from kousoku.runtime.integrate.given_start import Moved
 from kousoku.runtime.integrate.motion import Layout
 from kousoku.runtime.integrate.state import fields_of
 from kousoku.runtime.library import read_files, read_manifest
 from kousoku.runtime.momenta import KeptPlaces
 from kousoku.runtime.options import ALL_OPTIONS, options_of, with_values
 from kousoku.runtime.run import Run
-from kousoku.runtime.run_ledger import Moved
 from kousoku.runtime.saved import SavedRun, checked
 
 if TYPE_CHECKING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from contextlib import suppress
 from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -27,7 +28,7 @@ from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
-from kousoku.runtime.run_ledger import Moved, ledger_of
+from kousoku.runtime.run_ledger import ledger_of
 from kousoku.runtime.run_stop import SHOWN, joints_at_stop, joints_of_bodies
 from kousoku.runtime.saved import SavedRun
 
@@ -134,6 +135,10 @@ class Run:
         if saved is None:
             self._start()
         else:
+            if self._is_as_given:
+                with suppress(SolveError):  # for what it changes: it may have begun elsewhere
+                    self._start()
+                self.state[:] = saved.state
             if target.pivots(self._memory, self._scratch()) == Status.WRONG_STATE:
                 raise SolveError(
                     f"{solver.name}: {MESSAGES[Status.WRONG_STATE]}, or is not started"
@@ -221,7 +226,7 @@ class Run:
             self._q[:], self._v[:], layout, changes = given_start(
                 self._there.layout, self._evaluate(), y, is_moved=is_moved
             )
-            moved = {one.body: Moved(*one.sizes) for one in changes}
+            moved = {one.body: one.sizes for one in changes}
             self._there = replace(self._there, layout=layout, moved=moved)
             if self.options.strict:
                 require_unmoved(self._there)

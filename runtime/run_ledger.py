@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.dynamics import DynamicsSolver
     from kousoku.runtime.error_estimate import ErrorEstimate
+    from kousoku.runtime.integrate.given_start import Moved
     from kousoku.runtime.integrate.trust import Trust
     from kousoku.runtime.momenta import Momentum
     from kousoku.runtime.options import Options
@@ -35,29 +36,6 @@ LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
 #: Works that the ledger prints, the largest first.
 MOST_WORKS = 12
-
-
-class Moved(NamedTuple):
-    """What assembly changed of a body, from what the scene gives to what joints and drivers allow.
-
-    Parameters
-    ----------
-    moved, turned : float [m], float [rad]
-        Its frame.
-    velocity, angular_velocity : float [m/s], float [rad/s]
-        Where the scene gives one.
-    """
-
-    moved: float
-    turned: float
-    velocity: float
-    angular_velocity: float
-
-    def __str__(self) -> str:
-        return (
-            f"{self.moved:.3g} m, {self.turned:.3g} rad, {self.velocity:.3g} m/s,"
-            f" {self.angular_velocity:.3g} rad/s"
-        )
 
 
 @dataclass(frozen=True, slots=True)

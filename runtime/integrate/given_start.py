@@ -198,32 +198,53 @@ class Given:
         self._put(u, turn, force, rotated(self.axes, torque))
 
 
+class Moved(NamedTuple):
+    """What assembly changed of a body, from what the scene gives to what joints and drivers allow.
+
+    Parameters
+    ----------
+    moved, turned : float [m], float [rad]
+        Its frame.
+    velocity, angular_velocity : float [m/s], float [rad/s]
+        Where the scene gives one: joints and drivers say what the others have.
+    """
+
+    moved: float
+    turned: float
+    velocity: float
+    angular_velocity: float
+
+    def __str__(self) -> str:
+        return (
+            f"{self.moved:.3g} m, {self.turned:.3g} rad, {self.velocity:.3g} m/s,"
+            f" {self.angular_velocity:.3g} rad/s"
+        )
+
+
 class Change(NamedTuple):
-    """What of a body is not as the scene gives it, since joints and drivers do not allow that.
+    """A body that assembly changed.
 
     Parameters
     ----------
     body : str
         Its name.
-    sizes : (4,) tuple of float [m, rad, m/s, rad/s]
-        By how much its frame is moved and turned, and its velocity and angular velocity are others,
-        where the scene gives them.
+    sizes : Moved
+        By how much.
     parts : (4,) tuple of float
         The same, relative to the scene's length, one radian, and the body's speed.
     """
 
     body: str
-    sizes: tuple[float, ...]
+    sizes: Moved
     parts: tuple[float, ...]
 
     def note(self, metres: float, unit: str) -> str:
         """Return the line on it, in a unit of so many metres; empty of what is near."""
-        moved, turned, velocity, spin = self.sizes
         texts = (
-            f"moved by {moved / metres:.3g} {unit}",
-            f"turned by {math.degrees(turned):.3g} deg",
-            f"velocity by {velocity / metres:.3g} {unit}/s",
-            f"angular velocity by {spin:.3g} rad/s",
+            f"moved by {self.sizes.moved / metres:.3g} {unit}",
+            f"turned by {math.degrees(self.sizes.turned):.3g} deg",
+            f"velocity by {self.sizes.velocity / metres:.3g} {unit}/s",
+            f"angular velocity by {self.sizes.angular_velocity:.3g} rad/s",
         )
         told = [text for text, part in zip(texts, self.parts, strict=True) if part > TOLD]
         return f"{CHANGED} bodies.{self.body}: {', '.join(told)}" if told else ""
@@ -262,7 +283,7 @@ def changes_of(layout: Layout, q: Array, v: Array) -> list[Change]:
         change = _norm(velocity - given.velocity) if speed else 0.0
         fastest = speed + spin * length
         rates = (change / fastest, spun * length / fastest) if fastest else (0.0, 0.0)
-        sizes = (shift * layout.unit, angle, change * layout.unit, spun)
+        sizes = Moved(shift * layout.unit, angle, change * layout.unit, spun)
         found.append(Change(body.name, sizes, (shift / length, angle, *rates)))
     return known(found)
 
@@ -276,7 +297,8 @@ def given_start(
 ) -> tuple[Array, Array, Layout, list[Change]]:
     """Return q and v of the start with the parameters of a run, and what it changes.
 
-    The layout has notes on that, in place of those on the start with the parameters of the scene.
+    The layout has notes on that, in place of those on the start with the parameters of the scene;
+    a place that the caller gives is no change.
     Velocities are projected onto the constraints once: to do it again takes away what is rounded.
 
     Parameters
@@ -300,7 +322,7 @@ def given_start(
             q = found
     given.move(q, v)
     v += evaluate(q, v)["dv"]
-    changes = changes_of(layout, q, v)
+    changes = changes_of(layout, q, v) if is_moved else []
     notes = [note for note in layout.notes if not note.startswith(CHANGED)]
     told = notes_of(changes, layout.unit, layout.unit_name)
     return q, v, replace(layout, notes=(*told, *notes)), changes

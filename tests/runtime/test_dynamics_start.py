@@ -259,6 +259,22 @@ def test_what_a_run_changes_of_the_start_is_told_as_the_file_tells_it(load: Any,
     assert any(one for one in (file.moved, solver.moved))
 
 
+def test_what_a_run_changes_is_told_where_it_goes_on_and_not_of_a_place_that_is_given(
+    load: Any,
+) -> None:
+    text, given = SCENES["masses, moved"]
+    solver = load(scene_from_toml(text))
+    run = solver.begin(NOW, parameters=given)
+    wanted = solver.begin(NOW, parameters=given).finish()
+    assert wanted.ledger.moved
+    for again in (pickle.loads(pickle.dumps(run)), solver.resume(run.save())):
+        assert again.state.tobytes() == run.state.tobytes()
+        assert again.motion().notes == wanted.notes
+        assert again.motion().ledger.moved == wanted.ledger.moved
+    run.restart(given, q=wanted.rows[0, 1 : 1 + len(solver.q)])
+    assert not run.motion().ledger.moved
+
+
 def _changed(notes: Sequence[str]) -> list[str]:
     return [note for note in notes if note.startswith("assembly changed")]
 

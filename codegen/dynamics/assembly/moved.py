@@ -8,7 +8,7 @@ from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.model import precise
 from kousoku.model.varying import fixed_system
-from kousoku.runtime.integrate.given_start import Change, known
+from kousoku.runtime.integrate.given_start import Change, Moved, known
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import MovingBody, System
@@ -49,7 +49,8 @@ def _change(before: MovingBody, after: MovingBody, size: float) -> Change:
         )
     spun = _length(precise.subtract(turned, omega)) if spin else 0.0
     rates = (change / fastest, spun * size / fastest) if fastest else (0.0, 0.0)
-    return Change(before.name, (shift, angle, change, spun), (shift / size, angle, *rates))
+    sizes = Moved(shift, angle, change, spun)
+    return Change(before.name, sizes, (shift / size, angle, *rates))
 
 
 def _p(body: MovingBody) -> Quadruple:

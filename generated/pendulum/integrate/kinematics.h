@@ -83,8 +83,8 @@ static int is_explained(double h, Position start, Position half, Position last)
 }
 
 /* whether half a step of length h may leap over a singular configuration onto another branch: the
- * ratio of pivots goes with the square of the distance, so that it is nine times as large where a
- * step ends that has its middle behind one as far as its begin was before */
+ * ratio of pivots goes with the square of the distance from it, which changes at a steady rate; no
+ * half passes zero where it and those beside it change the ratio by a small factor */
 static int may_leap(double h, double before, double after, Position last, const State *s)
 {
     const double low = smaller(before, after), high = larger(before, after);

@@ -124,9 +124,9 @@ def may_leap(
 ) -> bool:
     """Return whether half a step of length h may leap over a singular configuration.
 
-    There is another branch behind it. The ratio of pivots goes with the square of the distance, so
-    that it is nine times as large where a step ends that has its middle behind one as far as its
-    begin was before.
+    There is another branch behind it. The ratio of pivots goes with the square of the distance from
+    it, which changes at a steady rate: no half passes zero where it and those beside it change the
+    ratio by a small factor.
     """
     low, high = smaller(before, after), larger(before, after)
     is_near = low < SMALL_PIVOT * state.largest_pivot_ratio and high > MOST_GROWTH * low
