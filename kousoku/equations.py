@@ -195,7 +195,7 @@ class Equations:
         t: float,
         q: npt.ArrayLike,
         v: npt.ArrayLike,
-        parameters: Mapping[str, float] | None,
+        parameters: Mapping[str, float | str] | None,
         angles: Mapping[str, float] | None,
     ) -> State:
         """Return a state that is possible, with what its angles are counted to.

@@ -190,7 +190,7 @@ def matrices(
     t: float,
     q: npt.ArrayLike,
     v: npt.ArrayLike,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     *,
     angles: Mapping[str, float] | None = None,
 ) -> Matrices:
@@ -209,7 +209,7 @@ def matrices(
     v : array
         For each body ṙ (3) in frame O, then ω′ (3) [rad/s] in its own frame, unless it is a point;
         of a linkage the velocity of each node.
-    parameters : mapping of str to float, optional
+    parameters : mapping of str to float or str, optional
         Those that are not as in the scene.
     angles : mapping of str to float [rad], optional
         Positions tell an angle up to whole turns only. Those of coordinates that stand here are
@@ -236,7 +236,7 @@ def evaluate(
     t: float,
     q: npt.ArrayLike,
     v: npt.ArrayLike,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     *,
     angles: Mapping[str, float] | None = None,
 ) -> Evaluation:

@@ -230,7 +230,7 @@ class Mechanism:
         first_turn: int | None = None,
         from_turn: int | None = None,
         limit: float | None = None,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
     ) -> Result:
         """Return positions, velocities and accelerations at the divisions of the inputs.
 
@@ -245,8 +245,8 @@ class Mechanism:
             scene says, 0 unless given: a turn need not lead back.
         limit : float, optional
             Of linkages: largest residual, in the unit of the scene.
-        parameters : mapping of str to float, optional
-            Of scenes of bodies: values of parameters.
+        parameters : mapping of str to float or str, optional
+            Of scenes of bodies: values of parameters; angles may be texts such as ``"30 deg"``.
 
         Raises
         ------
@@ -342,7 +342,7 @@ class Mechanism:
         t: float,
         q: npt.ArrayLike,
         v: npt.ArrayLike,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Matrices:
@@ -360,7 +360,7 @@ class Mechanism:
         t: float,
         q: npt.ArrayLike,
         v: npt.ArrayLike,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
         *,
         angles: Mapping[str, float] | None = None,
     ) -> Evaluation:
@@ -378,8 +378,11 @@ class Mechanism:
         return evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
 
     def _known(
-        self, q: object, parameters: Mapping[str, float] | None, angles: Mapping[str, float] | None
-    ) -> tuple[Mapping[str, float] | None, Mapping[str, float] | None]:
+        self,
+        q: object,
+        parameters: Mapping[str, float | str] | None,
+        angles: Mapping[str, float] | None,
+    ) -> tuple[Mapping[str, float | str] | None, Mapping[str, float] | None]:
         """Return parameters and counted angles: those of the run where a row of one is given."""
         if not (isinstance(q, Coordinates) and isinstance(self.solver, DynamicsSolver)):
             return parameters, angles
@@ -392,7 +395,7 @@ class Mechanism:
             angles = dict(zip(names, q.counted[first:].tolist(), strict=False))
         return parameters, angles
 
-    def plot(self, parameters: Mapping[str, float] | None = None) -> Figure:
+    def plot(self, parameters: Mapping[str, float | str] | None = None) -> Figure:
         """Draw the mechanism where the scene puts it; needs matplotlib."""
         from kousoku.view import draw_mechanism
 

@@ -181,7 +181,7 @@ class DynamicsSolver:
         chosen = options_of(self, **options)
         return Run(self, times_of(self.name, None, times, 0), chosen)
 
-    def at(self, parameters: Mapping[str, float]) -> DynamicsSolver:
+    def at(self, parameters: Mapping[str, float | str]) -> DynamicsSolver:
         """Return the solver with other parameters, and with the start that the scene then has.
 
         Where the centre of mass or the principal axes of a body depend on parameters, ``q`` and
@@ -203,7 +203,7 @@ class DynamicsSolver:
         time: float = 0.0,
         q: Array | None = None,
         v: Array | None = None,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
     ) -> dict[str, Array]:
         """Return all that the solver computes at a state as it is: nothing is projected.
 
@@ -215,7 +215,7 @@ class DynamicsSolver:
             Coordinates and velocities as in ``solver.q`` and ``solver.v``, in SI units; those of
             ``solver.at(parameters)`` unless given. A body has its centre of mass and the Euler
             parameters of its principal axes, then its velocity and angular velocity.
-        parameters : mapping of str to float, optional
+        parameters : mapping of str to float or str, optional
             Those that are not as in the scene.
 
         Returns

@@ -46,7 +46,7 @@ class RunOptions(TypedDict, total=False):
     largest_step: float
     checks: bool
     most_steps: int
-    parameters: Mapping[str, float] | None
+    parameters: Mapping[str, float | str] | None
     initial: Mapping[str, float | str] | None
     q0: Sequence[float] | Array | None
     v0: Sequence[float] | Array | None
@@ -110,7 +110,7 @@ def options_of(
     largest_step: float = np.inf,
     checks: bool = True,
     most_steps: int = MOST_STEPS,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
     initial: Mapping[str, float | str] | None = None,
     q0: Sequence[float] | Array | None = None,
     v0: Sequence[float] | Array | None = None,
@@ -137,8 +137,9 @@ def options_of(
         Whether the ledger says what is left of the constraints, and how the energy changes.
     most_steps : int
         A run that needs more is stopped.
-    parameters : mapping of str to float, optional
-        Values of parameters of the scene; those that are left out keep what the scene says.
+    parameters : mapping of str to float or str, optional
+        Values of parameters of the scene; those that are left out keep what the scene says. Angles
+        may be texts such as ``"30 deg"``.
     initial : mapping of str to float or str, optional
         Values at the start of coordinates, and of their rates as ``theta_dot``, in the unit of the
         scene; angles may be texts such as ``"30 deg"``. The scene is led there.
@@ -210,7 +211,7 @@ def _require_method(solver: DynamicsSolver, name: str, step: float | None) -> No
 
 
 def with_values(
-    solver: DynamicsSolver, given: Mapping[str, float] | None
+    solver: DynamicsSolver, given: Mapping[str, float | str] | None
 ) -> tuple[tuple[str, float], ...]:
     """Return all parameters, those that are given with their new values."""
     return tuple(values_of(solver.name, dict(solver.parameters), given).items())

@@ -159,7 +159,7 @@ class Run:
 
     def restart(
         self,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
         q: Sequence[float] | Array | None = None,
         v: Sequence[float] | Array | None = None,
     ) -> Run:
@@ -170,7 +170,7 @@ class Run:
 
         Parameters
         ----------
-        parameters : mapping of str to float, optional
+        parameters : mapping of str to float or str, optional
             Those that are not as in the scene; as before unless given.
         q, v : array, optional
             Where to begin, as in ``solver.q`` and ``solver.v``, in SI units; as before unless

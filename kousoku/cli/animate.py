@@ -15,7 +15,6 @@ from kousoku.cli.moving import (
     loaded,
     moved,
     numbers_of,
-    parameters_of,
     require_place,
     require_trust,
 )
@@ -74,7 +73,10 @@ def animate(
             raise SolveError(f"{file}: --end, --set and --initial are for scenes; this run is over")
         result = open_run(file)
     else:
-        options = {"parameters": parameters_of(given), "initial": numbers_of("--initial", initial)}
+        options = {
+            "parameters": numbers_of("--set", given),
+            "initial": numbers_of("--initial", initial),
+        }
         result, stop = _moved(
             Wish(file, target),
             end,

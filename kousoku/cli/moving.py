@@ -371,20 +371,3 @@ def _number(text: str) -> float | str:
         return text if "deg" in text else value
     value = value_of(parse_expression(text, ()), {})
     return f"{math.degrees(value)!r} deg" if "deg" in text and math.isfinite(value) else value
-
-
-def parameters_of(given: Sequence[str] | None) -> dict[str, float]:
-    """Return the values of ``--set NAME=VALUE``, angles in radians.
-
-    Raises
-    ------
-    SolveError
-        One is not a name, ``=`` and a number or a formula of numbers.
-    """
-    from kousoku.model.angles import number_of
-
-    values = numbers_of("--set", given)
-    return {
-        name: number_of(value) if isinstance(value, str) else value
-        for name, value in values.items()
-    }

@@ -18,7 +18,6 @@ from kousoku.cli.moving import (
     Wish,
     move,
     numbers_of,
-    parameters_of,
 )
 
 if TYPE_CHECKING:
@@ -109,7 +108,7 @@ def simulate(
         "most_steps": most_steps,
         "strict": strict or None,
         "estimate_error": estimate_error or None,
-        "parameters": parameters_of(given) or None,
+        "parameters": numbers_of("--set", given) or None,
         "initial": numbers_of("--initial", initial) or None,
     }
     options = {name: value for name, value in options.items() if value is not None}

@@ -15,7 +15,7 @@ from kousoku.cli.moving import (
     Set,
     Wish,
     move,
-    parameters_of,
+    numbers_of,
 )
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def solve(
         "turns": turns,
         "first_turn": first_turn,
         "from_turn": from_turn,
-        "parameters": parameters_of(given) or None,
+        "parameters": numbers_of("--set", given) or None,
     }
 
     def how(mechanism: "Mechanism", progress: Any) -> "Result":

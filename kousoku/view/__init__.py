@@ -31,7 +31,7 @@ def animate(
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
 ) -> Animation:
     """Return the animation of a run.
 
@@ -55,7 +55,7 @@ def animate(
         to be seen.
     start, end : float, optional [s]
         The part of the run that is shown.
-    parameters : mapping of str to float, optional
+    parameters : mapping of str to float or str, optional
         Values that the run had for parameters of the scene, where they are not those of the scene.
 
     Raises
@@ -82,7 +82,9 @@ def animate(
     return animation
 
 
-def still(scene: Scene, result: Any = None, parameters: Mapping[str, float] | None = None) -> str:
+def still(
+    scene: Scene, result: Any = None, parameters: Mapping[str, float | str] | None = None
+) -> str:
     """Return a small still as HTML: of the first row of a run, or of the mechanism at rest.
 
     Parameters
@@ -91,7 +93,7 @@ def still(scene: Scene, result: Any = None, parameters: Mapping[str, float] | No
         What is drawn.
     result : Result, optional
         The run.
-    parameters : mapping of str to float, optional
+    parameters : mapping of str to float or str, optional
         Values of its parameters; its own unless given.
     """
     from base64 import b64encode
@@ -107,14 +109,14 @@ def still(scene: Scene, result: Any = None, parameters: Mapping[str, float] | No
     return f'<img alt="{scene.name}" src="data:image/svg+xml;base64,{data}">'
 
 
-def draw_mechanism(scene: Scene, parameters: Mapping[str, float] | None = None) -> Figure:
+def draw_mechanism(scene: Scene, parameters: Mapping[str, float | str] | None = None) -> Figure:
     """Draw a mechanism at rest, at the positions as they are written; needs matplotlib.
 
     Parameters
     ----------
     scene : Scene
         What is drawn: of bodies, or a linkage of nodes.
-    parameters : mapping of str to float, optional
+    parameters : mapping of str to float or str, optional
         Values of its parameters; its own unless given.
     """
     from kousoku.view.figure import draw

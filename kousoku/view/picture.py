@@ -118,7 +118,7 @@ class Picture:
         return (0.0, 0.0) if self.normal is not None else (0.55, 0.42)
 
 
-def picture_at_rest(scene: Scene, parameters: Mapping[str, float] | None = None) -> Picture:
+def picture_at_rest(scene: Scene, parameters: Mapping[str, float | str] | None = None) -> Picture:
     """Return the picture of a scene at the positions as they are written."""
     if not scene.is_spatial:
         from kousoku.view.linkages import linkage_at_rest
@@ -152,7 +152,7 @@ def picture_of(
     speed: float | None = None,
     start: float | None = None,
     end: float | None = None,
-    parameters: Mapping[str, float] | None = None,
+    parameters: Mapping[str, float | str] | None = None,
 ) -> Picture:
     """Return the picture of a run, see :func:`kousoku.view.animate`."""
     from kousoku.model.errors import SolveError

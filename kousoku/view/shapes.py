@@ -215,7 +215,7 @@ def spatial_shapes(scene: Scene, poses: tuple[Array, Array] | None = None) -> Sh
     return _SpatialShapes(scene, poses).shapes()
 
 
-def with_values(scene: Scene, parameters: Mapping[str, float] | None) -> Scene:
+def with_values(scene: Scene, parameters: Mapping[str, float | str] | None) -> Scene:
     """Return a scene whose numbers are those that parameters give them; the rest are its own.
 
     Raises

@@ -110,7 +110,7 @@ class Run:
         largest_step: float = np.inf,
         checks: bool = True,
         most_steps: int = MOST_STEPS,
-        parameters: Mapping[str, float] | None = None,
+        parameters: Mapping[str, float | str] | None = None,
         initial: Mapping[str, float | str] | None = None,
         q0: Sequence[float] | Array | None = None,
         v0: Sequence[float] | Array | None = None,

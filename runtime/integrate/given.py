@@ -9,8 +9,9 @@ import math
 import os
 from collections.abc import Mapping
 from functools import cache
+from importlib import import_module
 from numbers import Integral, Real
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -180,20 +181,48 @@ def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
 
 
 def values_of(
-    scene: str, known: Mapping[str, float], given: Mapping[str, float] | None
+    scene: str, known: Mapping[str, float], given: Mapping[str, float | str] | None
 ) -> dict[str, float]:
     """Return all parameters, those that are given with their new values."""
+    values = {**known}
     if given is None:
-        return {**known}
+        return values
     if not isinstance(given, Mapping):
         raise refusal(f"{scene}: parameters {shown(given)}; wanted a mapping of names to numbers")
     problems = [unknown("parameter", name, [*known]) for name in given if name not in known]
     for name, value in given.items():
-        if name in known and not _is_finite(value):
-            problems.append(f"parameter {name} is {shown(value)}, wanted a finite number")
+        if name not in known:
+            continue
+        try:
+            values[name] = number_in(value)
+        except (TypeError, ValueError, OverflowError):
+            wanted = "a finite number, or an angle such as '30 deg'"
+            problems.append(f"parameter {name} is {shown(value)}, wanted {wanted}")
     if problems:
         raise refusal(f"{scene}: {'; '.join(problems)}")
-    return {name: float(given.get(name, value)) for name, value in known.items()}
+    return values
+
+
+def number_in(value: object, *, is_length: bool = False) -> float:
+    """Return a finite number; angles may be told by texts, see :mod:`kousoku.model.angles`.
+
+    Raises
+    ------
+    TypeError, ValueError, OverflowError
+        It is none.
+    """
+    if isinstance(value, str) and not is_length:
+        try:
+            angles = import_module("kousoku.model.angles")
+        except ModuleNotFoundError:  # a copy lies here
+            angles = import_module(".angles", __package__)
+        value = angles.number_of(value)
+    if isinstance(value, str | bool | np.bool_):
+        raise TypeError
+    number = float(cast("Real", value))
+    if not math.isfinite(number):
+        raise ValueError
+    return number
 
 
 def require_steps(
@@ -216,13 +245,6 @@ def require_steps(
     for name, value in (("largest_step", largest_step), ("most_steps", most_steps)):
         if not value > 0.0:
             raise refusal(f"{scene}: {name} {shown(value)}; wanted one above 0")
-
-
-def _is_finite(value: Any) -> bool:
-    try:
-        return not isinstance(value, str) and math.isfinite(value)
-    except (TypeError, OverflowError):
-        return False
 
 
 def _is_double(value: float) -> bool:

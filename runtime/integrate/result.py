@@ -117,7 +117,7 @@ class AnimationOptions(TypedDict, total=False):
     speed: float | None
     start: float | None
     end: float | None
-    parameters: Mapping[str, float] | None
+    parameters: Mapping[str, float | str] | None
 
 
 class Animation(Protocol):

@@ -337,12 +337,13 @@ def test_copied_folder_takes_degrees_and_gives_the_verdict(free_loop: Path) -> N
         "run = simulate(0.05, samples=6, initial={'crank_angle': '30 deg'})\n"
         "print(repr(run).splitlines()[0])\nprint(run['crank_angle'][0])\n"
         "import pickle\nprint(pickle.loads(pickle.dumps(run)).verdict)\n"
+        "print(simulate(times=[0], parameters={'mass': '2'}).parameters['mass'])\n"
         "wrong = simulate(2, samples=3, step=0.5)\nprint(repr(wrong).splitlines()[0])",
         free_loop.parent,
     )
     assert got.returncode == 0, got.stderr
-    names, verdict, angle, again, wrong = got.stdout.splitlines()
-    assert names == "['begin', 'simulate']"
+    names, verdict, angle, again, mass, wrong = got.stdout.splitlines()
+    assert names == "['begin', 'simulate']" and mass == "2.0"
     assert float(angle) == pytest.approx(np.pi / 6, abs=1e-12)
     solver = load_dynamics(free_loop, target="numpy")
     wanted = solver.simulate(0.05, samples=6, initial={"crank_angle": "30 deg"})

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.model.angles import number_of
 from kousoku.model.errors import SolveError
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml
@@ -74,6 +75,12 @@ def test_formulas_take_the_parameters_of_the_run(arm: Any, given: dict[str, floa
     np.testing.assert_allclose(way[:, 0], values["rate"] * TIMES**2 / 2, rtol=0, atol=1e-11)
     np.testing.assert_allclose(way[:, 1], values["phase"] * TIMES**3 / 6, rtol=0, atol=1e-11)
     assert motion.ledger.parameters == values
+
+
+def test_parameters_may_be_angles_in_degrees(arm: Any) -> None:
+    given = arm.simulate(times=TIMES, parameters={"phase": "30 deg", "rate": "2"})
+    assert dict(given.parameters) == {"rate": 2.0, "phase": number_of("30 deg")}
+    assert dict(arm.at({"phase": "30 deg", "rate": 2.0}).parameters) == dict(given.parameters)
 
 
 def test_a_saved_run_keeps_its_parameters(arm: Any) -> None:

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
-from importlib import import_module
-from numbers import Real
 from typing import TYPE_CHECKING, NamedTuple
 
-from .given import numbers_of
+from .given import number_in, numbers_of
 from .result import refusal, shown, unknown
 
 if TYPE_CHECKING:
@@ -63,23 +60,10 @@ def initial_of(
             problems.append(unknown("coordinate", name, [*lengths]))
             continue
         try:
-            found[name] = _number(value, is_length=lengths[name])
+            found[name] = number_in(value, is_length=lengths[name])
         except (TypeError, ValueError, OverflowError):
             wanted = "" if lengths[name] else ", or an angle such as '30 deg'"
             problems.append(f"initial {name} is {shown(value)}; wanted a finite number{wanted}")
     if problems:
         raise refusal(f"{scene}: {'; '.join(problems)}")
     return Initial(tuple(found.items()))
-
-
-def _number(value: object, *, is_length: bool) -> float:
-    """Return a value of a coordinate; only angles are told by texts."""
-    if isinstance(value, str) and not is_length:
-        try:
-            angles = import_module("kousoku.model.angles")
-        except ModuleNotFoundError:  # a copy lies here
-            angles = import_module(".angles", __package__)
-        value = angles.number_of(value)
-    if isinstance(value, bool) or not isinstance(value, Real) or not math.isfinite(value):
-        raise ValueError
-    return float(value)
