@@ -50,9 +50,10 @@ DIRECTIONS = {"both": (-1, 1), "rising": (1,), "falling": (-1,)}
 """To which signs the formula of an event changes."""
 
 
-SMOOTH, WORKS = 1e-10, 1e-9
-"""What integrals of powers may miss that tell works, and how far works may then be off: the
-tolerance of steps. Of powers that jump the integral is known to half of what it may miss."""
+SMOOTH, WORKS = 1e-10, 5e-9
+"""What integrals of powers may miss that tell works, and how far works may then be off: five
+tolerances, as positions may be, for works are integrated by the same steps. Of powers that jump
+the integral is known to half of what it may miss."""
 
 
 def nodes(end: float, number: int = 17) -> Array:
