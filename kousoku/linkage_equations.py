@@ -18,7 +18,7 @@ from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import Role, assemble
 from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError
-from kousoku.runtime.integrate.given import numbers_of, require_numbers
+from kousoku.runtime.integrate.given import misfit, numbers_of, require_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -87,11 +87,8 @@ class LinkageEquations:
         state = []
         for what, given in (("q", q), ("v", v)):
             array = numbers_of(name, what, given)
-            if array.shape != (size,) or not np.isfinite(array).all():
-                raise SolveError(
-                    f"{name}: {what} has the shape {array.shape}; wanted {size} finite numbers: x"
-                    " and y of each node"
-                )
+            if wrong := misfit(what, array, size, "x and y of each node"):
+                raise SolveError(f"{name}: {wrong}")
             state.append(array)
         known = {key: _law(given, float(t)) for key, given in self.scene.inputs.items()}
         try:

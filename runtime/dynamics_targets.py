@@ -220,9 +220,9 @@ def open_solver(
 
 
 def open_same(sources: Sources, target: Target) -> SolverTarget:
-    """Open the target that another process had."""
-    folder = sources.place()
-    return open_solver(folder, sources.manifest, sources.files, target)
+    """Open the target that another process had; NumPy, and say so, where there is no compiler."""
+    folder, chosen = sources.place(), target if target == "numpy" else "auto"
+    return open_solver(folder, sources.manifest, sources.files, chosen)
 
 
 def _compiled(sources: Sources) -> SolverTarget:

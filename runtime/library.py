@@ -145,8 +145,8 @@ def load(folder: str | Path, *, target: Literal["auto", "c", "numpy"] = "auto") 
 
 
 def load_same(sources: Sources, target: Literal["c", "numpy"]) -> Library:
-    """Load a package with the target that another process had."""
-    return load(sources.place(), target=target)
+    """Load a package with the target that another process had; NumPy where there is no compiler."""
+    return load(sources.place(), target=target if target == "numpy" else "auto")
 
 
 def read_manifest(folder: Path) -> Manifest:

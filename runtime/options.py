@@ -9,7 +9,7 @@ import numpy as np
 
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.given import require_steps, values_of
-from kousoku.runtime.integrate.initial_given import Initial, initial_of
+from kousoku.runtime.integrate.initial_given import Initial, initial_of, parameters_of
 from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.integrate.settings import (
     KINEMATICS,
@@ -146,6 +146,7 @@ def options_of(
     q0, v0 : sequence of float, optional
         Instead of them position and velocity of all bodies, in the scene's order and unit: r of the
         body frame's origin and its Euler parameters; its velocity and ω′. Points have three each.
+        Those of ``run.state(k)`` bring their turns along and, unless given, parameters.
     strict : bool
         Whether a start is refused that assembly changed, by more than 1e-6 of length and speed.
     estimate_error : bool
@@ -168,7 +169,7 @@ def options_of(
     step = None if step is None else float(step)
     name = method_for(tolerance, is_driven=solver.is_driven) if method is None else method
     _require_method(solver, name, step)
-    values = with_values(solver, parameters)
+    values = with_values(solver, parameters_of(parameters, q0))
     if strict and not is_given_anew(solver, values):
         require_unmoved(solver)
     numbers = float(tolerance), float(largest_step), step

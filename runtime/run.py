@@ -17,13 +17,11 @@ from kousoku.runtime.error_estimate import error_estimate, second_options, secon
 from kousoku.runtime.given import require_callable
 from kousoku.runtime.integrate.events import Told, add_row
 from kousoku.runtime.integrate.given import (
-    numbers_of,
     require_numbers,
     require_room,
-    require_shape,
 )
 from kousoku.runtime.integrate.given_start import given_start
-from kousoku.runtime.integrate.initial_given import Initial
+from kousoku.runtime.integrate.initial_given import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
 from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
@@ -160,8 +158,10 @@ class Run:
     def restart(
         self,
         parameters: Mapping[str, float | str] | None = None,
-        q: Sequence[float] | Array | None = None,
-        v: Sequence[float] | Array | None = None,
+        *,
+        initial: Mapping[str, float | str] | None = None,
+        q0: Sequence[float] | Array | None = None,
+        v0: Sequence[float] | Array | None = None,
     ) -> Run:
         """Start over at time 0 with the same times and options, in the same memory.
 
@@ -172,39 +172,40 @@ class Run:
         ----------
         parameters : mapping of str to float or str, optional
             Those that are not as in the scene; as before unless given.
-        q, v : array, optional
-            Where to begin, as in ``solver.q`` and ``solver.v``, in SI units; as before unless
-            given, or as the scene has it with new parameters. They are projected onto the
-            constraints.
+        initial, q0, v0 : optional
+            Where to begin, as for :func:`kousoku.runtime.options.options_of`; as before unless
+            one is given, or as the scene has it with new parameters.
 
         Raises
         ------
         SolveError
             A number is not possible, or the start is not.
         """
+        parameters = parameters_of(parameters, q0)
         if parameters is not None:
             options = replace(self.options, parameters=with_values(self.solver, parameters))
             values = np.array([value for _, value in options.parameters])
             self._there, self.options = with_parameters(self.solver, values), options
             self._values[:] = values
+        is_elsewhere = not (initial is None and q0 is None and v0 is None)
+        if is_elsewhere:
+            started = initial_of(self.solver.layout, initial, q0, v0)
+            self.options = replace(self.options, initial=started)
+        if parameters is not None or is_elsewhere:
             self._q[:], self._v[:] = self._there.q, self._there.v
-            self._is_as_given = is_given_anew(self._there, options.parameters)
-            self._is_elsewhere = any(options.initial)
-        if q is not None or v is not None:
-            self.options, self._is_elsewhere = replace(self.options, initial=Initial()), False
-        for name, own, given in (("q", self._q, q), ("v", self._v, v)):
-            if given is not None:
-                array = numbers_of(self.solver.name, name, given)
-                require_shape(self.solver.name, name, array, own)
-                own[:] = array
-        self._is_as_given &= v is None
+            self._is_as_given = is_given_anew(self._there, self.options.parameters)
+            self._is_elsewhere = any(self.options.initial)
+        self._start_over()
+        return self
+
+    def _start_over(self) -> None:
+        """Start from q and v that are there, with nothing written."""
         if self._is_shown:
             self._rows, self._is_shown = self._room(), False
         self.seconds["run"] = 0.0
         self._status, self._error = Status.PAUSED, None
         self._told = []
-        self._start(is_moved=q is None)
-        return self
+        self._start()
 
     def _room(self) -> Array:
         """Return room for all rows."""
@@ -218,13 +219,13 @@ class Run:
                 " for fewer times"
             ) from None
 
-    def _start(self, *, is_moved: bool = True) -> None:
+    def _start(self) -> None:
         begin = perf_counter()
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
         if status == Status.GOOD and self._is_as_given:
             self._q[:], self._v[:], layout, changes = given_start(
-                self._there.layout, self._evaluate(), y, is_moved=is_moved
+                self._there.layout, self._evaluate(), y, is_told=not self.options.initial.q0
             )
             moved = {one.body: one.sizes for one in changes}
             self._there = replace(self._there, layout=layout, moved=moved)
@@ -363,7 +364,9 @@ class Run:
         begin = perf_counter()
         written = self.times[: self.written]
         times, options = second_times(written, self.options), second_options(self.options)
-        again = Run(self.solver, times, options).restart(q=self._q, v=self._v)
+        again = Run(self.solver, times, options)
+        again._q[:], again._v[:] = self._q, self._v
+        again._start_over()
         try:
             second = again.finish(progress)
         except MotionError:

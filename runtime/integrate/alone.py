@@ -10,7 +10,7 @@ import numpy as np
 from .events import Told, add_row
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
-from .initial_given import initial_of
+from .initial_given import initial_of, parameters_of
 from .methods import METHODS
 from .motion import Layout, Motion
 from .result import StoppedError, unknown
@@ -117,7 +117,7 @@ class Run:
     ) -> None:
         self._scene, self.times, self.most_steps = scene, times, most_steps
         name, solver = scene.layout.name, scene.solver
-        values = values_of(name, dict(scene.data["parameters"]), parameters)
+        values = values_of(name, dict(scene.data["parameters"]), parameters_of(parameters, q0))
         require_steps(name, tolerance, step, largest_step, most_steps)
         started = initial_of(scene.layout, initial, q0, v0)
         methods = [*(one.name for one in METHODS), *[KINEMATICS] * solver.scene.is_driven]
@@ -146,7 +146,9 @@ class Run:
         self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
         if self._layout.given and (given != solver.scene.parameters).any():
             y = state_of(solver.scene, self.state).y
-            q, v, self._layout, _ = given_start(self._layout, self._evaluate(given), y)
+            q, v, self._layout, _ = given_start(
+                self._layout, self._evaluate(given), y, is_told=not started.q0
+            )
             self._require(solver.start(0.0, q, v, given, self.state, self._work))
         if any(started):
             led = self._led(started, given)

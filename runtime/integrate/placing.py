@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .body_tables import indices, solver_state, written_state
+from .given import misfit
 from .initial import ROUNDING, InitialError, Leader, Start, lead
 from .result import refusal
 
@@ -75,14 +76,16 @@ def started(
         layout.length,
         layout.unit,
     )
-    q0, v0 = (np.array(one) if one else None for one in (initial.q0, initial.v0))
+    given = (np.array(one) if one else None for one in initial[1:])
     try:
-        return lead(start, dict(initial.values)) if initial.values else place(start, q0, v0)
+        return lead(start, dict(initial.values)) if initial.values else place(start, *given)
     except InitialError as error:
         raise refusal(f"{layout.name}: {error}") from None
 
 
-def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Array]:
+def place(
+    start: Start, q0: Array | None, v0: Array | None, counted: Array | None = None
+) -> tuple[Array, Array]:
     """Return where a scene starts when its bodies are placed, or are given velocities.
 
     Parameters
@@ -94,6 +97,9 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
         parameters, scalar first, unless it is a point.
     v0 : array, optional
         For each body the velocity of that origin in frame O, then ω′ [rad/s] unless it is a point.
+    counted : array, optional
+        q of the solver where turns are counted, within half a turn of q0; as the start counts them,
+        and gears need, unless given.
 
     Returns
     -------
@@ -110,12 +116,10 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
     problems: list[str] = []
     wanted = []
     for name, values, own in zip(("q0", "v0"), (q0, v0), begun, strict=True):
-        if values is not None and (values.shape != own.shape or not np.isfinite(values).all()):
-            raise InitialError(
-                f"{name} has the shape {values.shape}; wanted {own.size} finite numbers: of each"
-                f" body {'r (3), Euler parameters (4)' if own is begun[0] else VELOCITIES};"
-                " a point has the first three alone"
-            )
+        of = "r (3), Euler parameters (4)" if own is begun[0] else VELOCITIES
+        of = f"of each body {of}; a point has the first three alone"
+        if values is not None and (wrong := misfit(name, values, own.size, of)):
+            raise InitialError(wrong)
         wanted.append(own if values is None else values.copy())
     for body, part in _parts(start.bodies, wanted[0], 4):
         size = np.linalg.norm(part[3:])
@@ -132,7 +136,7 @@ def place(start: Start, q0: Array | None, v0: Array | None) -> tuple[Array, Arra
             v = placed[1]
             problems += _misses(start, wanted[1], found[1], 3)
     if not problems and q0 is not None:
-        q += _turns(start, q)
+        q += _turns(start, q, counted)
         problems += _open(start, _residuals(start, q), 1.0)
         q, _ = leader.met(q, np.empty((0, len(v))), [], np.empty(0), ROUNDING)
     if not problems and v0 is not None:
@@ -190,11 +194,14 @@ def _residuals(start: Start, q: Array) -> Array:
     return np.concatenate([found["C"], found["C_left_out"]])
 
 
-def _turns(start: Start, q: Array) -> Array:
-    """Return the whole turns that angles of q lack where gears fit: no orientation tells them."""
+def _turns(start: Start, q: Array, counted: Array | None) -> Array:
+    """Return what angles of q lack: no orientation tells their turns, but gears that fit."""
     left, lacks = _residuals(start, q), np.zeros_like(q)
     places = {k for body in start.bodies for k in indices((*body.r, *body.p))}
     angles = [k for k in range(len(q)) if k not in {*places, *start.works}]
+    if counted is not None:
+        lacks[angles] = (counted - q)[angles]
+        return lacks
     slopes = np.zeros((len(left), len(q)))
     for k in angles:
         lacks[k] = TURN

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import pickle
 import tomllib
 from pathlib import Path
@@ -213,6 +214,40 @@ def test_a_run_starts_where_another_one_was(load: Any, target: str, tree: Any) -
         assert abs(turns - round(turns)) < 1e-12 or "place" in name
 
 
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", [copy.deepcopy, lambda state: pickle.loads(pickle.dumps(state))])
+def test_a_state_brings_its_turns_and_parameters_along(load: Any, target: str, way: Any) -> None:
+    coil = {"coil": {"type": "along", "coordinate": "swing", "force": "-k*swing"}}
+    swings = {"coordinates": {"swing": {"joint": "hinge"}}, "parameters": {"k": 1.0}}
+    solver = load(tree_of("pendulum", forces=coil, **swings), target)
+    whole = solver.simulate(times=[0.0, 0.2, 0.4], parameters={"k": 3.0}, initial={"swing": 15.0})
+    _, q, v = way(whole.state(1))
+    for run in (solver.begin([0.0, 0.2], q0=q, v0=v), solver.begin([0.0, 0.2]).restart(q0=q, v0=v)):
+        rest = run.finish()
+        assert dict(rest.parameters) == {"k": 3.0}
+        np.testing.assert_allclose(rest["swing"], whole["swing"][1:], rtol=0, atol=1e-8)
+    assert dict(start(solver, q0=q, v0=v, parameters={"k": 2.0}).parameters) == {"k": 2.0}
+    alone = start(solver, q0=np.array(q), v0=v)
+    assert dict(alone.parameters) == {"k": 1.0} and abs(alone["swing"][0]) < 2 * np.pi
+
+
+@pytest.mark.parametrize("unit", ["m", "mm"])
+def test_a_run_starts_over_where_bodies_are_as_written(load: Any, unit: str) -> None:
+    box = {"mass": 1, "size": [1, 0.1, 0.2], "at": [0.5, 0, 0]}
+    moving = {
+        "position": [0, 0, 0],
+        "angular_velocity": [1, 2, 0.5],
+        "velocity": [0, 0, 1],
+        "boxes": [box],
+    }
+    solver = load({"name": "box", "unit": unit, "bodies": {"b": moving}})
+    q0, v0 = [0.0, 2.0, 0.0, 1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 1.0, 2.0, 3.0]
+    wanted = solver.simulate(times=[0.0, 0.1], q0=q0, v0=v0)
+    again = solver.begin([0.0, 0.1]).restart(q0=q0, v0=v0)
+    np.testing.assert_array_equal(again.finish().rows, wanted.rows)
+    np.testing.assert_array_equal(again.restart().finish().rows, wanted.rows)
+
+
 def test_a_run_with_initial_values_resumes_with_the_same_bits(load: Any) -> None:
     solver = load(tree_of("loop_free"))
     options: Any = {"initial": {"crank_angle": "20 deg", "crank_angle_dot": 1}}
@@ -251,7 +286,8 @@ def test_without_initial_values_a_start_is_what_it_was(load: Any) -> None:
         ("loop_free", {"initial": [1.0]}, r"initial \[1.0\]; wanted a mapping of coordinates"),
         ("falling_nut", {"initial": {"height": "1 deg"}}, r"height is '1 deg'; wanted a finite"),
         ("loop_free", {"initial": {}, "q0": [1.0]}, r"give either initial, or q0 and v0"),
-        ("loop_free", {"q0": [1.0]}, r"q0 has the shape \(1,\); wanted 21 finite numbers"),
+        ("loop_free", {"q0": [1.0]}, r"q0 has the shape \(1,\); wanted 21 numbers: of each"),
+        ("loop_free", {"q0": [np.nan] * 21}, r"q0\[0\] is nan; wanted a finite number"),
         ("loop_free", {"v0": "fast"}, r"v0 'fast'; wanted a row of numbers"),
         ("loop_free", {"initial": {"rocking": 0.3}}, r"rocking is 0.3, wanted 0: it follows.*dead"),
         (

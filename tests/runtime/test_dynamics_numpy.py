@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import subprocess
 import sys
 from pathlib import Path
@@ -240,6 +241,19 @@ def test_without_a_compiler_numpy_is_taken_after_one_line(
     ]
     with pytest.raises(NoCompilerError, match="KOUSOKU_CC=none"):
         load_dynamics(folder("pendulum"), target="c")
+
+
+@pytest.mark.usefixtures("numpy_solver", "compiler")
+def test_a_solver_that_travels_computes_where_there_is_no_compiler(
+    folder: Folder, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    solver = load_dynamics(folder("pendulum"), target="c")
+    wanted, sent = solver.simulate(0.1, samples=3), pickle.dumps(solver)
+    monkeypatch.setenv("KOUSOKU_CC", "none")
+    monkeypatch.setattr(notice, "_said", set())
+    motion = pickle.loads(sent).simulate(0.1, samples=3)
+    assert motion.target == "numpy" and "uses the NumPy solver" in caplog.text
+    np.testing.assert_array_equal(motion.rows, wanted.rows)
 
 
 def test_numpy_that_is_asked_for_says_so_only_where_it_is_slow(

@@ -271,7 +271,7 @@ def test_what_a_run_changes_is_told_where_it_goes_on_and_not_of_a_place_that_is_
         assert again.state.tobytes() == run.state.tobytes()
         assert again.motion().notes == wanted.notes
         assert again.motion().ledger.moved == wanted.ledger.moved
-    run.restart(given, q=wanted.rows[0, 1 : 1 + len(solver.q)])
+    run.restart(given, q0=wanted.state(0)[1])
     assert not run.motion().ledger.moved
 
 
@@ -302,11 +302,11 @@ def test_a_motion_with_parameters_is_that_of_the_file_with_them(load: Any) -> No
 
 def test_velocities_that_a_caller_gives_stay(load: Any) -> None:
     solver, given = load(scene_from_toml(TWO)), {"L": 1.7}
-    run = solver.begin(NOW).restart(given, v=np.zeros_like(solver.v))
+    run = solver.begin(NOW).restart(given, v0=np.zeros(12))
     assert not run.finish().angular_velocity["a"].any()
     there = solver.begin(NOW, parameters=given).finish()
-    q = there.rows[0, 1 : 1 + len(solver.q)] + np.tile([1.0, 0.0, 0.0, 0.0], 2)  # x, y, e0, e3
-    moved = solver.begin(NOW).restart(given, q=q).finish()
+    q = there.state(0)[1] + np.tile([1.0, *np.zeros(6)], 2)
+    moved = solver.begin(NOW).restart(given, q0=q).finish()
     np.testing.assert_allclose(moved.position["b"], there.position["b"] + [1, 0, 0], atol=1e-14)
     np.testing.assert_allclose(moved.velocity["b"], there.velocity["b"], atol=1e-14)
     rest = np.zeros(12)

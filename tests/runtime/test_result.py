@@ -223,8 +223,8 @@ def test_a_run_starts_over_in_its_memory(solver: DynamicsSolver) -> None:
     np.testing.assert_array_equal(second["bob.x"], wanted["bob.x"])
     assert second.ledger.parameters["speed"] == 3 and first.ledger.parameters["speed"] == 2
     assert third.ledger.steps == first.ledger.steps
-    with pytest.raises(SolveError, match=r"q has the shape \(1,\), wanted"):
-        run.restart(q=[0.0])
+    with pytest.raises(SolveError, match=r"q0 has the shape \(1,\); wanted"):
+        run.restart(q0=[0.0])
 
 
 def test_a_run_says_how_far_it_is_and_a_result_its_parameters(solver: DynamicsSolver) -> None:

@@ -168,6 +168,27 @@ def times_of(scene: str, end: object, times: object, samples: object, size: int 
     return chosen
 
 
+def misfit(name: str, given: Array, size: int, of: str) -> str:
+    """Return what is wrong with an array of so many numbers; nothing if they fit.
+
+    Parameters
+    ----------
+    name : str
+        What it is called.
+    given : array
+        The array.
+    size : int
+        How many there must be.
+    of : str
+        What they are.
+    """
+    if given.shape != (size,):
+        return f"{name} has the shape {given.shape}; wanted {size} numbers: {of}"
+    for k in np.flatnonzero(~np.isfinite(given)):
+        return f"{name}[{k}] is {given[k]}; wanted a finite number"
+    return ""
+
+
 def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
     """Refuse an array that has too many or too few numbers.
 

@@ -293,12 +293,11 @@ def _norm(a: Any) -> float:
 
 
 def given_start(
-    layout: Layout, evaluate: Evaluate, y: Array, *, is_moved: bool = True
+    layout: Layout, evaluate: Evaluate, y: Array, *, is_told: bool = True
 ) -> tuple[Array, Array, Layout, list[Change]]:
     """Return q and v of the start with the parameters of a run, and what it changes.
 
-    The layout has notes on that, in place of those on the start with the parameters of the scene;
-    a place that the caller gives is no change.
+    The layout has notes on that, in place of those on the start with the parameters of the scene.
     Velocities are projected onto the constraints once: to do it again takes away what is rounded.
 
     Parameters
@@ -309,12 +308,12 @@ def given_start(
         What :func:`.initial.evaluated` returns, with these parameters.
     y : array
         Where bodies fit, on the branch of the scene: q, then some v.
-    is_moved : bool
-        Whether they are brought to the nearest place from there.
+    is_told : bool
+        Whether what it changes is told: not where the caller places the bodies.
     """
     given, count = Given(layout), layout.sizes["q"]
     q, v = y[:count].copy(), y[count:].copy()
-    if is_moved and given.has_places:
+    if given.has_places:
         found = nearest(layout, given, evaluate, q)
         if found is None:
             layout = replace(layout, notes=(*layout.notes, NOT_NEAREST))
@@ -322,7 +321,7 @@ def given_start(
             q = found
     given.move(q, v)
     v += evaluate(q, v)["dv"]
-    changes = changes_of(layout, q, v) if is_moved else []
+    changes = changes_of(layout, q, v) if is_told else []
     notes = [note for note in layout.notes if not note.startswith(CHANGED)]
     told = notes_of(changes, layout.unit, layout.unit_name)
     return q, v, replace(layout, notes=(*told, *notes)), changes

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from .given import number_in, numbers_of
-from .result import refusal, shown, unknown
+from .result import Coordinates, refusal, shown, unknown
 
 if TYPE_CHECKING:
     from .motion import Layout
@@ -21,11 +21,19 @@ class Initial(NamedTuple):
         Coordinates and their rates, in the unit of the scene.
     q0, v0 : tuple of float
         Bodies as written, see :func:`.placing.place`.
+    counted : tuple of float
+        q of the solver where q0 is the row of a run: its angles count turns.
     """
 
     values: tuple[tuple[str, float], ...] = ()
     q0: tuple[float, ...] = ()
     v0: tuple[float, ...] = ()
+    counted: tuple[float, ...] = ()
+
+
+def parameters_of(parameters: Any, q0: object) -> Any:
+    """Return the parameters of a run that begins at q0: of its row where none are given."""
+    return q0.parameters if parameters is None and isinstance(q0, Coordinates) else parameters
 
 
 def initial_of(
@@ -34,11 +42,16 @@ def initial_of(
     """Return initial values of a scene, checked; there may be no such coordinate."""
     scene = layout.name
     if initial is None:
-        bodies = (
-            () if given is None else tuple(numbers_of(scene, name, given).ravel().tolist())
-            for name, given in (("q0", q0), ("v0", v0))
+        counted = q0.counted if isinstance(q0, Coordinates) else None
+        if counted is not None and len(counted) != layout.sizes["q"]:  # of another solver
+            counted = None
+        return Initial(
+            (),
+            *(
+                () if given is None else tuple(numbers_of(scene, name, given).ravel().tolist())
+                for name, given in (("q0", q0), ("v0", v0), ("q0", counted))
+            ),
         )
-        return Initial((), *bodies)
     if q0 is not None or v0 is not None:
         raise refusal(f"{scene}: give either initial, or q0 and v0")
     if not isinstance(initial, Mapping):

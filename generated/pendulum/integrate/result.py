@@ -83,6 +83,9 @@ class Column(NamedTuple):
 class Coordinates(np.ndarray):
     """Coordinates q of a row, which know of their run what the numbers do not tell.
 
+    What is computed from them, copies and pickles know it too; ``numpy.array`` and lists of them
+    are the numbers alone.
+
     Parameters
     ----------
     values : array
@@ -96,7 +99,9 @@ class Coordinates(np.ndarray):
     parameters: Mapping[str, float] | None
     counted: Array | None
 
-    def __new__(cls, values: Array, parameters: Mapping[str, float], counted: Array) -> Coordinates:
+    def __new__(
+        cls, values: Array, parameters: Mapping[str, float] | None, counted: Array | None
+    ) -> Coordinates:
         """Return the numbers with what belongs to them."""
         found = np.asarray(values).view(cls)
         found.parameters, found.counted = parameters, counted
@@ -106,6 +111,10 @@ class Coordinates(np.ndarray):
         """Hand on what belongs to them to what is computed from them."""
         self.parameters = getattr(other, "parameters", None)
         self.counted = getattr(other, "counted", None)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        known = None if self.parameters is None else dict(self.parameters)
+        return Coordinates, (np.array(self), known, self.counted)
 
 
 class AnimationOptions(TypedDict, total=False):
