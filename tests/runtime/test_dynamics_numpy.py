@@ -49,10 +49,9 @@ def cranks() -> Scene:
     builder = SceneBuilder("cranks", unit="m").gravity(3, -9.81, 0)
     for name, x in (("a", 0.0), ("b", 2.0)):
         builder.body(name, position=(x, 1, 0), mass=1, inertia={"xx": 0.1, "yy": 0.1, "zz": 0.1})
-        hinge = {"bodies": ("ground", name), "at": (x, 0, 0), "axis": (0, 0, 1)}
-        builder.joint(f"hinge_{name}", type="revolute", **hinge)
-    ends = ((0, 0, 0), (0, -0.5, 0))
-    builder.joint("rod", type="rod", bodies=("a", "b"), points=ends)
+        bodies, at, axis = ("ground", name), (x, 0, 0), (0, 0, 1)
+        builder.joint(f"hinge_{name}", type="revolute", bodies=bodies, at=at, axis=axis)
+    builder.joint("rod", type="rod", bodies=("a", "b"), points=((0, 0, 0), (0, -0.5, 0)))
     return builder.build()
 
 
