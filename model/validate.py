@@ -111,7 +111,7 @@ def check_parts(scene: Scene, problems: Problems, given: Collection[str]) -> tup
 
 
 def require_planar(scene: Scene) -> None:
-    """Refuse what today's solver cannot move.
+    """Refuse bodies where a linkage of nodes is asked for.
 
     Raises
     ------
@@ -120,8 +120,8 @@ def require_planar(scene: Scene) -> None:
     """
     if scene.is_spatial:
         raise SceneError(
-            "spatial scenes are validated but not solved yet; wanted a planar linkage of nodes "
-            "and links",
+            f"{scene.name} is a scene of bodies; wanted a planar linkage of nodes and links:"
+            " kousoku.load moves both",
             key="bodies",
         )
 

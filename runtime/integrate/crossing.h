@@ -10,6 +10,8 @@
 
 /* the smallest step, relative to the time */
 #define SMALLEST 1e-15
+/* how many smallest steps a cut is behind the start at least */
+#define ONWARD 8.0
 /* in how many parts a step is looked at, and how often at most */
 #define CELLS 4
 #define MOST_LOOKS 512
@@ -235,7 +237,7 @@ static double first_left(const Node *a, const Node *b, const Look *look, const S
 static double seen_end(double end, Look *look, State *s, Work *work)
 {
     const double tiny = SMALLEST * larger(fabs(look->start), fabs(end));
-    const double nearest = look->start + larger(8.0 * tiny, look->least_part * look->h);
+    const double nearest = look->start + larger(ONWARD * tiny, look->least_part * look->h);
     const double widest = look->h / CELLS;
     double width = widest;
     Node a, b;
@@ -251,7 +253,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             look->crosses[k] = side != 0 && side_at(&b, k) == -side;
             any = any || look->crosses[k];
         }
-        const double left = larger(first_left(&a, &b, look, s, work), look->start + 8.0 * tiny);
+        const double left = larger(first_left(&a, &b, look, s, work), look->start + ONWARD * tiny);
         if (left - look->start < SOON * (end - look->start)) {
             memset(look->crosses, 0, sizeof look->crosses);
             return left;

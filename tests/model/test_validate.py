@@ -203,7 +203,7 @@ def test_a_scene_that_python_made_by_hand_is_checked_for_numbers_too() -> None:
 def test_spatial_scenes_are_validated_but_refused_by_the_solver() -> None:
     scene = read_scene(ROOT / "scenes" / "spatial_four_bar.toml")
     assert [joint.type for joint in scene.joints.values()].count("revolute") == 2
-    with pytest.raises(SceneError, match="validated but not solved yet"):
+    with pytest.raises(SceneError, match="is a scene of bodies; wanted a planar linkage"):
         require_planar(scene)
 
 

@@ -348,6 +348,56 @@ def test_both_targets_have_the_same_events_and_bits(solver_of: Callable[..., Any
             assert np.array_equal(first.events, second.events)
 
 
+#: A bob on a spring, in millimetres: steps look at one function and nothing else.
+BOB = """
+name = "bob"
+unit = "mm"
+[bodies]
+bob = { point = true, position = [300, 0, 0], mass = 1 }
+[coordinates]
+x = { body = "bob", along = [1, 0, 0] }
+[forces]
+spring = { type = "along", coordinate = "x", force = "FORCE" }
+[events]
+passes = { when = "WHEN" }
+"""
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize(
+    ("force", "when", "count"),
+    [
+        ("-x - 1e-6*x^3", "x*(x - 100)", 6),
+        ("1e-9*cos(t)", "x_dot", 0),  # so slow that rounding would decide
+    ],
+)
+def test_both_targets_end_their_steps_at_a_single_event_with_the_same_bits(
+    solver_of: Callable[..., Any], force: str, when: str, count: int
+) -> None:
+    text = BOB.replace("FORCE", force).replace("WHEN", when)
+    first, second = (
+        solver_of(text, target=target).begin([0.0, 9.0], tolerance=1e-6)
+        for target in ("c", "numpy")
+    )
+    assert first.finish().ledger.events["passes"] == count
+    second.finish()
+    assert np.array_equal(first.save().state, second.save().state)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_steps_of_kinematics_pass_an_event_just_behind_their_start(
+    solver_of: Callable[..., Any],
+) -> None:
+    text = SHAFT.format(law="t", load="0") + '[events]\npasses = { when = "turn - 1e-10" }\n'
+    first, second = (
+        solver_of(text, target=target).begin([0.0, 1.0], tolerance=1e-12)
+        for target in ("c", "numpy")
+    )
+    assert first.finish().ledger.events["passes"] == 1
+    second.finish()
+    assert np.array_equal(first.save().state, second.save().state)
+
+
 #: A shaft that is led, what hits it, and where it is.
 HIT = (
     SHAFT.format(law="2*t + sin(t)", load="1e3*max(0, 1 - abs(turn - 5)/1e-3)")

@@ -26,7 +26,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     tables,
     works,
 )
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND, SEGMENTS, levels
+from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
@@ -98,7 +98,7 @@ class PythonSegment:
     Parameters
     ----------
     name, meaning : str
-        As in ``SEGMENTS``.
+        Its name, and what it reads and writes.
     contents : tuple of str
         What was inlined into it, in lines.
     table : str
@@ -285,7 +285,7 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
                 slots = _numbers((*task.inputs, *task.outputs))
                 fits = len(slots) + len(task.owner) + 3 <= 100
                 lines += [f"{slots} # {task.owner}"] if task.owner and fits else [slots]
-    meaning = (SEGMENTS | ON_DEMAND)[segment.name]
+    meaning = meaning_of(program, segment)
     return PythonSegment(segment.name, meaning, contents_of(segment), "\n".join(lines))
 
 

@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     tables,
     works,
 )
-from kousoku.codegen.dynamics.recording.program import ON_DEMAND, REGIONS, SEGMENTS
+from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
 from kousoku.codegen.view_body import layout, output_text, straight_line
@@ -110,7 +110,7 @@ class SegmentText:
     Parameters
     ----------
     name, meaning : str
-        As in ``SEGMENTS``.
+        Its name, and what it reads and writes.
     contents : tuple of str
         What was inlined into it, in lines.
     functions : tuple of KernelText
@@ -437,7 +437,7 @@ def _of_features(numbers: Mapping[str, int], features: Collection[str]) -> dict[
 
 def _segment(program: Program, segment: Segment, slots: Slots) -> SegmentText:
     name, tasks = segment.name, segment.tasks
-    meaning = (SEGMENTS | ON_DEMAND)[name]
+    meaning = meaning_of(program, segment)
     if not program.is_inlined:
         rows = list(task_rows(tasks))
         length = sum(text.count(",") for _, text in rows)

@@ -328,7 +328,7 @@ ON_DEMAND_REGIONS = (
 
 #: What the segments read and write, in the order in which they can run.
 SEGMENTS = {
-    "geometry": "q, t -> C, the Jacobian, and the factors of C_q M^-1 C_q^T",
+    "geometry": "q, t -> C, pivots of C_q M^-1 C_q^T, the Jacobian and more of q alone",
     "position": "C -> dq = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 C",
     "move": "q, dq, t -> q_moved",
     "velocity": "v, t -> dv = -M^-1 C_q^T (C_q M^-1 C_q^T)^-1 (C_q v - nu)",
@@ -357,6 +357,23 @@ AFTER_GEOMETRY = frozenset(
         *("refinement", "wrench"),
     }
 )
+
+
+def meaning_of(program: Program, segment: Segment) -> str:
+    """Return what a segment reads and writes, without the regions that it leaves alone here."""
+    sides = []
+    meanings = (SEGMENTS | ON_DEMAND)[segment.name].split(" -> ")
+    for text, runs in zip(meanings, (reads, writes), strict=True):
+        parts = [range(base, base + n) for one in segment.tasks for base, n in runs(program, one)]
+        slots = {slot for part in parts for slot in part}
+        used = {
+            one.name
+            for one in program.regions
+            if not slots.isdisjoint(range(one.base, one.base + one.size))
+        }
+        idle = REGIONS.keys() - used
+        sides.append(", ".join(part for part in text.split(", ") if part.split()[0] not in idle))
+    return " -> ".join(filter(None, sides))
 
 
 def reads(program: Program, task: Task) -> Iterator[tuple[int, int]]:

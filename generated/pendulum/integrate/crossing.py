@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 #: The smallest step, relative to the time.
 SMALLEST = 1e-15
+#: How many smallest steps a cut is behind the start at least.
+ONWARD = 8.0
 #: In how many parts a step is looked at, and how often at most.
 CELLS = 4
 MOST_LOOKS = 512
@@ -290,7 +292,7 @@ def seen_end(end: float, look: Look) -> float:
     sides = look.state.sides
     n, start = len(sides), look.start
     tiny = SMALLEST * larger(abs(start), abs(end))
-    nearest = start + larger(8.0 * tiny, look.least_part * look.h)
+    nearest = start + larger(ONWARD * tiny, look.least_part * look.h)
     widest = look.h / CELLS
     width, a = widest, look_at(start, look)
     for _ in range(MOST_LOOKS):
@@ -301,7 +303,7 @@ def seen_end(end: float, look: Look) -> float:
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
         is_known = bool(is_told(sides, a, b, bounds).all())
         look.crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
-        left = larger(first_left(a, b, look), start + 8.0 * tiny)
+        left = larger(first_left(a, b, look), start + ONWARD * tiny)
         if left - start < SOON * (end - start):
             look.crosses[:] = False
             return left

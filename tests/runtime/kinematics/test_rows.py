@@ -51,6 +51,21 @@ def test_impossible_options_are_refused(options: dict[str, Any], message: str) -
         request(TURNING, **options)
 
 
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        *({"divisions": 0}, {"rows": 0}, {"start": 1}, {"start": -1, "first": 0}),
+        *({"max_iterations": 0}, {"limit": 0.0}, {"limit": np.nan}, {"rate": (np.inf, 1.0)}),
+        *({"times": np.array([1.0, 0.5])}, {"times": np.array([0.0, np.inf])}),
+        {"times": np.array([0.0, 1.0]), "first": 1},
+    ],
+    ids=str,
+)
+def test_a_run_is_impossible_whatever_else_is_right(wrong: dict[str, Any]) -> None:
+    assert SCENE.is_possible
+    assert not replace(SCENE, **wrong).is_possible
+
+
 @pytest.mark.parametrize("options", [{"turns": 2}, {"first_turn": 1}])
 def test_inputs_that_do_not_turn_are_not_turned_on(options: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match="leave turns out"):

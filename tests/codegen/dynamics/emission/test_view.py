@@ -12,6 +12,7 @@ import pytest
 
 from kousoku.codegen.dynamics.emission.view import COME_WITH
 from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.dynamics.recording.program import REGIONS
 from kousoku.codegen.generate import write_tree
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.dynamics import load_dynamics
@@ -88,3 +89,16 @@ def test_a_solver_is_strict_c_and_says_nothing_of_what_its_scene_lacks(
     assert not re.search(r"\{ (\{?0\}?|\(void\)w;) \}", text)
     tables = files["solver.py"].partition("TABLES = {")[2]
     assert not re.search(r'": """\n\n|=False|, 0\),', tables)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_heading_of_a_function_names_the_regions_that_it_writes(name: str) -> None:
+    files = generate_dynamics(read_scene(ROOT / "scenes" / f"{name}.toml"), OUTPUTS)
+    assert not [line for line in files["solver.h"].splitlines() if line[100:]]
+    parts = re.split(r"\n(?=/\* )", files["solver.c"])
+    found = [
+        re.match(r"/\* \w+: .*-> (.*); \d+ operations?(.*)", part, re.DOTALL) for part in parts
+    ]
+    for heading, body in (one.groups() for one in found if one):
+        named = {part.split()[0].strip(":") for part in heading.split(", ")} & REGIONS.keys()
+        assert named == {*re.findall(r"\n    (\w+)\[\d+\] = ", body)} - {"scratch"}, heading
