@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: Joints that miss more than this part of the closure tolerance are named where a start is refused.
-OPENING = 1e-3
 MESSAGES: dict[int, str] = {
     Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
     " too fast, or the tolerance is too tight for doubles",
@@ -247,8 +245,7 @@ class Run:
         from kousoku.runtime.integrate.placing import started
 
         there = self._there
-        rows = (*there.rows, *there.left_out, *there.reduced)
-        return started(there.layout, rows, self._evaluate(), y, self.options.initial)
+        return started(there.layout, there.checked, self._evaluate(), y, self.options.initial)
 
     def _evaluate(self) -> Evaluate:
         """Return what the scene computes at time 0, with the parameters of the run."""
@@ -263,7 +260,7 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, OPENING)
+            joints = not_closed(self.solver, self._memory.work, 1.0)
             return (
                 f"with {given}: joints stay open, or come open by more than closure_tolerance for"
                 f" each length or radian that bodies move: {joints}; only with the parameters of"
