@@ -12,6 +12,8 @@
 #define STEP_ASIDE 0.25
 #define HALVINGS 5
 #define NO_WAY 1e-6
+/* at a pivot ratio this much smaller than the largest on the way a singular configuration is near */
+#define NEAR_SINGULAR 0.25
 
 /* whether parameters may change where bodies or drivers begin */
 enum { HAS_CONTINUATION = HAS_DESIGN || (HAS_DRIVERS && N_PARAMETERS > 0) };
@@ -107,11 +109,12 @@ static int step_along(const double *u, double *y, Work *work, State *s)
 /* whether rows that are left out depend on others where bodies may move. Rows may miss
  * CLOSURE_TOLERANCE where the run starts, and per unit of motion there and along the way, which is
  * the root of the sum of squares over all bodies; what that adds up to ends a run only where it is
- * clearly more. What is too much takes the place of residuals. */
+ * clearly more. Near a singular configuration one freedom more is nearly open, and what rows miss along it
+ * tells nothing. What is too much takes the place of residuals. */
 static int stay_closed_along(State *s, Work *work)
 {
     double *w = work->w, *y = work->k[0], *u = work->k[1];
-    double still[NCHECK + 1];
+    double still[NCHECK + 1], usual = 0.0;
     memcpy(y, s->y, NY * sizeof *y);
     if (!project(s->time, 0.0, y, NULL, NULL, work, s, NULL)) return 1;
     for (size_t k = 0; k < NV; ++k) { /* no special direction */
@@ -119,11 +122,14 @@ static int stay_closed_along(State *s, Work *work)
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
     }
     for (int look = 0; look < LOOKS; ++look) {
+        const double ratio = pivot_ratio(work, s);
+        const int is_regular = ratio >= NEAR_SINGULAR * usual;
+        usual = larger(usual, ratio);
         check(w);
-        if (!are_closed(w + W_C, look ? CLEARLY : 1.0)) return 0;
+        if (is_regular && !are_closed(w + W_C, look ? CLEARLY : 1.0)) return 0;
         take_normal_part(1.0, y + NQ, work, u);
         const double size = size_of(u);
-        if (pivot_ratio(work, s) < WEAK || !(size > NO_WAY)) return 1;
+        if (ratio < WEAK || !(size > NO_WAY)) return 1;
         double motion = 0.0;
         for (size_t k = 0; k < NV; ++k) {
             u[k] /= size;
@@ -138,7 +144,7 @@ static int stay_closed_along(State *s, Work *work)
         for (size_t k = 0; k != NCHECK; ++k) {
             w[W_C + k] = (w[W_C_DOT + k] - still[k]) / sqrt(motion);
         }
-        if (!are_closed(w + W_C, 1.0)) return 0;
+        if (is_regular && !are_closed(w + W_C, 1.0)) return 0;
         if (!step_along(u, y, work, s)) return 1;
     }
     return 1;

@@ -11,7 +11,7 @@ from .pivot_monitor import WEAK, pivot_ratio
 from .projection import project, take_normal_part
 from .row_switch import ALL_ROWS
 from .rows import are_closed
-from .scene import mean_square, smaller
+from .scene import larger, mean_square, smaller
 from .settings import CLEARLY
 from .state import SINGLE
 
@@ -33,6 +33,8 @@ SHORTEST = 1e-9
 LOOKS = 24
 STEP_ASIDE, HALVINGS = 0.25, 5
 NO_WAY = 1e-6
+#: At a pivot ratio this much smaller than the largest on the way a singular configuration is near.
+NEAR_SINGULAR = 0.25
 
 
 def is_possible(w: Workspace) -> bool:
@@ -111,7 +113,8 @@ def stay_closed_along(state: State, work: Work) -> bool:
 
     Rows may miss the closure tolerance where the run starts, and per unit of motion, which is the
     root of the sum of squares over all bodies, there and along the way. What that adds up to ends a
-    run only where it is clearly more. What is too much takes the place of residuals.
+    run only where it is clearly more. Near a singular configuration one freedom more is nearly
+    open, and what rows miss along it tells nothing. What is too much takes the place of residuals.
     """
     w, y, scene = work.w, work.k[0], work.scene
     y[:] = state.y
@@ -119,13 +122,17 @@ def stay_closed_along(state: State, work: Work) -> bool:
         return True
     x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
     u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
+    usual = 0.0
     for look in range(LOOKS):
+        ratio = pivot_ratio(work, state)
+        is_regular = ratio >= NEAR_SINGULAR * usual
+        usual = larger(usual, ratio)
         w.run("check")
-        if not are_closed(w.all_C, CLEARLY if look else 1.0, scene):
+        if is_regular and not are_closed(w.all_C, CLEARLY if look else 1.0, scene):
             return False
         take_normal_part(1.0, y[scene.nq :], work, u)
         size = w.size_of(u)
-        if pivot_ratio(work, state) < WEAK or not size > NO_WAY:
+        if ratio < WEAK or not size > NO_WAY:
             return True
         u /= size
         w.v[:] = 0.0
@@ -134,7 +141,7 @@ def stay_closed_along(state: State, work: Work) -> bool:
         w.v[:] = u
         w.run("check")
         w.all_C[:] = (w.C_dot - at_rest) / math.sqrt(mean_square(u / scene.lengths, 1))
-        if not are_closed(w.all_C, 1.0, scene):
+        if is_regular and not are_closed(w.all_C, 1.0, scene):
             return False
         if not step_along(u, y, work, state):
             return True

@@ -52,7 +52,7 @@ c3 = {{ position = [0.5,1,0], {cylinder("[0,-1,0]")} }}
 #: With these a file is refused, or stands still.
 REFUSED = [{"L": 1.1}, {"L": 1.001}, {"h": 0.3}, {"h": -0.5}, {"ax": 0.1}, {"p": 0.4, "h": -0.5}]
 #: With these it opens by less than the closure tolerance, 1e-4 m, and by more than rounding.
-WITHIN = [{"L": 1.00002}, {"h": 1e-3}]
+WITHIN = [{"L": 1.00002}, {"h": 5e-5}]
 #: A door, its upper hinge aside by e: it misses e m per radian.
 DOOR = """
 name = "door"
@@ -80,7 +80,7 @@ axes = [["e", 0, 1], [0, 0, 1]]""",
 
 
 def locomotive(turn: float, rise: float = 0.0) -> str:
-    """Return a scene of three cranks on a rod, which start turned by so much; the third is e longer.
+    """Return a scene of three cranks on a rod that start turned by so much; the third is e longer.
 
     Its pin on the rod is higher by a part of that: by all of it, upright cranks fit.
     """

@@ -56,6 +56,8 @@ class Position:
         Of the rows of joints.
     clear : int
         How many of the rows are independent beyond doubt.
+    pivots : (rows,)
+        Of all of them that are not dependent to rounding.
     """
 
     r: Array
@@ -64,6 +66,7 @@ class Position:
     c: Array
     factors: Factors
     clear: int
+    pivots: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,15 +186,15 @@ class Branch:
         before = factorise(matrix, HOLDS, position.factors.rank - 1)
         return float(self.rates(before, matrix, self._rows)[position.factors.taken[-1]])
 
-    def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[Factors, int]:
-        """Return factors of the rows that are not redundant, and how many are so beyond doubt.
+    def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[Factors, int, Array]:
+        """Return factors of rows that are not redundant, how many are beyond doubt, all pivots.
 
         What rows miss per unit of a motion decides, in the units that violations have, where what
         is left of them is small for the arms of their bodies, too.
         """
         if not self.tolerance:
             factors = factorise(matrix)
-            return factors, factors.rank
+            return factors, factors.rank, factors.pivots
         every = factorise(matrix, HOLDS)
         limits, ranks = (CLEARLY * self.tolerance, self.tolerance), []
         factors = factorise(matrix, HOLDS, int((every.pivots > limits[0]).sum()))
@@ -199,7 +202,7 @@ class Branch:
             while factors.rank < every.rank and self.rates(factors, matrix, rows).max() > limit:
                 factors = factorise(matrix, HOLDS, factors.rank + 1)
             ranks.append(factors.rank)
-        return factors, ranks[0]
+        return factors, ranks[0], every.pivots
 
     def is_redundant(self, positions: Sequence[Position], few: int) -> bool:
         """Return whether rows repeat others at all positions, few being what they may determine."""

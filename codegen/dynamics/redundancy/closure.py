@@ -10,14 +10,15 @@ above ten times that independent, and a scene with one in between is refused.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import (
     HOLDS,
@@ -31,6 +32,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
 from kousoku.runtime.integrate.row_switch import FALL_BACK
 from kousoku.runtime.integrate.settings import CLEARLY
 
@@ -101,7 +103,7 @@ def near_branch(
         residuals,
         rows,
         columns,
-        Metric(system).size,
+        characteristic_length(system),
         scales=_scales(residuals, bodies),
         tolerance=system.closure_tolerance,
     )
@@ -160,6 +162,18 @@ def require_gap(
     missed = branch.rate_of_last(at)
     size = f"{missed:.3g} rad" if not branch.is_length(place) else f"{missed:.3g} lengths"
     _refuse(system, rows[place], others, f"{size} for each length or radian that bodies move")
+
+
+def far_from_singular(positions: Sequence[Position]) -> list[Position]:
+    """Return the start, and those of the others that are not near a singular configuration.
+
+    There one freedom more is nearly open, and what rows miss along it tells nothing of them.
+    """
+    ((rank, _),) = Counter(position.factors.rank for position in positions).most_common(1)
+    last = [one.pivots[rank - 1] if rank <= len(one.pivots) else 0.0 for one in positions]
+    least = NEAR_SINGULAR**0.5 * max(last)
+    others = zip(positions[1:], last[1:], strict=True)
+    return [positions[0], *[position for position, pivot in others if pivot >= least]]
 
 
 def starts_closed(system: System, branch: Branch, rows: Sequence[Row], start: Position) -> bool:
@@ -276,7 +290,10 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
         key = (key_of(system.constraints[one.row.instance]), one.is_length)
         worst[key] = max(worst.get(key, 0.0), one.missed)
     if max(worst.values(), default=0.0) > HOLDS:
-        size, unit = Metric(fixed_system(system)).size / system.unit, UNIT_NAMES[system.unit]
+        size, unit = (
+            characteristic_length(fixed_system(system)) / system.unit,
+            UNIT_NAMES[system.unit],
+        )
         texts = [
             f"{key} but for {x * size:.3g} {unit}" if is_length else f"{key} but for {x:.3g} rad"
             for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])

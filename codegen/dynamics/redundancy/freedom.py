@@ -24,6 +24,7 @@ from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
 from kousoku.codegen.dynamics.redundancy.closure import (
     closed_rows,
+    far_from_singular,
     is_near,
     near_branch,
     require_gap,
@@ -270,6 +271,7 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
 
     def nearly() -> _Found | None:
         positions, drivers = looked(near)
+        positions = far_from_singular(positions)
         require_gap(system, near, joints, positions)
         if not near.is_redundant(positions, few):
             return None
