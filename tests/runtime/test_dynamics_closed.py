@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,9 @@ from kousoku.runtime.integrate.settings import Status
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from pathlib import Path
+
+    from kousoku.model.scene import Scene
+    from kousoku.runtime.dynamics import DynamicsSolver
 
 pytestmark = pytest.mark.usefixtures("compiler", "numpy_solver")
 
@@ -143,10 +147,10 @@ def test_cranks_of_nearly_one_length_move_as_those_of_one(
             assert not ledger.released
 
 
-def moves(simulate: Callable[[], Any]) -> bool:
+def moves(solver: Callable[[], DynamicsSolver], **options: Any) -> bool:
     """Return whether bodies move; what does not is refused, or told."""
     try:
-        run = simulate()
+        run = solver().simulate(0.3, samples=4, **options)
     except (SceneError, AssemblyError, SolveError, MotionError):
         return False
     still = any("nothing can move" in note for note in run.notes)
@@ -177,19 +181,14 @@ def test_file_and_parameters_decide_alike_which_rows_are_redundant(
     text = text.replace("gravity = [0, -9.81, 0]", "gravity = [1, -9.81, 0]")
     text = text.replace("turn = {", "z = {")
     outputs = ("positions", "coordinates")
-    solver = load_dynamics(bodies_folder(scene_from_toml(text), outputs), target=target)
 
-    def of_file(e: float) -> Any:
-        return load_dynamics(bodies_folder(given(text, e), outputs), target=target).simulate(
-            0.3, samples=4
-        )
+    def loaded(scene: Scene) -> DynamicsSolver:
+        return load_dynamics(bodies_folder(scene, outputs), target=target)
 
-    for values, wanted in ((within, True), (beyond, False)):
-        for e in values:
-            assert moves(lambda e=e: of_file(e)) == wanted, e
-            assert (
-                moves(lambda e=e: solver.simulate(0.3, samples=4, parameters={"e": e})) == wanted
-            ), e
+    scene = scene_from_toml(text)
+    for e in (*within, *beyond):
+        of_file = moves(partial(loaded, given(text, e)))
+        assert of_file == moves(partial(loaded, scene), parameters={"e": e}) == (e in within), e
 
 
 @pytest.fixture
