@@ -237,8 +237,11 @@ class Run:
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             where = "" if status == Status.NOT_CLOSED else self._where()
-            where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
-            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
+            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{self._still()}")
+
+    def _still(self) -> str:
+        """Return the note that nothing can move, where that is so."""
+        return "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
 
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given where the scene starts."""
@@ -397,7 +400,9 @@ class Run:
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
-        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"
+        return (
+            f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}{self._still()}"
+        )
 
     def _where(self) -> str:
         """Name the joints that are open, and those whose rows are dependent."""

@@ -147,6 +147,16 @@ def test_cranks_of_nearly_one_length_move_as_those_of_one(
             assert not ledger.released
 
 
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_cranks_that_hold_each_other_say_so_though_they_start_with_a_velocity(
+    bodies_folder: Callable[..., Path], target: Any
+) -> None:
+    scene = given(locomotive(0.0, 1.0), 0.1)
+    solver = load_dynamics(bodies_folder(scene, ("positions",)), target=target)
+    with pytest.raises((SolveError, MotionError), match="nothing can move: joints hold all bodies"):
+        solver.simulate(0.1, samples=2)
+
+
 def moves(solver: Callable[[], DynamicsSolver], **options: Any) -> bool:
     """Return whether bodies move; what does not is refused, or told."""
     try:
