@@ -104,20 +104,20 @@ def with_parameters(solver: DynamicsSolver, values: Array) -> DynamicsSolver:
 
 
 def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
-    """Return the joints that are open where a row was left out, and by how much.
+    """Return the joints that are open, at rows that are left out or where these took over.
 
     Parameters
     ----------
     solver : DynamicsSolver
         A scene.
     work : array
-        Where its solver evaluated the rows that were left out.
+        Where its solver evaluated the rows.
     times : float
         So many times the closure tolerance is what they may miss.
     """
-    base, size = solver.places["C_left_out"]
-    sizes = np.abs(work[base : base + size])
-    rows, limit = (*solver.left_out, *solver.reduced), times * solver.layout.closure_tolerance
+    rows, limit = solver.checked, times * solver.layout.closure_tolerance
+    base, _ = solver.places.get("C", solver.places["C_left_out"])
+    sizes = np.abs(work[base : base + len(rows)])
     worst: dict[str, str] = {}
     for k in np.argsort(-sizes).tolist():
         joint, unit = rows[k]

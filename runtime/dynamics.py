@@ -115,6 +115,11 @@ class DynamicsSolver:
         return self.layout.length
 
     @property
+    def checked(self) -> tuple[tuple[str, str], ...]:
+        """Joint or driver, and unit, of all rows: those that are solved for first."""
+        return (*self.rows, *self.left_out, *self.reduced)
+
+    @property
     def bodies(self) -> tuple[BodyPlaces, ...]:
         """Where the bodies stand in q and v, in the order of the scene."""
         return self.layout.bodies

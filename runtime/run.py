@@ -42,8 +42,6 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
-#: Joints that miss more than this part of the closure tolerance are named where a start is refused.
-OPENING = 1e-3
 MESSAGES: dict[int, str] = {
     Status.STEP_TOO_SMALL: "no step can be taken: from here on the motion is not determined, it is"
     " too fast, or the tolerance is too tight for doubles",
@@ -240,16 +238,18 @@ class Run:
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
             where = "" if status == Status.NOT_CLOSED else self._where()
-            where += "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
-            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}")
+            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{self._still()}")
+
+    def _still(self) -> str:
+        """Return the note that nothing can move, where that is so."""
+        return "".join(f"; {note}" for note in self.solver.layout.notes if STILL in note)
 
     def _led(self, y: Array) -> tuple[Array, Array]:
         """Return q and v with initial values, given where the scene starts."""
         from kousoku.runtime.integrate.placing import started
 
         there = self._there
-        rows = (*there.rows, *there.left_out, *there.reduced)
-        return started(there.layout, rows, self._evaluate(), y, self.options.initial)
+        return started(there.layout, there.checked, self._evaluate(), y, self.options.initial)
 
     def _evaluate(self) -> Evaluate:
         """Return what the scene computes at time 0, with the parameters of the run."""
@@ -264,7 +264,7 @@ class Run:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
-            joints = not_closed(self.solver, self._memory.work, OPENING)
+            joints = not_closed(self.solver, self._memory.work, 1.0)
             return (
                 f"with {given}: joints stay open, or come open by more than closure_tolerance for"
                 f" each length or radian that bodies move: {joints}; only with the parameters of"
@@ -403,7 +403,9 @@ class Run:
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
-        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}"
+        return (
+            f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}{self._still()}"
+        )
 
     def _where(self) -> str:
         """Name the joints that are open, and those whose rows are dependent."""

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .pivot_monitor import WEAK, pivot_ratio
 from .projection import project, take_normal_part
+from .row_switch import ALL_ROWS
 from .rows import are_closed
-from .scene import smaller
+from .scene import larger, mean_square, smaller
+from .settings import CLEARLY
 from .state import SINGLE
 
 if TYPE_CHECKING:
@@ -24,11 +27,14 @@ if TYPE_CHECKING:
 CLOSE = 0.02
 #: The smallest part of the way from the parameters of the scene to those of the run.
 SHORTEST = 1e-9
-#: How far bodies are moved to see whether joints come open, and the shortest way, relative to a
-#: length of the scene; a direction that is smaller than this is none.
-ASIDE = 0.05
-LEAST_ASIDE = 1e-3
+#: Positions that are looked at to see whether joints come open, how far bodies move from one to the
+#: next, in lengths of the scene or radians, and how many shorter steps are tried; a direction that
+#: is smaller than this is none.
+LOOKS = 24
+STEP_ASIDE, HALVINGS = 0.25, 5
 NO_WAY = 1e-6
+#: At a pivot ratio this much smaller than the largest on the way a singular configuration is near.
+NEAR_SINGULAR = 0.25
 
 
 def is_possible(w: Workspace) -> bool:
@@ -86,35 +92,70 @@ def continue_parameters(state: State, work: Work) -> bool:
     return True
 
 
+def step_along(u: Array, y: Array, work: Work, state: State) -> bool:
+    """Move positions along a displacement and back onto the rows; return whether it can be."""
+    w, nq, there, way = work.w, work.scene.nq, work.y, STEP_ASIDE
+    for _ in range(HALVINGS):
+        w.place(state.time, y)
+        w.dq[:] = way * u
+        w.displace(None)
+        there[:nq] = w.q
+        there[nq:] = y[nq:]
+        if 0.0 <= project(state.time, 0.0, there, None, None, work, state) <= CLOSE:
+            y[:] = there
+            return True
+        way *= 0.5
+    return False
+
+
+def stay_closed_along(state: State, work: Work) -> bool:
+    """Return whether rows that are left out depend on others where bodies may move.
+
+    Rows may miss the closure tolerance where the run starts, and per unit of motion, which is the
+    root of the sum of squares over all bodies, there and along the way. What that adds up to ends a
+    run only where it is clearly more. Near a singular configuration one freedom more is nearly
+    open, and what rows miss along it tells nothing. What is too much takes the place of residuals.
+    """
+    w, y, scene = work.w, work.k[0], work.scene
+    y[:] = state.y
+    if project(state.time, 0.0, y, None, None, work, state) < 0.0:
+        return True
+    x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
+    u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
+    usual = 0.0
+    for look in range(LOOKS):
+        ratio = pivot_ratio(work, state)
+        is_regular = ratio >= NEAR_SINGULAR * usual
+        usual = larger(usual, ratio)
+        w.run("check")
+        if is_regular and not are_closed(w.all_C, CLEARLY if look else 1.0, scene):
+            return False
+        take_normal_part(1.0, y[scene.nq :], work, u)
+        size = w.size_of(u)
+        if ratio < WEAK or not size > NO_WAY:
+            return True
+        u /= size
+        w.v[:] = 0.0
+        w.run("check")
+        at_rest = w.C_dot.copy()
+        w.v[:] = u
+        w.run("check")
+        w.all_C[:] = (w.C_dot - at_rest) / math.sqrt(mean_square(u / scene.lengths, 1))
+        if is_regular and not are_closed(w.all_C, 1.0, scene):
+            return False
+        if not step_along(u, y, work, state):
+            return True
+    return True
+
+
 def stay_closed(state: State, work: Work) -> bool:
     """Return whether rows that are left out depend on others with the parameters of the run, too.
 
-    They do with those of the scene. They are looked at where the run starts, which is in the
-    workspace, and beside it, where all others let bodies move, there per unit of that motion. The
-    state stays as it is.
+    They do with those of the scene. All rows are looked at, as many as are independent, whichever
+    are kept: so a file with these parameters is looked at. The state stays as it is.
     """
-    w, y, scene = work.w, work.k[0], work.scene
-    w.run("check")
-    if not are_closed(work, 1.0):
-        return False
-    before = w.C_left_out.copy()
-    x = 0.6180339887498949 * np.arange(1.0, scene.nv + 1.0)
-    u = (x - np.floor(x) - 0.5) * scene.lengths  # no special direction
-    take_normal_part(1.0, state.y[scene.nq :], work, u)
-    size = w.size_of(u)
-    if pivot_ratio(work, state) < WEAK or not size > NO_WAY:
-        return True
-    counts, way, is_good = state.numbers[:SINGLE].copy(), ASIDE, True
-    while way > LEAST_ASIDE:
-        w.place(state.time, state.y)
-        w.dq[:] = way / size * u
-        w.displace(None)
-        y[: scene.nq] = w.q
-        y[scene.nq :] = state.y[scene.nq :]
-        if 0.0 <= project(state.time, 0.0, y, None, None, work, state) <= CLOSE:
-            w.run("check")
-            is_good = are_closed(work, way, before)
-            break
-        way *= 0.5
+    counts = state.numbers[:SINGLE].copy()
+    state.largest_pivot_ratio = ALL_ROWS
+    is_good = stay_closed_along(state, work)
     state.numbers[:SINGLE] = counts
     return is_good

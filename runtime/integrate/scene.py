@@ -90,8 +90,8 @@ class Scene:
         What depends on parameters at the start: its place in y, and in the design.
     positive : (n,) array
         Places of the design with numbers that must be positive.
-    left_lengths : (n,) array
-        What residuals of rows that are left out are compared with, as corrections are.
+    row_lengths : (n,) array
+        What residuals of rows are compared with, as corrections are, if some rows are left out.
     measure_sizes : (n,) array
         What errors are compared with of what formulas read.
     events : (n, 2) array
@@ -128,7 +128,7 @@ class Scene:
     drivers: Slots = field(init=False, repr=False)
     starts: Slots = field(init=False, repr=False)
     positive: Slots = field(init=False, repr=False)
-    left_lengths: Array = field(init=False, repr=False)
+    row_lengths: Array = field(init=False, repr=False)
     measure_sizes: Array = field(init=False, repr=False)
     events: Slots = field(init=False, repr=False)
 
@@ -146,7 +146,7 @@ class Scene:
             found[name] = places(tables[name], width)
         for name in ("mass_places", "positive"):
             found[name] = places(tables[name], 1)[:, 0]
-        for name, table in (("lengths", "is_length"), ("left_lengths", "left_is_length")):
+        for name, table in (("lengths", "is_length"), ("row_lengths", "row_is_length")):
             found[name] = np.where(numbers(tables[table]), self.length, 1.0)
         for name, value in found.items():
             object.__setattr__(self, name, value)

@@ -99,13 +99,19 @@ class Comparison:
         self.metre = UNITS[tree["unit"]]
         self.evaluator = Evaluator(tree, parameters)
         self.start: Evaluation | None = None
-        self.missed = 0.0
+        self.missed, self.rates_missed = 0.0, [0.0, 0.0]
         self.rough = ROUGH if "sqrt(" in str(tree.get("forces")) else 0.0
 
     def rows(self, run: Motion) -> Iterator[Measured]:
         """Yield how far the rows of a motion are from what the evaluator says of them."""
         length = max(1.0, run.layout.length)
         self.missed = run.ledger.trust.missed * length
+        # what rows that are left out miss moves: by the rates, and theirs, that the run tells
+        left_out = getattr(self.mechanism.solver, "left_out", ())
+        told = [run.ledger.violations[joint] for joint in dict(left_out)]
+        self.rates_missed = [
+            max((max(one.metres[k], one.radians[k]) for one in told), default=0.0) for k in (1, 2)
+        ]
         seen: list[tuple[float, Evaluation]] = []
         for k, found in enumerate(self.evaluations(run)):
             self.start = self.start or found
@@ -150,6 +156,7 @@ class Comparison:
         # rows that others imply but for the closure tolerance are open by what the run tells
         limit = 1000 * U + 2 * self.missed
         yield "rows of joints and drivers (m, rad)", size_of(found.C / scales), limit
+        limit += 2 * self.rates_missed[0]
         rates = found.C_q @ found.v - found.nu
         yield "their rates (m/s, rad/s)", size_of(rates / scales) / (1 + self._speed(found)), limit
 
@@ -254,6 +261,7 @@ class Comparison:
         if solution is None or solution.condition > SINGULAR or solution.gap < CLEAR:
             return
         limit = 10 * U * solution.condition**2 + REFINED + self.rough * solution.condition
+        limit += 2 * self.rates_missed[1]
         yield from self._accelerations(run, k, found, solution, limit)
         if found.M is None:
             return

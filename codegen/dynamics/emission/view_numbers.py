@@ -91,6 +91,7 @@ def tables(
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
     switched = has_row_switch(program)
+    left = (*program.left_out, *program.reduced)
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
@@ -115,9 +116,10 @@ def tables(
             (one.name, float(measure_size(one, system, length))) for one in seen_of(system).measures
         ],
         "events": [(one.name, (one.direction, ACTIONS.index(one.action))) for one in system.events],
-        "left_is_length": [
+        "row_is_length": [
             (name, int(unit == "m"))
-            for name, unit in (row_of(row, system) for row in (*program.left_out, *program.reduced))
+            for name, unit in (row_of(row, system) for row in (*program.rows, *left))
+            if left
         ],
         "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
     }

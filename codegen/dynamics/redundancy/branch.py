@@ -54,6 +54,10 @@ class Position:
         What is left of the rows of joints, scaled.
     factors : Factors
         Of the rows of joints.
+    clear : int
+        How many of the rows are independent beyond doubt.
+    pivots : (rows,)
+        Of all of them that are not dependent to rounding.
     """
 
     r: Array
@@ -61,6 +65,8 @@ class Position:
     near: Array
     c: Array
     factors: Factors
+    clear: int
+    pivots: Array
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,7 +124,7 @@ class Branch:
         scales: Scales | None = None,
         tolerance: float = 0.0,
     ) -> None:
-        self._residuals, self.length, self._tolerance = residuals, length, tolerance
+        self._residuals, self.length, self.tolerance = residuals, length, tolerance
         self._rows, self._columns = list(rows), list(columns)
         scales = scales or Scales.of_length(residuals, length)
         self._all_by = scales.rows
@@ -126,7 +132,8 @@ class Branch:
         self._columns_by = scales.columns[self._columns]
         #: What a scaled displacement is in lengths of the scene and radians.
         is_length = np.arange(residuals.columns) % COLUMNS < COLUMNS // 2
-        self._missed_by = np.where(residuals.in_metres, 1 / length, 1.0)[self._rows] / self._rows_by
+        self._all_missed_by = np.where(residuals.in_metres, 1 / length, 1.0) / self._all_by
+        self._missed_by = self._all_missed_by[self._rows]
         self._steps_by = self._columns_by / np.where(is_length, length, 1.0)[self._columns]
 
     def positions(self, bodies: Sequence[MovingBody]) -> Iterator[Position]:
@@ -150,9 +157,52 @@ class Branch:
         r, p = places_of(bodies)
         return r / self.length, p, self._residuals.near
 
-    def clear(self, position: Position) -> int:
-        """Return how many rows are independent beyond doubt at a position."""
-        return int((position.factors.pivots > CLEARLY * self._tolerance).sum())
+    def rates(self, factors: Factors, matrix: Array, rows: Sequence[int]) -> Array:
+        """Return what rows miss per unit of the motion that makes them miss most.
+
+        Parameters
+        ----------
+        factors : Factors
+            Of the rows that the motion keeps.
+        matrix : (rows, columns)
+            Rows of C_q, scaled.
+        rows : sequence of int
+            Which rows of the residuals these are.
+
+        Returns
+        -------
+        (rows,) array
+            In lengths of the scene and radians; that of a motion is the root of the sum of squares
+            over all bodies.
+        """
+        rest = np.array([factors.null_part(row) for row in matrix])
+        motions = np.sqrt(((rest * self._steps_by) ** 2).sum(axis=1))
+        missed: Array = (rest * rest).sum(axis=1) * self._all_missed_by[list(rows)]
+        return missed / np.where(motions > HOLDS, motions, np.inf)
+
+    def rate_of_last(self, position: Position) -> float:
+        """Return what the row misses that was taken last, where only those before it hold."""
+        _, matrix = self._at(position.r, position.p, position.near)
+        before = factorise(matrix, HOLDS, position.factors.rank - 1)
+        return float(self.rates(before, matrix, self._rows)[position.factors.taken[-1]])
+
+    def _ranks(self, matrix: Array, rows: Sequence[int]) -> tuple[Factors, int, Array]:
+        """Return factors of rows that are not redundant, how many are beyond doubt, all pivots.
+
+        What rows miss per unit of a motion decides, in the units that violations have, where what
+        is left of them is small for the arms of their bodies, too.
+        """
+        if not self.tolerance:
+            factors = factorise(matrix)
+            return factors, factors.rank, factors.pivots
+        every = factorise(matrix, HOLDS)
+        limits, ranks = (CLEARLY * self.tolerance, self.tolerance), []
+        factors = factorise(matrix, HOLDS, int((every.pivots > limits[0]).sum()))
+        for limit in limits:
+            while factors.rank < every.rank and self.rates(factors, matrix, rows).max() > limit:
+                factors = factorise(matrix, HOLDS, factors.rank + 1)
+            ranks.append(factors.rank)
+        return factors, ranks[0], every.pivots
 
     def is_redundant(self, positions: Sequence[Position], few: int) -> bool:
         """Return whether rows repeat others at all positions, few being what they may determine."""
@@ -165,7 +215,7 @@ class Branch:
         chosen = list(rows)
         matrix = matrix[np.ix_(chosen, self._columns)]
         scaled = matrix * self._all_by[chosen][:, None] * self._columns_by
-        return factorise(scaled, self._tolerance or None)
+        return self._ranks(scaled, chosen)[0]
 
     def left_over(self, position: Position, left: Sequence[int]) -> Array:
         """Return what is left of some rows of joints, by their places, beyond all others."""
@@ -212,7 +262,7 @@ class Branch:
 
     def _position(self, r: Array, p: Array, near: Array) -> Position:
         c, matrix = self._at(r, p, near)
-        return Position(r, p, near, c, factorise(matrix, self._tolerance or None))
+        return Position(r, p, near, c, *self._ranks(matrix, self._rows))
 
     def _at(self, r: Array, p: Array, near: Array) -> tuple[Array, Array]:
         c, matrix = self._residuals.doubles(r * self.length, p, near)
@@ -267,7 +317,7 @@ class Branch:
         c = c * self._missed_by
         more = float(np.abs(c - self.missed(here))[list(here.factors.left)].max(initial=0.0))
         part = float(np.abs(step * self._steps_by).max()) / STEP
-        most = CLEARLY * self._tolerance
+        most = CLEARLY * self.tolerance
         return bool(np.abs(c).max() <= most and more <= most * part)
 
     def _settled_damped(self, here: Position, step: Array) -> tuple[Array, Array] | None:

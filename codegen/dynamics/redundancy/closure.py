@@ -10,14 +10,15 @@ above ten times that independent, and a scene with one in between is refused.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
+from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import (
     HOLDS,
@@ -31,6 +32,8 @@ from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system
+from kousoku.runtime.integrate.continuation import NEAR_SINGULAR
+from kousoku.runtime.integrate.row_switch import FALL_BACK
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
@@ -47,6 +50,8 @@ if TYPE_CHECKING:
 ROUNDING = 1e-12
 #: Axes that lean more against each other are not meant to be parallel [rad].
 NEARLY_PARALLEL = 0.1
+#: What counts as equal to the closure tolerance.
+ROUNDED = 1e-9
 #: Joints that a message names.
 SHOWN = 6
 
@@ -78,11 +83,10 @@ def near_branch(
     rows: Sequence[int],
     columns: Sequence[int],
     *,
-    length: float,
     bodies: Sequence[MovingBody],
-    tolerance: float,
-) -> Branch | None:
-    """Return the branch of a part whose rows nearly depend on each other, None of all others.
+    system: System,
+) -> Branch:
+    """Return the branch of a part on which rows that are nearly implied count as redundant.
 
     Parameters
     ----------
@@ -90,25 +94,27 @@ def near_branch(
         The constraints of the part between its bodies.
     rows, columns : sequence of int
         The rows of joints and the columns that are looked at.
-    length : float [m]
-        Of the scene.
     bodies : sequence of MovingBody
         Those of the part, where they are.
-    tolerance : float
-        The closure tolerance.
+    system : System
+        The scene, which has a length and a closure tolerance.
     """
-    branch = Branch(
+    return Branch(
         residuals,
         rows,
         columns,
-        length,
+        characteristic_length(system),
         scales=_scales(residuals, bodies),
-        tolerance=tolerance,
+        tolerance=system.closure_tolerance,
     )
+
+
+def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
+    """Return whether rows may depend on each other nearly where bodies are, not to rounding."""
     c, matrix = branch.start(bodies)
     pivots = factorise(matrix, ROUNDING).pivots
-    is_near = len(pivots) > 0 and pivots.min() <= CLEARLY * tolerance
-    return branch if is_near or np.abs(c).max(initial=0.0) > HOLDS else None
+    is_small = len(pivots) > 0 and pivots.min() <= CLEARLY * branch.tolerance
+    return bool(is_small or np.abs(c).max(initial=0.0) > HOLDS)
 
 
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
@@ -148,17 +154,51 @@ def require_gap(
         The message names the joint, what it holds beyond which others, and the limits.
     """
     rank = max(position.factors.rank for position in positions)
-    clearest = max(positions, key=branch.clear)
-    if rank <= branch.clear(clearest):
+    if rank <= max(position.clear for position in positions):
         return
     at = max(positions, key=lambda position: position.factors.rank)
-    factors = at.factors
-    pivot, row = float(factors.pivots[-1]), rows[factors.taken[-1]]
-    others = [name for name in _beside(factors, rows) if name != row.joint]
-    tolerance = system.closure_tolerance
-    leaning = _leaning(system, (row.joint, *others))
+    place = at.factors.taken[-1]
+    others = [name for name in _beside(at.factors, rows) if name != rows[place].joint]
+    missed = branch.rate_of_last(at)
+    size = f"{missed:.3g} rad" if not branch.is_length(place) else f"{missed:.3g} lengths"
+    _refuse(system, rows[place], others, f"{size} for each length or radian that bodies move")
+
+
+def far_from_singular(positions: Sequence[Position]) -> list[Position]:
+    """Return the start, and those of the others that are not near a singular configuration.
+
+    There one freedom more is nearly open, and what rows miss along it tells nothing of them.
+    """
+    ((rank, _),) = Counter(position.factors.rank for position in positions).most_common(1)
+    last = [one.pivots[rank - 1] if rank <= len(one.pivots) else 0.0 for one in positions]
+    least = NEAR_SINGULAR**0.5 * max(last)
+    others = zip(positions[1:], last[1:], strict=True)
+    return [positions[0], *[position for position, pivot in others if pivot >= least]]
+
+
+def starts_closed(system: System, branch: Branch, rows: Sequence[Row], start: Position) -> bool:
+    """Return whether rows that others imply miss no more than they may where a scene starts.
+
+    Raises
+    ------
+    SceneError
+        They miss more, and are not independent beyond doubt.
+    """
+    missed, most = np.abs(branch.missed(start)), system.closure_tolerance * (1 + ROUNDED)
+    place = int(np.argmax(missed))
+    size = float(missed[place])
+    if most < size <= CLEARLY * most:
+        others = dict.fromkeys(row.joint for row in rows if row.joint != rows[place].joint)
+        unit = f"{size * branch.length:.3g} m" if branch.is_length(place) else f"{size:.3g} rad"
+        _refuse(system, rows[place], [*others], unit)
+    return size <= most
+
+
+def _refuse(system: System, row: Row, others: Sequence[str], size: str) -> NoReturn:
+    """Refuse a row that is neither redundant nor independent."""
+    tolerance, leaning = system.closure_tolerance, _leaning(system, (row.joint, *others))
     raise SceneError(
-        f"holds beyond {_listed(others)} no more than {pivot:.3g} rad, or lengths per length:"
+        f"holds beyond {_listed(others)} no more than {size}:"
         f" closure_tolerance is {tolerance:.3g}, above which it is not redundant, and it is"
         f" independent above {CLEARLY * tolerance:.3g} only; {leaning}"
         "give points and axes with more digits, or set closure_tolerance",
@@ -195,7 +235,7 @@ def _leaning(system: System, joints: Sequence[str]) -> str:
         name: [_between(axis, other) for key, other in axes.items() if key != name]
         for name, axis in axes.items()
     }
-    if max(map(max, angles.values())) > NEARLY_PARALLEL:
+    if not HOLDS < max(map(max, angles.values())) <= NEARLY_PARALLEL:
         return ""
     if len(axes) == 2:
         both = " and ".join(f"joints.{name}" for name in axes)
@@ -220,15 +260,27 @@ def closed_rows(
     places = [rows.index(row) for row in left]
     rank = max(position.factors.rank for position in positions)
     regular = [position for position in positions if position.factors.rank == rank]
+    regular = [position for position in regular if _is_good(position, places)] or regular
     pivots = branch.left_over(regular[0], places).tolist()
     missed = np.zeros(len(left))
     for position in regular:
-        y = position.factors.dependences()
-        alone = factorise(y[:, places]).least_change((y * position.c).sum(axis=1))
-        missed = np.maximum(missed, np.abs(branch.in_units(alone, places)))
+        missed = np.maximum(missed, np.abs(_missed_alone(branch, position, places)))
     is_length = [branch.is_length(place) for place in places]
     found = zip(left, is_length, pivots, missed.tolist(), strict=True)
     return tuple(Closed(*one) for one in found if one[2] > ROUNDING or one[3] > HOLDS)
+
+
+def _missed_alone(branch: Branch, position: Position, places: Sequence[int]) -> Array:
+    """Return what some rows miss where all others hold, in lengths of the scene and radians."""
+    y = position.factors.dependences()
+    alone = factorise(y[:, list(places)]).least_change((y * position.c).sum(axis=1))
+    return branch.in_units(alone, places)
+
+
+def _is_good(position: Position, places: Sequence[int]) -> bool:
+    """Return whether rows, by their places, stay left out at a position, and do not take over."""
+    factors = factorise(position.factors.dependences()[:, list(places)])
+    return factors.rank == len(places) and bool(factors.pivots.min() ** 2 > FALL_BACK)
 
 
 def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
@@ -238,7 +290,10 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
         key = (key_of(system.constraints[one.row.instance]), one.is_length)
         worst[key] = max(worst.get(key, 0.0), one.missed)
     if max(worst.values(), default=0.0) > HOLDS:
-        size, unit = Metric(fixed_system(system)).size / system.unit, UNIT_NAMES[system.unit]
+        size, unit = (
+            characteristic_length(fixed_system(system)) / system.unit,
+            UNIT_NAMES[system.unit],
+        )
         texts = [
             f"{key} but for {x * size:.3g} {unit}" if is_length else f"{key} but for {x:.3g} rad"
             for (key, is_length), x in sorted(worst.items(), key=lambda item: -item[1])

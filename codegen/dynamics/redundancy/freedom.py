@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, replace
 from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,14 @@ from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
-from kousoku.codegen.dynamics.redundancy.closure import closed_rows, near_branch, require_gap
+from kousoku.codegen.dynamics.redundancy.closure import (
+    closed_rows,
+    far_from_singular,
+    is_near,
+    near_branch,
+    require_gap,
+    starts_closed,
+)
 from kousoku.codegen.dynamics.redundancy.driven import Drivers
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, rows_to_leave
@@ -127,6 +134,15 @@ class Freedom:
         """Joints whose reactions are not unique."""
         sets = (one.joints for one in self.dependent if one.is_everywhere)
         return tuple(dict.fromkeys(joint for joints in sets for joint in joints))
+
+
+class _Found(NamedTuple):
+    """What is known of a part, and where it was looked at."""
+
+    branch: Branch
+    positions: list[Position]
+    drivers: Drivers
+    freedom: Freedom
 
 
 def freedom_of(system: System, program: Program) -> Freedom:
@@ -241,34 +257,41 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
         for position in branch.positions(bodies):
             positions.append(position)
             are_free = drivers.look(position)
-            depends = branch.clear(position) < len(joints)
+            depends = position.clear < len(joints)
             if len(positions) == count or (are_free and not depends):
                 break
         return positions, drivers
 
-    found, takes_part = None, TAKES_PART
-    branch = near = near_branch(
-        residuals,
-        chosen,
-        columns,
-        length=length,
-        bodies=bodies,
-        tolerance=system.closure_tolerance,
-    )
-    if near is not None:
-        positions, drivers = looked(near)
-        require_gap(system, near, joints, positions)
-        if near.is_redundant(positions, few):
-            takes_part = CLEARLY * system.closure_tolerance
-            found = _dependences(joints, positions, takes_part)
-            found = replace(found, closed=closed_rows(near, joints, found.dropped, positions))
-    if found is None or not found.closed:
-        branch, takes_part = Branch(residuals, chosen, columns, length), TAKES_PART
+    def exactly() -> _Found:
+        branch = Branch(residuals, chosen, columns, length)
         positions, drivers = looked(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < few
         found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+        return _Found(branch, positions, drivers, found)
+
+    def nearly() -> _Found | None:
+        positions, drivers = looked(near)
+        positions = far_from_singular(positions)
+        require_gap(system, near, joints, positions)
+        if not near.is_redundant(positions, few):
+            return None
+        if not starts_closed(system, near, joints, positions[0]):
+            return None
+        found = _dependences(joints, positions, CLEARLY * system.closure_tolerance)
+        closed = closed_rows(near, joints, found.dropped, positions)
+        return _Found(near, positions, drivers, replace(found, closed=closed)) if closed else None
+
+    near = near_branch(residuals, chosen, columns, bodies=bodies, system=system)
+    made = nearly() if is_near(near, bodies) else None
+    if made is None:
+        made = exactly()
+        if made.positions[0].factors.rank < made.freedom.rank:
+            # beside the start rows may depend on each other nearly
+            made = nearly() or made
+    branch, positions, drivers, found = made
+    takes_part = CLEARLY * system.closure_tolerance if found.closed else TAKES_PART
     drivers.require_free()
-    if found.not_unique and branch is not None:
+    if found.not_unique:
         regular = [one for one in positions if one.factors.rank == found.rank]
         joined = found.not_unique
         own = undetermined(

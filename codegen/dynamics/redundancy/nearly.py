@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.assembly.rough import Place, RoughSearch
 from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
-from kousoku.codegen.dynamics.redundancy.closure import near_branch
+from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
 from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PART
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
@@ -115,11 +115,10 @@ def _of_part(system: System, part: Part) -> Iterator[tuple[int, int]]:
         residuals,
         [first[place] + row for place, row in rows],
         columns,
-        length=Metric(system).size,
         bodies=bodies,
-        tolerance=system.closure_tolerance,
+        system=system,
     )
-    if branch is None:
+    if not is_near(branch, bodies):
         return
     position = next(branch.positions(bodies))
     if float(np.abs(branch.missed(position)).max()) <= CLEARLY * system.closure_tolerance:

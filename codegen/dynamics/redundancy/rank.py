@@ -89,7 +89,7 @@ class Factors:
         return factorise(rows).basis.T if count else rows
 
 
-def factorise(matrix: Array, least: float | None = None) -> Factors:
+def factorise(matrix: Array, least: float | None = None, most: int | None = None) -> Factors:
     """Take the largest row again and again and remove it from all others (Gram and Schmidt).
 
     Parameters
@@ -98,9 +98,12 @@ def factorise(matrix: Array, least: float | None = None) -> Factors:
         A.
     least : float, optional
         What is left of rows that count as dependent, unless that is to be relative to the largest.
+    most : int, optional
+        How many rows may be taken.
     """
     rest = np.ascontiguousarray(matrix.T)
     columns, rows = rest.shape
+    most = columns if most is None else min(columns, most)
     parts, basis = np.zeros((rows, 0)), np.zeros((columns, 0))
     largest = 0.0
     taken: list[int] = []
@@ -111,7 +114,7 @@ def factorise(matrix: Array, least: float | None = None) -> Factors:
         best = float(squares.max(initial=0.0))
         size = best**0.5
         largest = largest or size
-        if size <= (DEPENDENT * largest if least is None else least) or len(taken) == columns:
+        if size <= (DEPENDENT * largest if least is None else least) or len(taken) == most:
             break
         row = int(np.argmax(squares >= (1 - EQUAL) * best))
         size = float(squares[row]) ** 0.5

@@ -5,11 +5,15 @@
 #define CLOSE 0.02
 /* the smallest part of the way from the parameters of the scene to those of the run */
 #define SHORTEST 1e-9
-/* how far bodies are moved to see whether joints come open, and the shortest way, relative to
- * LENGTH; a direction that is smaller than this is none */
-#define ASIDE 0.05
-#define LEAST_ASIDE 1e-3
+/* positions that are looked at to see whether joints come open, how far bodies move from one to the
+ * next, relative to LENGTH or in radians, and how many shorter steps are tried; a direction that is
+ * smaller than this is none */
+#define LOOKS 24
+#define STEP_ASIDE 0.25
+#define HALVINGS 5
 #define NO_WAY 1e-6
+/* at a pivot ratio this much smaller than the largest on the way a singular configuration is near */
+#define NEAR_SINGULAR 0.25
 
 /* whether parameters may change where bodies or drivers begin */
 enum { HAS_CONTINUATION = HAS_DESIGN || (HAS_DRIVERS && N_PARAMETERS > 0) };
@@ -83,38 +87,79 @@ static int are_changed(const double *given)
     return 0;
 }
 
-/* whether rows that are left out, because they depend on others with the parameters of the scene,
- * do so with those of the run: at the start, which is in the workspace, and beside it, where all
- * others let bodies move, there per unit of that motion. The state stays as it is. */
-static int stay_closed(State *s, Work *work)
+/* moves positions along a displacement and back onto the rows: 0 if that is impossible */
+static int step_along(const double *u, double *y, Work *work, State *s)
 {
-    enum { SINGLE = offsetof(State, y) / sizeof(double) };
-    double counts[SINGLE], before[NCHECK - NC + 1], drift = 0.0;
+    double *w = work->w, *there = work->y, drift = 0.0, way = STEP_ASIDE;
+    for (int n = 0; n < HALVINGS; ++n) {
+        place(s->time, y, w);
+        for (size_t k = 0; k < NV; ++k) w[W_DQ + k] = way * u[k];
+        displace(w, NULL);
+        memcpy(there, w + W_Q, NQ * sizeof *there);
+        memcpy(there + NQ, y + NQ, NV * sizeof *there);
+        if (project(s->time, 0.0, there, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
+            memcpy(y, there, NY * sizeof *there);
+            return 1;
+        }
+        way *= 0.5;
+    }
+    return 0;
+}
+
+/* whether rows that are left out depend on others where bodies may move. Rows may miss
+ * CLOSURE_TOLERANCE where the run starts, and per unit of motion there and along the way, which is
+ * the root of the sum of squares over all bodies; what that adds up to ends a run only where it is
+ * clearly more. Near a singular configuration one freedom more is nearly open, and what rows miss along it
+ * tells nothing. What is too much takes the place of residuals. */
+static int stay_closed_along(State *s, Work *work)
+{
     double *w = work->w, *y = work->k[0], *u = work->k[1];
-    check(w);
-    if (!are_closed(w, NULL, 1.0)) return 0;
-    memcpy(before, w + W_C + NC, (NCHECK - NC) * sizeof *before);
+    double still[NCHECK + 1], usual = 0.0;
+    memcpy(y, s->y, NY * sizeof *y);
+    if (!project(s->time, 0.0, y, NULL, NULL, work, s, NULL)) return 1;
     for (size_t k = 0; k < NV; ++k) { /* no special direction */
         const double x = 0.6180339887498949 * (double)(k + 1);
         u[k] = (x - floor(x) - 0.5) * (is_length[k] ? LENGTH : 1.0);
     }
-    take_normal_part(1.0, s->y + NQ, work, u);
-    const double size = size_of(u);
-    if (pivot_ratio(work, s) < WEAK || !(size > NO_WAY)) return 1;
-    memcpy(counts, s, sizeof counts);
-    int is_good = 1;
-    for (double way = ASIDE; way > LEAST_ASIDE; way *= 0.5) {
-        place(s->time, s->y, w);
-        for (size_t k = 0; k < NV; ++k) w[W_DQ + k] = way / size * u[k];
-        displace(w, NULL);
-        memcpy(y, w + W_Q, NQ * sizeof *y);
-        memcpy(y + NQ, s->y + NQ, NV * sizeof *y);
-        if (project(s->time, 0.0, y, NULL, NULL, work, s, &drift) && drift <= CLOSE) {
-            check(w);
-            is_good = are_closed(w, before, way);
-            break;
+    for (int look = 0; look < LOOKS; ++look) {
+        const double ratio = pivot_ratio(work, s);
+        const int is_regular = ratio >= NEAR_SINGULAR * usual;
+        usual = larger(usual, ratio);
+        check(w);
+        if (is_regular && !are_closed(w + W_C, look ? CLEARLY : 1.0)) return 0;
+        take_normal_part(1.0, y + NQ, work, u);
+        const double size = size_of(u);
+        if (ratio < WEAK || !(size > NO_WAY)) return 1;
+        double motion = 0.0;
+        for (size_t k = 0; k < NV; ++k) {
+            u[k] /= size;
+            const double part = u[k] / (is_length[k] ? LENGTH : 1.0);
+            motion += part * part;
         }
+        memset(w + W_V, 0, NV * sizeof *w);
+        check(w);
+        memcpy(still, w + W_C_DOT, NCHECK * sizeof *still);
+        memcpy(w + W_V, u, NV * sizeof *w);
+        check(w);
+        for (size_t k = 0; k != NCHECK; ++k) {
+            w[W_C + k] = (w[W_C_DOT + k] - still[k]) / sqrt(motion);
+        }
+        if (is_regular && !are_closed(w + W_C, 1.0)) return 0;
+        if (!step_along(u, y, work, s)) return 1;
     }
+    return 1;
+}
+
+/* whether rows that are left out, because they depend on others with the parameters of the scene,
+ * do so with those of the run. All rows are looked at, as many as are independent, whichever are
+ * kept: so a file with these parameters is looked at. The state stays as it is. */
+static int stay_closed(State *s, Work *work)
+{
+    enum { SINGLE = offsetof(State, y) / sizeof(double) };
+    double counts[SINGLE];
+    memcpy(counts, s, sizeof counts);
+    s->largest_pivot_ratio = ALL_OF_THEM;
+    const int is_good = stay_closed_along(s, work);
     memcpy(s, counts, sizeof counts);
     return is_good;
 }

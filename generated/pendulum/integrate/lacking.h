@@ -153,8 +153,8 @@ static const size_t drivers[ROOM(DRIVERS)][2];
 /* what depends on parameters at the start: places in y and in the design; what must be positive */
 static const size_t starts[ROOM(STARTS)][2];
 static const size_t positive[ROOM(POSITIVE)];
-/* for each row of the constraints that is left out whether its residual is a length */
-static const unsigned char left_is_length[ROOM(NCHECK - NC)];
+/* for each row of the constraints whether its residual is a length, if some are left out */
+static const unsigned char row_is_length[ROOM(NCHECK)];
 /* what errors of measures are compared with; of events the direction, and what a run does then */
 static const double measure_sizes[ROOM(N_MEASURES)];
 static const int events[ROOM(EVENTS)][2];

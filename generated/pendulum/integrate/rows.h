@@ -9,14 +9,13 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* whether the rows that are left out, which stand behind C, miss so many times CLOSURE_TOLERANCE at
- * most where they were evaluated last, relative to LENGTH; or no more beyond what they missed
- * before, if that is not NULL */
-static int are_closed(const double *w, const double *before, double times)
+/* whether rows miss so many times CLOSURE_TOLERANCE at most, relative to LENGTH: those that are left
+ * out do, and others where these took over */
+static int are_closed(const double *misses, double times)
 {
-    for (size_t k = NC; k != NCHECK; ++k) {
-        const double most = times * CLOSURE_TOLERANCE * (left_is_length[k - NC] ? LENGTH : 1.0);
-        if (!(fabs(w[W_C + k] - (before ? before[k - NC] : 0.0)) <= most)) return 0;
+    for (size_t k = 0; k != NCHECK; ++k) {
+        const double most = times * CLOSURE_TOLERANCE * (row_is_length[k] ? LENGTH : 1.0);
+        if (!(fabs(misses[k]) <= most)) return 0;
     }
     return 1;
 }
@@ -116,7 +115,8 @@ static int write_row(
     if ((ACCELERATES || settings->checks) && !is_passed) accelerate(work, s);
     if (HAS_ENERGIES || settings->checks) energy(w);
     if (settings->checks) note_checks(w, s);
-    if (settings->checks && !is_passed && !are_closed(w, NULL, CLEARLY)) return NOT_CLOSED;
+    const int watches = settings->checks && NCHECK > NC;
+    if (watches && !is_passed && !are_closed(w + W_C, CLEARLY)) return NOT_CLOSED;
     find_reactions(work, is_passed);
     coordinate(w);
     double *next = row;

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Work
+    from .scene import Scene, Work
     from .settings import Settings
     from .state import State
 
@@ -38,13 +38,12 @@ def energy_balance(work: Work, state: State) -> float:
     return float(balance)
 
 
-def are_closed(work: Work, times: float, before: Array | float = 0.0) -> bool:
-    """Return whether rows that are left out miss so many times the closure tolerance at most.
+def are_closed(misses: Array, times: float, scene: Scene) -> bool:
+    """Return whether rows miss so many times the closure tolerance at most.
 
-    That is where they were evaluated last, and beyond what they missed before.
+    Those that are left out do, and others where these took over.
     """
-    limits = times * work.scene.closure_tolerance * work.scene.left_lengths
-    return bool((np.abs(work.w.C_left_out - before) <= limits).all())
+    return bool((np.abs(misses) <= times * scene.closure_tolerance * scene.row_lengths).all())
 
 
 def note_checks(work: Work, state: State) -> None:
@@ -141,7 +140,8 @@ def write_row(m: Method, s: Settings, t: float, state: State, work: Work, row: A
         w.run("energy")
     if s.checks:
         note_checks(work, state)
-    if s.checks and not is_passed and not are_closed(work, CLEARLY):
+    watches = s.checks and len(w.C_left_out) > 0
+    if watches and not is_passed and not are_closed(w.all_C, CLEARLY, scene):
         return Status.NOT_CLOSED
     find_reactions(work, is_passed=is_passed)
     w.run("coordinate")

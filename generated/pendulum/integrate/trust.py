@@ -80,7 +80,8 @@ class Trust:
         Of all rows, where that was wanted.
     limit : float
         What the others may be, relative to what they are compared with:
-        100 × tolerance × max(1, steps/1000).
+        100 × tolerance × max(1, steps/1000). Where rows that others imply but for the closure
+        tolerance took over from these, what they missed stands for a smaller tolerance.
     problems : tuple of str
         What is beyond its limit, and what to do; empty where nothing speaks against the run.
     """
@@ -179,6 +180,9 @@ def trust_of(
     if step is not None:
         tolerance, advice = FIXED, "a smaller step"
     many = HEALTHY * max(1.0, single["steps"] / PER_STEPS)
+    # where rows take over from others bodies go on where these hold: as far off as rows miss
+    took_over = single["fallbacks"] > 0 and missed > MISSES
+    tolerance = max(tolerance, missed) if took_over else tolerance
     limit, corrections = many * tolerance, many * max(tolerance, LEAST)
     knows_energy = checks and is_weighed
     lost, moved, unseen = (
