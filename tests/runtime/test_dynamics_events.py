@@ -462,3 +462,22 @@ def test_steps_that_are_far_too_long_end(solver_of: Callable[..., Any]) -> None:
     )
     assert run.ledger.steps < 100
     assert not run.ledger.trust.is_trusted
+
+
+#: A bead that moves evenly, x = t, and is told of what stands in the place of EVENTS.
+EVEN = HILL[: HILL.index("[forces]")] + "[events]\n"
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_steps_go_on_from_one_root_of_a_fast_wave_to_the_next(
+    solver_of: Callable[..., Any], target: str
+) -> None:
+    wave = 'wave = { when = "sin(force*t + at + 0*width)", action = "count" }'
+    solver, random_ = solver_of(EVEN + wave, target), random.Random(1)
+    for k in range(100 if target == "c" else 2):
+        rate = 1000.0 if k < 2 else 10.0 ** random_.uniform(2.4, 5.0)
+        phase = 0.0 if k < 2 else random_.uniform(0.0, 3.0)
+        end, given = 300.5 * math.pi / rate, {"force": rate, "at": phase}
+        run = solver.simulate(end, samples=3, parameters=given, **WAYS[k % 3])
+        assert run.events["wave"].count == math.floor((rate * end + phase) / math.pi)
