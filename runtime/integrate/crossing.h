@@ -202,7 +202,8 @@ static double time_of(
     return last;
 }
 
-/* the first of the functions that cross between two nodes; only those that do so there are left */
+/* the first of the functions that cross between two nodes; only those that do so there are left.
+ * What is behind the end of the run does not count, however near it is */
 static double first_time(const Node *a, const Node *b, Look *look, const State *s, Work *work)
 {
     double times[ROOM(N_CROSSINGS)], first = b->time;
@@ -211,8 +212,14 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
         times[k] = time_of(k, a, b, look, s, work);
         first = smaller(first, times[k]);
     }
+    double together = first + look->slack;
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (look->crosses[k] && events[k][1] == STOP && times[k] <= first + look->slack) {
+            together = first + 4.0 * SMALLEST * fabs(first);
+        }
+    }
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        look->crosses[k] = look->crosses[k] && times[k] <= first + look->slack;
+        look->crosses[k] = look->crosses[k] && times[k] <= together;
     }
     return first;
 }

@@ -264,11 +264,19 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
 
 
 def first_time(a: Node, b: Node, look: Look) -> float:
-    """Return when the first function crosses; only those that do so there are left."""
+    """Return when the first function crosses; only those that do so there are left.
+
+    What is behind the end of the run does not count, however near it is.
+    """
+    events = look.work.scene.events
     times = {int(k): time_of(int(k), a, b, look) for k in np.flatnonzero(look.crosses)}
     first = min(times.values())
+    together = first + look.slack
     for k, time in times.items():
-        look.crosses[k] = time <= first + look.slack
+        if k < len(events) and ACTIONS[events[k, 1]] == "stop" and time <= first + look.slack:
+            together = first + 4.0 * SMALLEST * abs(first)
+    for k, time in times.items():
+        look.crosses[k] = time <= together
     return first
 
 

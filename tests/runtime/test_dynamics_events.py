@@ -481,3 +481,29 @@ def test_steps_go_on_from_one_root_of_a_fast_wave_to_the_next(
         end, given = 300.5 * math.pi / rate, {"force": rate, "at": phase}
         run = solver.simulate(end, samples=3, parameters=given, **WAYS[k % 3])
         assert run.events["wave"].count == math.floor((rate * end + phase) / math.pi)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", [*WAYS[:2], {"step": 0.7}, {"tolerance": 1e-4}], ids=str)
+def test_what_is_told_beside_the_end_of_a_run(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    more = """
+before = { when = "x - 5 + 1e-10" }
+end = { when = "x - at", action = "stop" }
+same = { when = "2*(x - 5)" }
+other_end = { when = "5 - x", action = "stop" }
+often = { when = "3*x - 15", action = "count" }
+behind = { when = "x - 5.0000000001 + 0*force*width" }
+just_behind = { when = "x - 5 - 1e-13", action = "count" }
+"""
+    run = solver_of(EVEN + more, target).simulate(10.0, samples=3, **way)
+    assert run.stopped_by == "end"
+    counts = {name: one.count for name, one in run.events.items()}
+    once = ("before", "end", "same", "other_end", "often")
+    assert counts == {name: int(name in once) for name in counts}
+    for name in ("end", "same", "other_end"):
+        assert run.events[name].time == pytest.approx([5.0], rel=1e-14), name
+    assert run.events["before"].time == pytest.approx([5.0 - 1e-10], rel=1e-14)
+    assert run.time[-1] == run.events["end"].time[0]
