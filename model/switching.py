@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 #: Functions with a kink or a jump.
 SWITCHES = frozenset({Function.MIN, Function.MAX, Function.ABS, Function.SIGN})
+#: Functions with a jump, or that jump through infinity.
+JUMPING = frozenset({Function.SIGN, Function.TAN, Function.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
 TRANSPARENT = frozenset({*SWITCHES, Function.ADD, Function.NEG, Function.MUL})
 
@@ -64,6 +66,8 @@ class Seen:
         or a jump.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
+    jumps : tuple of bool
+        Of each event whether its formula may jump, also through infinity.
     """
 
     switches: tuple[Expression, ...]
@@ -71,6 +75,7 @@ class Seen:
     measures: tuple[Measure, ...]
     crossings: tuple[Expression, ...]
     narrow: tuple[Expression, ...]
+    jumps: tuple[bool, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -102,6 +107,7 @@ def seen_of(system: System) -> Seen:
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
         narrow,
+        tuple(any(map(_may_jump, ordered(one))) for one in events),
     )
 
 
@@ -136,6 +142,18 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
         if isinstance(part, Apply) and part.function in SWITCHES and id(part) not in smooth:
             first, *rest = part.args
             yield add(first, *map(neg, rest))
+
+
+def _may_jump(part: Expression) -> bool:
+    """Return whether the last function of a formula may jump, also through infinity."""
+    if not isinstance(part, Apply):
+        return False
+    if part.function is Function.DIV:
+        return not isinstance(part.args[1], Number)
+    if part.function is Function.POW:
+        exponent = part.args[1]
+        return not isinstance(exponent, Number) or exponent.value < 0
+    return part.function in JUMPING
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:

@@ -155,9 +155,10 @@ static const size_t starts[ROOM(STARTS)][2];
 static const size_t positive[ROOM(POSITIVE)];
 /* for each row of the constraints that is left out whether its residual is a length */
 static const unsigned char left_is_length[ROOM(NCHECK - NC)];
-/* what errors of measures are compared with; of events the direction, and what a run does then */
+/* what errors of measures are compared with; of events the direction, what a run does then, and
+ * whether the formula may jump */
 static const double measure_sizes[ROOM(N_MEASURES)];
-static const int events[ROOM(EVENTS)][2];
+static const int events[ROOM(EVENTS)][3];
 enum { RECORD, COUNT, STOP }; /* what that may be */
 
 #endif

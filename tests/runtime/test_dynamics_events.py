@@ -507,3 +507,25 @@ just_behind = { when = "x - 5 - 1e-13", action = "count" }
         assert run.events[name].time == pytest.approx([5.0], rel=1e-14), name
     assert run.events["before"].time == pytest.approx([5.0 - 1e-10], rel=1e-14)
     assert run.time[-1] == run.events["end"].time[0]
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", [*WAYS[:2], {"step": 0.7}, {"tolerance": 1e-4}], ids=str)
+def test_a_sign_that_changes_by_a_jump_or_through_infinity_is_no_event(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    wanted = {
+        "1/(x - at - 1e-5) + 0*force*width": [],
+        "1/(t - 5.00001)": [],
+        "tan(x)": [math.pi, 2.0 * math.pi, 3.0 * math.pi],
+        "atan2(sin(t), cos(t))": [2.0 * math.pi],
+        "sign(x - 3)": [],
+        "x/(x^2 + 1) - 0.2": [(5.0 - math.sqrt(21.0)) / 2.0, (5.0 + math.sqrt(21.0)) / 2.0],
+        "1/(x - 4) - 1": [5.0],
+        "atan(1e8*(t - 6.5))/(t + 1)": [6.5],
+    }
+    events = "\n".join(f'e{k} = {{ when = "{when}" }}' for k, when in enumerate(wanted))
+    run = solver_of(EVEN + events, target).simulate(10.0, samples=3, **way)
+    for k, (when, times) in enumerate(wanted.items()):
+        assert run.events[f"e{k}"].time == pytest.approx(times, rel=1e-13), when

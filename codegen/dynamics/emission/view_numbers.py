@@ -90,7 +90,7 @@ def tables(
     q, v = slots(program, "q"), slots(program, "v")
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
-    switched = has_row_switch(program)
+    switched, seen = has_row_switch(program), seen_of(system)
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
@@ -112,9 +112,12 @@ def tables(
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
         "measure_sizes": [
-            (one.name, float(measure_size(one, system, length))) for one in seen_of(system).measures
+            (one.name, float(measure_size(one, system, length))) for one in seen.measures
         ],
-        "events": [(one.name, (one.direction, ACTIONS.index(one.action))) for one in system.events],
+        "events": [
+            (one.name, (one.direction, ACTIONS.index(one.action), int(jumps)))
+            for one, jumps in zip(system.events, seen.jumps, strict=True)
+        ],
         "left_is_length": [
             (name, int(unit == "m"))
             for name, unit in (row_of(row, system) for row in (*program.left_out, *program.reduced))
