@@ -20,6 +20,7 @@ from kousoku.model.validate_coordinates import (
     only_one,
     refuse_foreign,
 )
+from kousoku.model.terms import Function
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
@@ -164,8 +165,9 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     kink = kink_of(law, TIME, scene.parameters)
     if kink is not None:
+        what = "a power" if kink.function is Function.POW else kink.function.value
         raise SceneError(
-            f"{kink.function.value} has a kink, where velocities or accelerations would jump: a "
+            f"{what} has a kink, where velocities or accelerations would jump: a "
             "driver must have two derivatives; wanted a smooth formula",
             key=key,
         )

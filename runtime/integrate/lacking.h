@@ -114,9 +114,11 @@ static void coordinate(double *w) { (void)w; }
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
 #define N_FEATURES 0
+#define N_LAWS 0
 #define W_SPAN 0
 #define W_SWITCHES 0
 #define W_FEATURES 0
+#define W_LAWS 0
 static void switching(double *w) { (void)w; }
 #endif
 #ifndef HAS_CROSSING

@@ -288,6 +288,7 @@ class Workspace:
     span: Array
     switches: Array
     features: Array
+    laws: Array
     measures: Array
     ranges: Array
     crossings: Array
