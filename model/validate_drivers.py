@@ -14,13 +14,13 @@ from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of
 from kousoku.model.kinks import kink_of
 from kousoku.model.problems import Problems
+from kousoku.model.terms import Function
 from kousoku.model.validate_coordinates import (
     check_leaves,
     check_place,
     only_one,
     refuse_foreign,
 )
-from kousoku.model.terms import Function
 from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
