@@ -203,10 +203,10 @@ def _place_of(part: Apply) -> Expression | None:
         case Function.DIV:
             return b
         case Function.POW:
-            is_whole = not isinstance(b, Number) or b.value.denominator == 1
-            is_pole = not isinstance(b, Number) or b.value < 0
-            is_root = not is_whole and b.value < SMOOTH and even_root(part) is None
-            return a if is_pole or is_root else None
+            if not isinstance(b, Number) or b.value < 0:
+                return a
+            is_root = b.value.denominator > 1 and b.value < SMOOTH
+            return a if is_root and even_root(part) is None else None
         case Function.TAN:
             return apply(Function.COS, a)
         case Function.ASIN | Function.ACOS:
