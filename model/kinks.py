@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.derivative import derivative
+from kousoku.model.switching import even_root, may_be_zero
 from kousoku.model.terms import Apply, Function, Name, Number, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
     parameters : mapping of str to float
         Those of the scene; others near them are looked at, too.
     """
+    law, roots = _without_roots(law)
     parts = [part for part in ordered(law) if isinstance(part, Apply) and part.function in KINKS]
     if not parts:
         return None
@@ -59,8 +61,26 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
                 or _count(part) > DEEPEST
                 or not _is_smooth(law, part, sides, time, values)
             ):
-                return part
+                return roots.get(part, part)
     return None
+
+
+def _without_roots(law: Expression) -> tuple[Expression, dict[Apply, Apply]]:
+    """Return a formula with ``abs(a)`` for ``sqrt(a^2)``, and which root each of these was."""
+    known: dict[int, Expression] = {}
+    roots: dict[Apply, Apply] = {}
+    for one in ordered(law):
+        if not isinstance(one, Apply):
+            known[id(one)] = one
+            continue
+        same = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
+        root = even_root(same)
+        if root is not None and root[1] == 1 and may_be_zero(root[0]):
+            size = Apply(Function.ABS, root[:1])
+            known[id(one)], roots[size] = size, same
+        else:
+            known[id(one)] = same
+    return known[id(law)], roots
 
 
 def _is_smooth(

@@ -4,23 +4,30 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import partial
 from itertools import chain
+from math import inf, isfinite
 from typing import TYPE_CHECKING
 
+from kousoku.model.derivative import derivative
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
-from kousoku.model.terms import Apply, Function, Number, add, names_of, neg, ordered
+from kousoku.model.terms import ONE, Apply, Function, Number, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Iterator
+    from collections.abc import Callable, Collection, Iterator, Sequence
 
     from kousoku.model.mechanism import System
     from kousoku.model.terms import Expression
 
 #: Functions with a kink or a jump.
 SWITCHES = frozenset({Function.MIN, Function.MAX, Function.ABS, Function.SIGN})
+#: Powers from this one on have two derivatives where what they are of is zero.
+SMOOTH = 2
+#: Functions with a jump, or that jump through infinity.
+JUMPING = frozenset({Function.SIGN, Function.TAN, Function.ATAN2})
 #: Functions of which those of their arguments may be looked at instead.
 TRANSPARENT = frozenset({*SWITCHES, Function.ADD, Function.NEG, Function.MUL})
 
@@ -64,6 +71,10 @@ class Seen:
         or a jump.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
+    jumps : tuple of bool
+        Of each event whether its formula may jump, also through infinity.
+    laws : tuple of Expression
+        Those of drivers that switch or may break, with two derivatives, which must not jump there.
     """
 
     switches: tuple[Expression, ...]
@@ -71,6 +82,8 @@ class Seen:
     measures: tuple[Measure, ...]
     crossings: tuple[Expression, ...]
     narrow: tuple[Expression, ...]
+    jumps: tuple[bool, ...] = ()
+    laws: tuple[Expression, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -95,13 +108,22 @@ def seen_of(system: System) -> Seen:
     varying = partial(varying_parts, varying={TIME, *of_state})
     crossings = (*events, *found(switching_functions, is_state=True))
     narrow = found(varying, is_state=True)
+    laws = [
+        parse_expression(one.law, names, longest=len(one.law))
+        for one in system.constraints
+        if one.law
+    ]
+    breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
+    switches = (*found(switching_functions, is_state=False), *chain(*breaks.values()))
     read = set(chain.from_iterable(map(names_of, (*crossings, *narrow))))
     return Seen(
-        found(switching_functions, is_state=False),
+        tuple(dict.fromkeys(switches)),
         found(varying, is_state=False),
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
         narrow,
+        tuple(any(map(_may_jump, ordered(one))) for one in events),
+        tuple(chain.from_iterable(_with_rates(one) for one, places in breaks.items() if places)),
     )
 
 
@@ -129,13 +151,133 @@ def _texts(system: System) -> Iterator[str]:
 def switching_functions(formula: Expression) -> Iterator[Expression]:
     """Yield what is zero where a formula has a kink or a jump: of ``max(a, b)`` it is a − b.
 
-    ``abs(a)*a`` has neither, and is as large on both sides.
+    ``abs(a)*a`` has neither, and is as large on both sides; ``sqrt(a^2)`` is ``abs(a)``.
     """
     smooth = {id(factor) for part in ordered(formula) for factor in _signed_squares(part)}
     for part in ordered(formula):
         if isinstance(part, Apply) and part.function in SWITCHES and id(part) not in smooth:
             first, *rest = part.args
             yield add(first, *map(neg, rest))
+        elif (root := even_root(part)) is not None and root[1] < SMOOTH:
+            yield root[0]
+
+
+def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
+    """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
+    if not isinstance(part, Apply) or part.function not in {Function.SQRT, Function.POW}:
+        return None
+    inside, exponent = part.args[0], Number(Fraction(1, 2))
+    if part.function is Function.POW:
+        if not isinstance(part.args[1], Number) or part.args[1].value.denominator == 1:
+            return None
+        exponent = part.args[1]
+    if not isinstance(inside, Apply):
+        return None
+    a, *others = inside.args
+    power = Fraction(2)
+    if inside.function is Function.POW:
+        (count,) = others
+        if not isinstance(count, Number) or count.value.denominator > 1 or count.value % 2:
+            return None
+        power = count.value
+    elif inside.function is not Function.MUL or others != [a]:
+        return None
+    return None if power * exponent.value % 2 == 0 else (a, power * exponent.value)
+
+
+def _places_of(law: Expression) -> Iterator[Expression]:
+    """Yield what is zero where the law of a driver or a derivative of it may jump."""
+    yield from switching_functions(law)
+    for part in ordered(law):
+        place = _place_of(part) if isinstance(part, Apply) else None
+        if place is not None and may_be_zero(place):
+            yield place
+
+
+def _place_of(part: Apply) -> Expression | None:
+    """Return what is zero where a function, or a derivative of it, is infinite or jumps."""
+    a, b = part.args[0], part.args[-1]
+    match part.function:
+        case Function.SQRT | Function.LOG:
+            return a if even_root(part) is None else None
+        case Function.DIV:
+            return b
+        case Function.POW:
+            if not isinstance(b, Number) or b.value < 0:
+                return a
+            is_root = b.value.denominator > 1 and b.value < SMOOTH
+            return a if is_root and even_root(part) is None else None
+        case Function.TAN:
+            return apply(Function.COS, a)
+        case Function.ASIN | Function.ACOS:
+            return add(ONE, neg(apply(Function.ABS, a)))
+        case Function.ATAN2:
+            return apply(Function.MAX, apply(Function.ABS, a), b)
+    return None
+
+
+def may_be_zero(expression: Expression) -> bool:
+    """Return whether a formula may be zero, as far as the ranges of its functions tell."""
+    least, most = -inf, inf
+    known: dict[int, tuple[float, float]] = {}
+    for part in ordered(expression):
+        least, most = -inf, inf
+        if isinstance(part, Number):
+            least = most = float(part.value)
+        elif isinstance(part, Apply):
+            least, most = _range(part, [known[id(arg)] for arg in part.args])
+        known[id(part)] = least, most
+    return least <= 0.0 <= most
+
+
+def _range(part: Apply, args: Sequence[tuple[float, float]]) -> tuple[float, float]:
+    """Return the least and the most that a function of such ranges may be."""
+    least, most = args[0]
+    match part.function:
+        case Function.ADD:
+            return sum(one[0] for one in args), sum(one[1] for one in args)
+        case Function.NEG:
+            return -most, -least
+        case Function.SIN | Function.COS:
+            return -1.0, 1.0
+        case Function.EXP:
+            return (0.0 if least > 0.0 else 5e-324), inf
+        case Function.ABS | Function.SQRT:
+            return 0.0, inf
+        case Function.MUL if all(isfinite(end) for one in args for end in one):
+            ends = [a * b for a in args[0] for b in args[1]]
+            return min(ends), max(ends)
+        case Function.MUL if part.args[0] == part.args[1] or min(least, args[1][0]) >= 0.0:
+            return (5e-324 if min(least, args[1][0]) > 0.0 else 0.0), inf
+        case Function.POW if isinstance(exponent := part.args[1], Number):
+            is_even = exponent.value % 2 == 0 or exponent.value.denominator > 1
+            return (0.0, inf) if is_even else (-inf, inf)
+        case Function.MAX:
+            return max(one[0] for one in args), max(one[1] for one in args)
+        case Function.MIN:
+            return min(one[0] for one in args), min(one[1] for one in args)
+    return -inf, inf
+
+
+def _varies(place: Expression) -> bool:
+    return TIME in names_of(place)
+
+
+def _with_rates(law: Expression) -> tuple[Expression, ...]:
+    rate = derivative(law, TIME)
+    return law, rate, derivative(rate, TIME)
+
+
+def _may_jump(part: Expression) -> bool:
+    """Return whether the last function of a formula may jump, also through infinity."""
+    if not isinstance(part, Apply):
+        return False
+    if part.function is Function.DIV:
+        return not isinstance(part.args[1], Number)
+    if part.function is Function.POW:
+        exponent = part.args[1]
+        return not isinstance(exponent, Number) or exponent.value < 0
+    return part.function in JUMPING
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:

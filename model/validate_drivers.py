@@ -14,6 +14,7 @@ from kousoku.model.formulas import RATE, TIME, values_at_start
 from kousoku.model.joints import sort_of
 from kousoku.model.kinks import kink_of
 from kousoku.model.problems import Problems
+from kousoku.model.terms import Function
 from kousoku.model.validate_coordinates import (
     check_leaves,
     check_place,
@@ -164,8 +165,9 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
         raise SceneError(_with_state(scene, str(error)), key=key) from None
     kink = kink_of(law, TIME, scene.parameters)
     if kink is not None:
+        what = "a power" if kink.function is Function.POW else kink.function.value
         raise SceneError(
-            f"{kink.function.value} has a kink, where velocities or accelerations would jump: a "
+            f"{what} has a kink, where velocities or accelerations would jump: a "
             "driver must have two derivatives; wanted a smooth formula",
             key=key,
         )

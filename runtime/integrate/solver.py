@@ -205,19 +205,25 @@ class Solver:
     def _report_event(
         self, m: Method, settings: Settings, s: State, work: Work, rows: Array
     ) -> Status:
-        """Write the row of an event that is still to be told, behind those of times."""
-        for k in np.flatnonzero(s.fired).tolist():
-            if len(rows) == 0:
-                return Status.BUFFER_FULL
-            status = write_row(m, settings, s.time, s, work, rows[0])
-            if status != Status.GOOD:
-                return status
-            s.event = 1.0 + k
-            if ACTIONS[self.scene.events[k, 1]] == "stop":
-                return Status.STOPPED
-            s.fired[k] = 0.0
-            return Status.EVENT
-        return Status.GOOD
+        """Write the row of an event that is still to be told, behind those of times.
+
+        Those that end the run are told last, and of these the first ends it.
+        """
+        left = np.flatnonzero(s.fired).tolist()
+        if not left:
+            return Status.GOOD
+        if len(rows) == 0:
+            return Status.BUFFER_FULL
+        status = write_row(m, settings, s.time, s, work, rows[0])
+        if status != Status.GOOD:
+            return status
+        is_stop = {k: ACTIONS[self.scene.events[k, 1]] == "stop" for k in left}
+        told = next((k for k in left if not is_stop[k]), left[-1])
+        s.event = 1.0 + told
+        if len(left) == 1 and is_stop[told]:
+            return Status.STOPPED
+        s.fired[told] = 0.0
+        return Status.EVENT
 
     def _advance(
         self, m: Method, settings: Settings, asked: float, end: float, s: State, work: Work

@@ -296,8 +296,9 @@ static int step(
                     is_beyond = 0;
                 }
                 s->rejected += 1;
-                const double shorter_h = is_kept ? h : by_error * h;
-                s->step_size = to == look.cut ? larger(shorter_h, to - s->time) : to - s->time;
+                /* one that could be longer and is cut can so still, however short it gets */
+                by_error = is_kept ? s->step_size : by_error * h;
+                s->step_size = to == look.cut ? larger(by_error, to - s->time) : to - s->time;
                 continue;
             }
         }

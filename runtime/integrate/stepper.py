@@ -366,9 +366,10 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                 if is_fixed:
                     end, is_beyond = to, False
                 state.rejected += 1
-                shorter_h = trial.h if is_kept else by_error * trial.h
                 to_there = to - state.time
-                state.step_size = larger(shorter_h, to_there) if to == look.cut else to_there
+                # one that could be longer and is cut can so still, however short it gets
+                by_error = state.step_size if is_kept else by_error * trial.h
+                state.step_size = larger(by_error, to_there) if to == look.cut else to_there
                 continue
         if trial.error <= 1.0:
             before = state.step_size

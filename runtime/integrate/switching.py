@@ -44,6 +44,12 @@ MOST_SHORT = 1000
 SHORT = 1e-4
 FORGETTING = 0.9999
 LONG = 0.1
+#: How far on both sides of a switch the laws of drivers are looked at, in parts of the time: one
+#: of these tells that they go on smoothly. What rounding leaves of them, relative to what they are.
+BESIDE = (1e-6, 1e-7)
+EQUAL = 1e-12
+#: How much the third derivative may be beyond that on the sides.
+BENDING = 4.0
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
@@ -101,14 +107,41 @@ def find_switch(end: float, state: State, work: Work) -> None:
     state.limit = state.behind = first
 
 
+def laws_at(time: float, w: Workspace) -> Array:
+    """Return the laws of drivers that switch at a time, each with two derivatives, and a third."""
+    w.span[:] = time
+    w.run("switching")
+    found = w.laws.reshape(-1, 3, 4)
+    return np.column_stack((found[:, :, 0], found[:, 2, 2]))
+
+
+def are_laws_smooth(far: float, state: State, w: Workspace) -> bool:
+    """Return whether laws go through a switch, so far before and behind, with two derivatives.
+
+    Of each what it changes by is what the next one tells of both sides.
+    """
+    before, after = laws_at(state.limit - far, w), laws_at(state.behind + far, w)
+    half = 0.5 * (state.behind - state.limit) + far
+    left = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
+    third = np.abs(before[:, 3:]) + np.abs(after[:, 3:])
+    bending = BENDING * third * np.array([half * half * half, half * half, half])
+    size = EQUAL * (np.abs(before[:, :3]) + np.abs(after[:, :3]))
+    return bool(np.all(np.abs(left) <= size + bending))
+
+
 def meet_switches(end: float, state: State, work: Work) -> Status:
     """Go over the switch that a step has come to, and find the next one.
 
     What is before it and what is behind it is told by formulas on that side; nothing moves in
-    between.
+    between. Drivers that jump there lead no further.
     """
+    w = work.w
     while state.time < end and not state.time < state.limit:
         if state.behind > state.time:
+            span = larger(abs(state.time), abs(end))
+            far = (part * span for part in BESIDE)
+            if len(w.laws) and not any(are_laws_smooth(one, state, w) for one in far):
+                return Status.STEP_TOO_SMALL
             state.y_before[:] = state.y
             state.dense[:] = 0.0
             state.time_before = state.time

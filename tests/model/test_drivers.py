@@ -145,7 +145,9 @@ def test_an_input_of_a_joint_with_two_freedoms_wants_a_driver(crank: Tree) -> No
     assert (driver.unit, driver.law_unit) == ("m", float(precise.number(0.01)))
 
 
-@pytest.mark.parametrize("text", ["min(t, 1)", "max(t, 1)", "sign(t)", "1 + abs(t - 5)"])
+@pytest.mark.parametrize(
+    "text", ["min(t, 1)", "max(t, 1)", "sign(t)", "1 + abs(t - 5)", "sqrt((t - 5)^2)"]
+)
 def test_a_law_with_a_kink_is_refused(crank: Tree, text: str) -> None:
     crank["drivers"] = {"motor": {"joint": "axle", "value": text}}
     with pytest.raises(SceneError, match="has a kink"):

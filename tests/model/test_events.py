@@ -82,6 +82,8 @@ def test_a_linkage_of_nodes_has_no_events(bead: Tree) -> None:
         ("exp(-(x/at)^2) - sin(x)", 0, 2),
         ("x/at + sin(at)*x", 0, 0),
         ("min(t - 1, x)*at", 1, 0),
+        ("-sqrt(x^2)", 1, 1),
+        ("x_dot*(x*x)^(1/2) + (x^2)^(3/2)", 1, 2),
     ],
 )
 def test_what_of_a_force_is_looked_at(bead: Tree, force: str, crossings: int, narrow: int) -> None:

@@ -28,6 +28,9 @@ def blend(x: str) -> str:
         "max(t - 1, 0)^3",
         "h*abs(t - T)^3",
         "min(h, w)*t",
+        "t*sqrt((2 + sin(t))^2)",
+        "((t - T)^2)^(3/2)",
+        "h*sqrt((t - T)^2)*(t - T)^2",
     ],
 )
 def test_two_derivatives_go_through(formula: str) -> None:
@@ -43,6 +46,9 @@ def test_two_derivatives_go_through(formula: str) -> None:
         ("max(t - 1, 0)^2", "max"),
         ("abs(t)", "abs"),
         ("sign(t - 1)", "sign"),
+        ("sqrt((t - h)^2)", "sqrt"),
+        ("t + ((t - 1)*(t - 1))^(1/2)", "pow"),
+        ("((t - 1)^6)^(1/6)", "pow"),
         ("min(t^2, 1)", "min"),
         (blend("min(t, T)"), "min"),
         (blend("min(t, 1)") + " + 1e-9*max(t - 1, 0)^2", "max"),

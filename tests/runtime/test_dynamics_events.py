@@ -512,3 +512,70 @@ def test_steps_that_are_far_too_long_end(solver_of: Callable[..., Any]) -> None:
     )
     assert run.ledger.steps < 100
     assert not run.ledger.trust.is_trusted
+
+
+#: A bead that moves evenly, x = t, and is told of what stands in the place of EVENTS.
+EVEN = HILL[: HILL.index("[forces]")] + "[events]\n"
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_steps_go_on_from_one_root_of_a_fast_wave_to_the_next(
+    solver_of: Callable[..., Any], target: str
+) -> None:
+    wave = 'wave = { when = "sin(force*t + at + 0*width)", action = "count" }'
+    solver, random_ = solver_of(EVEN + wave, target), random.Random(1)
+    for k in range(100 if target == "c" else 2):
+        rate = 1000.0 if k < 2 else 10.0 ** random_.uniform(2.4, 5.0)
+        phase = 0.0 if k < 2 else random_.uniform(0.0, 3.0)
+        end, given = 300.5 * math.pi / rate, {"force": rate, "at": phase}
+        run = solver.simulate(end, samples=3, parameters=given, **WAYS[k % 3])
+        assert run.events["wave"].count == math.floor((rate * end + phase) / math.pi)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", [*WAYS[:2], {"step": 0.7}, {"tolerance": 1e-4}], ids=str)
+def test_what_is_told_beside_the_end_of_a_run(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    more = """
+before = { when = "x - 5 + 1e-10" }
+end = { when = "x - at", action = "stop" }
+same = { when = "2*(x - 5)" }
+other_end = { when = "5 - x", action = "stop" }
+often = { when = "3*x - 15", action = "count" }
+behind = { when = "x - 5.0000000001 + 0*force*width" }
+just_behind = { when = "x - 5 - 1e-13", action = "count" }
+"""
+    run = solver_of(EVEN + more, target).simulate(10.0, samples=3, **way)
+    assert run.stopped_by == "end"
+    counts = {name: one.count for name, one in run.events.items()}
+    once = ("before", "end", "same", "other_end", "often")
+    assert counts == {name: int(name in once) for name in counts}
+    for name in ("end", "same", "other_end"):
+        assert run.events[name].time == pytest.approx([5.0], rel=1e-14), name
+    assert run.events["before"].time == pytest.approx([5.0 - 1e-10], rel=1e-14)
+    assert run.time[-1] == run.events["end"].time[0]
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("way", [*WAYS[:2], {"step": 0.7}, {"tolerance": 1e-4}], ids=str)
+def test_a_sign_that_changes_by_a_jump_or_through_infinity_is_no_event(
+    solver_of: Callable[..., Any], target: str, way: dict[str, Any]
+) -> None:
+    wanted = {
+        "1/(x - at - 0.2) + 0*force*width": [],
+        "1/(t - 5.7)": [],
+        "tan(x)": [math.pi, 2.0 * math.pi, 3.0 * math.pi],
+        "atan2(sin(t), cos(t))": [2.0 * math.pi],
+        "sign(x - 3)": [],
+        "x/(x^2 + 1) - 0.2": [(5.0 - math.sqrt(21.0)) / 2.0, (5.0 + math.sqrt(21.0)) / 2.0],
+        "1/(x - 4) - 1": [5.0],
+        "atan(1e8*(t - 6.5))/(t + 1)": [6.5],
+    }
+    events = "\n".join(f'e{k} = {{ when = "{when}" }}' for k, when in enumerate(wanted))
+    run = solver_of(EVEN + events, target).simulate(10.0, samples=3, **way)
+    for k, (when, times) in enumerate(wanted.items()):
+        assert run.events[f"e{k}"].time == pytest.approx(times, rel=1e-13), when

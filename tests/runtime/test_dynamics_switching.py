@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.model.errors import MotionError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from tests.stress.force_laws import BUMP, FORMS, SHAFT
@@ -167,3 +168,42 @@ def test_fixed_steps_do_not_pass_over_narrow_forces_without_a_word(
         run = wall.simulate(END, parameters={"width": width}, method=method, step=0.37)
         is_right = run.velocity["cart"][-1, 0] == pytest.approx(-10.0)
         assert is_right or not run.ledger.trust.is_trusted
+
+
+def blend(x: str) -> str:
+    return f"(10*({x})^3 - 15*({x})^4 + 6*({x})^5)"
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("method", ["kinematics", "dop853"])
+@pytest.mark.parametrize(
+    ("law", "time"),
+    [
+        ("t + 1e-9*atan(1/(t - 5.00123))", 5.00123),
+        ("sqrt(1 - cos(t)) + t", 2.0 * math.pi),
+        ("t + ((t - 5.00123)^2*(2 + sin(t)))^(1/2)", 5.00123),
+        ("t + 1e-4*asin(sin(t))", 0.5 * math.pi),
+        ("t + 1e-9*atan2(sin(t), cos(t))", math.pi),
+        ("t + 1e-9*(t - 5.00123)/sqrt((t - 5.00123)^2*(2 + sin(t)))", 5.00123),
+        (blend("min(max(t - 1, 0), 1)"), 0.0),
+        ("t + atan2(sin(t), 2 + cos(t)) + sqrt(1 + t) + log(1 + t) + 1/(2 + sin(t))", 0.0),
+        ("t + sin(t)/sqrt(t^2 + 1e-3) + acos(0.9*sin(t)) + ((t - 3)^2)^(3/2)", 0.0),
+    ],
+)
+def test_a_driver_leads_to_where_its_law_bends_or_jumps(
+    solver_of: Callable[..., Any], target: str, method: str, law: str, time: float
+) -> None:
+    start = law.startswith("sqrt(1") * 1e-3  # at t = 0 it has no rate
+    law = law.replace("1 - cos(t)", f"1 - cos(t + {start})")
+    solver = solver_of(SHAFT.format(law=law, load="-0.01*turn_dot"), target)
+    if not time:
+        run = solver.simulate(END, samples=3, method=method)
+        assert run.ledger.trust.is_trusted
+        return
+    with pytest.raises(MotionError, match=r"no step can be taken.*drivers\.motor"):
+        solver.simulate(END, samples=3, method=method)
+    with pytest.raises(MotionError) as caught:
+        solver.simulate(END, samples=3, method=method)
+    reached = float(str(caught.value).split("at t = ")[1].split(" s:")[0])
+    assert reached == pytest.approx(time - start, abs=1e-6)

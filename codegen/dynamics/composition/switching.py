@@ -104,7 +104,7 @@ def record_switching(
                 recorder.call(operation, ranges, parameters, into=(target,))
 
     if seen.switches or seen.features:
-        parts = {"switches": seen.switches, "features": seen.features}
+        parts = {"switches": seen.switches, "features": seen.features, "laws": seen.laws}
         record("switching", recorder.region("span", 2), parts)
     if seen.crossings or seen.narrow:
         region = recorder.region("measures", 2 * len(seen.measures))

@@ -56,7 +56,10 @@ COME_WITH = {
     ("HAS_REFINEMENT", "HAS_REACTIONS"): ("W_MORE_LAM",),
     ("HAS_REACTIONS",): ("W_LAM",),
     ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
-    ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
+    ("HAS_SWITCHING",): (
+        *("N_SWITCHES", "N_FEATURES", "N_LAWS"),
+        *("W_SPAN", "W_SWITCHES", "W_FEATURES", "W_LAWS"),
+    ),
     ("HAS_CROSSING",): (
         *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
         *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW"),

@@ -48,6 +48,7 @@ def sizes(program: Program) -> dict[str, int]:
         "N_WRENCHES": present.get("wrenches", 0),
         "N_SWITCHES": present.get("switches", 0) // BOUNDS,
         "N_FEATURES": present.get("features", 0) // BOUNDS,
+        "N_LAWS": present.get("laws", 0) // BOUNDS,
         "N_MEASURES": present.get("measures", 0) // 2,
         "N_CROSSINGS": present.get("crossings", 0) // BOUNDS,
         "N_NARROW": present.get("narrow", 0) // BOUNDS,
@@ -90,7 +91,7 @@ def tables(
     q, v = slots(program, "q"), slots(program, "v")
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
-    switched = has_row_switch(program)
+    switched, seen = has_row_switch(program), seen_of(system)
     left = (*program.left_out, *program.reduced)
     return {
         "parameters": list(system.parameters),
@@ -113,9 +114,12 @@ def tables(
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
         "measure_sizes": [
-            (one.name, float(measure_size(one, system, length))) for one in seen_of(system).measures
+            (one.name, float(measure_size(one, system, length))) for one in seen.measures
         ],
-        "events": [(one.name, (one.direction, ACTIONS.index(one.action))) for one in system.events],
+        "events": [
+            (one.name, (one.direction, ACTIONS.index(one.action), int(jumps)))
+            for one, jumps in zip(system.events, seen.jumps, strict=True)
+        ],
         "row_is_length": [
             (name, int(unit == "m"))
             for name, unit in (row_of(row, system) for row in (*program.rows, *left))

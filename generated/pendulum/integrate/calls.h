@@ -103,21 +103,24 @@ static int advance(
 }
 
 /* writes the row of an event that is still to be told, behind those of times, which it is not
- * counted with */
+ * counted with: those that end the run last, and of these the first ends it */
 static int report_event(const Method *m, const Settings *settings, State *s, Work *work,
     double *rows, size_t n_rows, size_t max_rows)
 {
+    size_t told = EVENTS, left = 0;
     for (size_t k = 0; k != EVENTS; ++k) {
         if (s->fired[k] == 0.0) continue;
-        if (n_rows == max_rows) return BUFFER_FULL;
-        const int status = write_row(m, settings, s->time, s, work, rows + n_rows * ROW_SIZE);
-        if (status != GOOD) return status;
-        s->event = (double)(1 + k);
-        if (events[k][1] == STOP) return STOPPED;
-        s->fired[k] = 0.0;
-        return EVENT;
+        if (told == EVENTS || events[told][1] == STOP) told = k;
+        ++left;
     }
-    return GOOD;
+    if (left == 0) return GOOD;
+    if (n_rows == max_rows) return BUFFER_FULL;
+    const int status = write_row(m, settings, s->time, s, work, rows + n_rows * ROW_SIZE);
+    if (status != GOOD) return status;
+    s->event = (double)(1 + told);
+    if (left == 1 && events[told][1] == STOP) return STOPPED;
+    s->fired[told] = 0.0;
+    return EVENT;
 }
 
 int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, size_t max_steps,

@@ -13,6 +13,13 @@
 #define SHORT 1e-4
 #define FORGETTING 0.9999
 #define LONG 0.1
+/* how far on both sides of a switch the laws of drivers are looked at, in parts of the time: one of
+ * these tells that they go on smoothly; what rounding leaves of them, relative to what they are; how
+ * much the third derivative may be beyond that on the sides */
+#define FAR_BESIDE 1e-6
+#define BESIDE 1e-7
+#define EQUAL 1e-12
+#define BENDING 4.0
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
@@ -80,12 +87,39 @@ static void find_switch(double end, State *s, Work *work)
     s->limit = s->behind = first;
 }
 
+/* whether laws of drivers go through a switch, so far before and behind, with two derivatives: of
+ * each what it changes by is what the next one tells of both sides */
+static int are_laws_smooth(double far, const State *s, double *w)
+{
+    double laws[ROOM(4 * N_LAWS)];
+    const double half = 0.5 * (s->behind - s->limit) + far, *after = w + W_LAWS;
+    bounds_between(s->limit - far, s->limit - far, w);
+    memcpy(laws, after, 4 * N_LAWS * sizeof *laws);
+    bounds_between(s->behind + far, s->behind + far, w);
+    for (size_t k = 0; k != N_LAWS; ++k) {
+        const size_t last = 4 * (k - k % 3 + 2) + 2; /* the third derivative */
+        const double a = laws[4 * k], b = after[4 * k];
+        const double left = b - a - half * (laws[4 * k + 2] + after[4 * k + 2]);
+        const double third = fabs(laws[last]) + fabs(after[last]);
+        const double powers[3] = { half * half * half, half * half, half };
+        const double bending = BENDING * third * powers[k % 3];
+        if (!(fabs(left) <= EQUAL * (fabs(a) + fabs(b)) + bending)) return 0;
+    }
+    return 1;
+}
+
 /* goes over the switch that a step has come to, and finds the next one. What is before it and what
- * is behind it is told by formulas on that side; nothing moves in between */
+ * is behind it is told by formulas on that side; nothing moves in between. Drivers that jump
+ * there lead no further */
 static int meet_switches(double end, State *s, Work *work)
 {
     while (s->time < end && !(s->time < s->limit)) {
         if (s->behind > s->time) {
+            const double span = larger(fabs(s->time), fabs(end));
+            if (N_LAWS > 0 && !are_laws_smooth(FAR_BESIDE * span, s, work->w) &&
+                !are_laws_smooth(BESIDE * span, s, work->w)) {
+                return STEP_TOO_SMALL;
+            }
             memcpy(s->y_before, s->y, NY * sizeof *s->y);
             memset(s->dense, 0, sizeof s->dense);
             s->time_before = s->time;
