@@ -33,7 +33,8 @@ FINITE = (
 )
 #: What else steps go by, and what the verdict rests on.
 NUMBERS = (
-    *("limit", "behind", "largest_pivot_ratio", "least_pivot_ratio", "drift", "row_drift"),
+    *("limit", "behind", "switched", "largest_pivot_ratio", "least_pivot_ratio"),
+    *("drift", "row_drift"),
     "momentum_errors",
 )
 #: These are NaN where formulas of a row have no value, which is counted and never trusted.

@@ -163,6 +163,7 @@ class State:
     least_inverse_pivot = Number("", "of all steps; 0 before the first")
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")
+    switched = Number("s", "where formulas switched last, of time or of the state")
     potential = Number("J", "potential energy at the start")
     energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum")
     row_drift = Number("-", "largest correction of a row between steps, relative to LENGTH")

@@ -89,7 +89,7 @@ static int meet_switches(double end, State *s, Work *work)
             memcpy(s->y_before, s->y, NY * sizeof *s->y);
             memset(s->dense, 0, sizeof s->dense);
             s->time_before = s->time;
-            s->time = smaller(s->behind, end);
+            s->time = s->switched = smaller(s->behind, end);
             forget_trials(work);
             if (!project(s->time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_PROJECTED;
         } else {
@@ -100,6 +100,15 @@ static int meet_switches(double end, State *s, Work *work)
         }
     }
     return GOOD;
+}
+
+/* where a step of length h towards an end ends: half-way from a switch to the next. Of equal steps
+ * none is nearly all of the way, where estimates of errors can be blind alike on each such way */
+static double even_end(double h, double end, const State *s)
+{
+    const double way = end - s->time;
+    const int is_between = s->time == s->switched && end == s->limit;
+    return is_between && h < way && way < 2.0 * h ? s->time + 0.5 * way : end;
 }
 
 /* whether samples of an interval tell how parts vary: their rates change as little */

@@ -112,7 +112,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             state.y_before[:] = state.y
             state.dense[:] = 0.0
             state.time_before = state.time
-            state.time = smaller(state.behind, end)
+            state.time = state.switched = smaller(state.behind, end)
             forget_trials(work)
             if project(state.time, 0.0, state.y, state.low, state.f, work, state) < 0.0:
                 return Status.NOT_PROJECTED
@@ -121,6 +121,17 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             if state.limit - state.time <= SMALLEST * larger(abs(state.time), abs(end)):
                 state.limit = state.time  # too near for a step
     return Status.GOOD
+
+
+def even_end(h: float, end: float, state: State) -> float:
+    """Return where a step of length h towards an end ends: half-way from a switch to the next.
+
+    Of equal steps none is nearly all of the way, where estimates of errors can be blind alike on
+    each such way.
+    """
+    way = end - state.time
+    is_between = state.time == state.switched and end == state.limit
+    return state.time + 0.5 * way if is_between and h < way < 2.0 * h else end
 
 
 def is_resolved(first: float, last: float, w: Workspace) -> bool:

@@ -191,7 +191,7 @@ def test_saved_run_that_does_not_fit_itself_is_refused(
         *(
             (name, np.nan, f"{name} in the state is no number")
             for name in (
-                *("drift", "row_drift", "limit", "behind", "largest_pivot_ratio"),
+                *("drift", "row_drift", "limit", "behind", "switched", "largest_pivot_ratio"),
                 *("energy_error", "energy_moved", "work_error", "violations"),
             )
         ),

@@ -114,6 +114,52 @@ def test_jumps_of_a_force_are_met(solver_of: Callable[..., Any]) -> None:
     assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-9)
 
 
+#: A force in half-waves: each begins and ends where formulas switch.
+HALF_WAVES = """
+name = "half_waves"
+unit = "m"
+outputs = ["energies"]
+parameters = { rate = 2000 }
+[bodies.block]
+point = true
+position = [0, 0, 0]
+velocity = [1, 0, 0]
+mass = 1
+[forces.push]
+type = "force"
+body = "block"
+force = ["10*max(0, sin(rate*t))", "0", "0"]
+"""
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-11])
+@pytest.mark.parametrize("rate", [200.0, 2000.0, 6283.0])
+def test_errors_of_steps_between_switches_do_not_add_up(
+    solver_of: Callable[..., Any], rate: float, tolerance: float
+) -> None:
+    solver = solver_of(HALF_WAVES)
+    settings: dict[str, Any] = {"parameters": {"rate": rate}, "tolerance": tolerance}
+    run = solver.simulate(5.0, samples=3, method="dop853", **settings)
+    waves, rest = divmod(5.0 * rate, 2.0 * math.pi)
+    speed = 1.0 + 10.0 / rate * (2.0 * waves + 1.0 - math.cos(min(rest, math.pi)))
+    healthy = 100.0 * tolerance * max(1.0, run.ledger.steps / 1000.0)
+    assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=0.1 * healthy)
+    assert run.ledger.works["push"] == pytest.approx((speed**2 - 1.0) / 2.0, rel=0.2 * healthy)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_halve_the_way_between_switches_with_the_same_bits(
+    solver_of: Callable[..., Any],
+) -> None:
+    rows = [
+        solver_of(HALF_WAVES, target=target)
+        .simulate(0.05, samples=4, method="dop853", tolerance=1e-11)
+        .rows
+        for target in ("c", "numpy")
+    ]
+    assert np.array_equal(*rows)
+
+
 #: A cart that meets what depends on where it is, and how fast.
 CART = """
 name = "cart"
