@@ -445,4 +445,5 @@ class Run:
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
-        return SavedRun(self.options, self.times, self.state.copy(), rows, self._events(self._told))
+        events = self._events(self._told)
+        return SavedRun(self.options, self.times, self.state.copy(), rows, events).sealed()
