@@ -153,7 +153,7 @@ class State:
     passed_time = Number("s", "when the last of them was")
     fallbacks = Number("-", "factorisations of all rows, those too that are left out")
     fallback_time = Number("s", "when the last of them was")
-    longest = Number("s", "the longest step before bounds of formulas of time, fading")
+    longest = Number("s", "longest step tried before bounds of formulas of time, fading")
     short_steps = Number("-", "steps in a row that are very short beside it")
     unresolved = Number("-", "steps over which bounds do not tell how formulas vary")
     unresolved_time = Number("s", "when the last of them was")

@@ -8,9 +8,11 @@
 /* how many intervals a search looks at before the run goes on to where it came */
 #define MOST_INTERVALS 4096
 /* so many steps in a row may be shorter by that factor than the longest before, which fades; then
- * steps go on unbounded, until they are long again */
+ * steps go on unbounded, until they are long again. The longest are what was tried, but no more than
+ * a few times what was made: a span says nothing of how long steps could be */
 #define MOST_SHORT 1000
 #define SHORT 1e-4
+#define GROWTH 10.0
 #define FORGETTING 0.9999
 #define LONG 0.1
 /* samples of an interval, by pieces between them */
@@ -148,7 +150,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
 {
     if (N_FEATURES == 0) return end;
     const double start = s->time, whole = smaller(h, end - start);
-    s->longest = larger(FORGETTING * s->longest, whole);
+    s->longest = larger(FORGETTING * s->longest, smaller(whole, GROWTH * s->stride));
     const double last_step = start - s->time_before;
     if (s->short_steps > MOST_SHORT && last_step < LONG * s->longest) {
         note_unresolved(start, s);

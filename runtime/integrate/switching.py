@@ -39,9 +39,11 @@ if TYPE_CHECKING:
 #: How many intervals a search looks at before the run goes on to where it came.
 MOST_INTERVALS = 4096
 #: So many steps in a row may be shorter by that factor than the longest before, which fades. Then
-#: steps go on unbounded, until they are long again.
+#: steps go on unbounded, until they are long again. The longest are what was tried, but no more
+#: than a few times what was made: a span says nothing of how long steps could be.
 MOST_SHORT = 1000
 SHORT = 1e-4
+GROWTH = 10.0
 FORGETTING = 0.9999
 LONG = 0.1
 #: Samples of an interval, by pieces between them.
@@ -160,7 +162,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
         return end
     start = first = state.time
     allowed = whole = smaller(h, end - start)
-    state.longest = larger(FORGETTING * state.longest, whole)
+    state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
     last_step = start - state.time_before
     if state.short_steps > MOST_SHORT and last_step < LONG * state.longest:
         note_unresolved(start, state)

@@ -125,7 +125,8 @@ class Trust:
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         if self.unresolved:
-            yield f"steps unresolved: {self.unresolved}"
+            count = f"{self.unresolved} step{'s' * (self.unresolved > 1)}"
+            yield f"narrow forces may be passed over in {count}"
         yield "error not estimated" if self.error is None else str(self.error)
 
     def __str__(self) -> str:

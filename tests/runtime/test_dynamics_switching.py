@@ -90,6 +90,19 @@ def test_works_do_not_depend_on_rows(
     assert run.ledger.works["load"] == pytest.approx(work, rel=3e-5)
 
 
+@pytest.mark.parametrize("rows", [2, 101])
+def test_fast_drivers_are_seen_however_few_the_rows(
+    solver_of: Callable[..., Any], rows: int
+) -> None:
+    law = "sin(200*pi*t) + 0.01*exp(-((t - 9.12345)*1e5)^2)"
+    solver = solver_of(SHAFT.format(law=law, load="-0.01*turn_dot"))
+    run = solver.simulate(END, samples=rows, method="kinematics")
+    # 0.01 A² sqrt(pi/2)/width of the bump, beside 0.01 ω²/2 T; their product is odd but for 1e-3
+    work = -0.005 * (200.0 * math.pi) ** 2 * END - 1e-6 * math.sqrt(math.pi / 2.0) * 1e5
+    assert run.ledger.unresolved == 0
+    assert run.ledger.works["load"] == pytest.approx(work, rel=1e-6)
+
+
 @pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_meet_switches_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
     for text in (PULSE, BUMP):
