@@ -408,7 +408,8 @@ class Run:
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
-        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where(self._residuals())}"
+        where = self._where(self._residuals())
+        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{where}"
 
     def _where(self, residuals: Array) -> str:
         """Name the joints that are open, and those whose rows are dependent."""

@@ -161,6 +161,21 @@ def test_errors_of_steps_between_switches_do_not_add_up(
 
 
 @pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("exponent", [100, 101, 1_000_000])
+def test_high_powers_have_values_of_negative_numbers(
+    solver_of: Callable[..., Any], target: str, exponent: int
+) -> None:
+    law = f"100*sin(pi*t/7.3)^{exponent}"
+    solver = solver_of(HALF_WAVES.replace("10*max(0, sin(rate*t))", law + " + 0*rate"), target)
+    run = solver.simulate(9.0, samples=3)
+    # of sin^n from 0 to pi; what is left at 9 s is nothing
+    part = math.lgamma((exponent + 1) / 2.0) - math.lgamma(exponent / 2.0 + 1.0)
+    speed = 1.0 + 100.0 * 7.3 / math.sqrt(math.pi) * math.exp(part)
+    assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-7)
+
+
+@pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_halve_the_way_between_switches_with_the_same_bits(
     solver_of: Callable[..., Any],
 ) -> None:
