@@ -19,14 +19,15 @@
  * far, where it is rounding */
 #define FORGIVEN 0.5
 #define CLEAR 1e-3
-/* what the worse of two estimates counts, of a step from a switch to the next: such steps begin and
- * end at the same phases of a force that repeats, so that their errors have one sign and add up, and
- * the better estimate can be blind at just these. Of a half-wave of a sine in one step of DOP853 it
- * is 4 times too small; this is 10 times too large */
+/* what the worse of two estimates counts, of a step from a switch to the next: such steps begin
+ * and end at the same phases of a force that repeats, so that their errors have one sign and add
+ * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
+ * DOP853 it is 4 times too small; this is 10 times too large */
 #define LOCKED 4e-3
-/* where drivers determine the motion, a step in which pivot ratios sink to this part of those at its
- * ends goes over a place where branches meet: errors keep those shorter that go by beside it. Ratios
- * go with the square of the distance from there; a stage from this part of the step on tells how */
+/* where drivers determine the motion, a step in which pivot ratios sink to this part of those at
+ * its ends goes over a place where branches meet: errors keep those shorter that go by beside it.
+ * Ratios go with the square of the distance from there; a stage from this part of the step on
+ * tells how */
 #define MEETING 0.04
 #define INSIDE 0.25
 /* a step is this much shorter than what would meet the tolerance */

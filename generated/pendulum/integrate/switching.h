@@ -8,8 +8,8 @@
 /* how many intervals a search looks at before the run goes on to where it came */
 #define MOST_INTERVALS 4096
 /* so many steps in a row may be shorter by that factor than the longest before, which fades; then
- * steps go on unbounded, until they are long again. The longest are what was tried, but no more than
- * a few times what was made: a span says nothing of how long steps could be */
+ * steps go on unbounded, until they are long again. The longest are what was tried, but no more
+ * than a few times what was made: a span says nothing of how long steps could be */
 #define MOST_SHORT 1000
 #define SHORT 1e-4
 #define GROWTH 10.0
