@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from kousoku.codegen.graph import Graph
     from kousoku.model.terms import Expression
 
-LARGEST_EXPONENT = 64
-"""Whole and half exponents up to it become products; beyond, exp and log cost less."""
+LARGEST_EXPONENT = 2**64
+"""Whole and half exponents up to it become products: exp and log have no value of negative numbers.
+A product of squares loses no more digits than rounding of its base does."""
 
 LARGEST_BITS = 8192
 """Bits of the largest exact constant; one with more is rounded to a double."""

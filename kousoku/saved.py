@@ -15,6 +15,7 @@ from kousoku.runtime.integrate.events import Told
 from kousoku.runtime.integrate.motion import Layout, Motion
 from kousoku.runtime.integrate.result import Named, not_generated, shown
 from kousoku.runtime.kinematics.trajectory import LINK, NODE, Trajectory
+from kousoku.runtime.saved import digest_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
@@ -28,9 +29,8 @@ if TYPE_CHECKING:
 
 #: Begins the names of arrays that are no columns: no part of a scene has a name with it.
 OWN = "kousoku/"
-FORMAT = 1
-#: The verdict on runs that were saved before it was kept.
-UNKNOWN = "trust: not known, this run was saved without its verdict"
+#: The second has a digest of the content.
+FORMAT = 2
 #: Characters of a reason that a message shows.
 LONGEST = 160
 #: Tables of a linkage, and the output that each comes with.
@@ -81,9 +81,9 @@ class KeptMotion(Kept, tag="bodies", kw_only=True):
     parameters: dict[str, float]
     ledger: str
     figures: dict[str, Any]
-    counts: tuple[int, ...] = ()
-    trust: str = UNKNOWN
-    trust_figures: dict[str, Any] = {}
+    counts: tuple[int, ...]
+    trust: str
+    trust_figures: dict[str, Any]
 
 
 class KeptTrajectory(Kept, tag="nodes", kw_only=True):
@@ -234,6 +234,7 @@ def arrays_of(result: Result) -> dict[str, Any]:
             parts=parts,
         )
     arrays["about"] = np.array(msgspec.json.encode(about).decode())
+    arrays["digest"] = np.array(digest_of(arrays))
     return {f"{OWN}{name}": values for name, values in arrays.items()}
 
 
@@ -261,7 +262,12 @@ def open_run(path: str | Path) -> Result:
         text = str(arrays["about"])
         number = msgspec.json.decode(text, type=Kept).format
         if number != FORMAT:
-            raise ValueError(f"its format is {number}, this kousoku reads {FORMAT}")
+            raise ValueError(
+                f"its format is {number}, this kousoku reads {FORMAT}; make the run again and save"
+                " it, or read its columns with numpy.load"
+            )
+        if str(arrays.pop("digest")) != digest_of(arrays):
+            raise ValueError("its content is not what was saved, as its digest tells")
         about = msgspec.json.decode(text, type=KeptMotion | KeptTrajectory)
         if isinstance(about, KeptMotion):
             return _motion(about, arrays)

@@ -237,7 +237,7 @@ class Run:
             status = self._begin()
         self.seconds["start"] = perf_counter() - begin
         if status != Status.GOOD:
-            where = "" if status == Status.NOT_CLOSED else self._where()
+            where = "" if status == Status.NOT_CLOSED else self._where(self._gaps(y))
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{self._still()}")
 
     def _still(self) -> str:
@@ -257,6 +257,14 @@ class Run:
 
         target = self.solver.target
         return evaluated(target.evaluate, self._values, target.work_size, self._there.places)
+
+    def _gaps(self, y: Array) -> Array:
+        """Return what is left of the rows where the start came, with the parameters of the run.
+
+        On the way there others were tried, of which a small gap was left.
+        """
+        found = self._evaluate()(y[: len(self._q)], y[len(self._q) :])["C"]
+        return found if np.isfinite(found).all() else self._residuals()
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
@@ -403,13 +411,12 @@ class Run:
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
-        return (
-            f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{self._where()}{self._still()}"
-        )
+        where = self._where(self._residuals()) + self._still()
+        return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{where}"
 
-    def _where(self) -> str:
+    def _where(self, residuals: Array) -> str:
         """Name the joints that are open, and those whose rows are dependent."""
-        residuals, pivots = self._residuals(), self._scratch()
+        pivots = self._scratch()
         if self.solver.target.pivots(self._memory, pivots) != Status.GOOD:
             return ""
         text = joints_at_stop(self.solver.rows, residuals, pivots[:-1])
@@ -450,4 +457,5 @@ class Run:
     def save(self) -> SavedRun:
         """Return all that is needed to go on, as it is now."""
         rows = self._rows[: self.written].copy()
-        return SavedRun(self.options, self.times, self.state.copy(), rows, self._events(self._told))
+        events = self._events(self._told)
+        return SavedRun(self.options, self.times, self.state.copy(), rows, events).sealed()

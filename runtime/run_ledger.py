@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 #: Fields of the state that are counts, and fields of the ledger.
 COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
-    *("fallbacks", "refinements", "unresolved"),
+    *("fallbacks", "refinements", "unresolved", "branch_points"),
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -86,6 +86,10 @@ class RunLedger:
         Steps over which bounds do not tell how formulas vary, as near a quotient that is 0/0 or
         where fixed steps are long beside a narrow hill, and when the last of them was: what acts
         for a moment there may be passed over.
+    branch_points, branch_point_time : int, float or None [s]
+        Steps of a driven motion so near to where branches meet, as at the change points of a
+        parallelogram, that no length of a step tells them apart, and when the last of them was: the
+        motion was led straight on, and may be that of another branch.
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, or as good as that, and when
         the last of them is: the polynomial between the states before and after tells their
@@ -142,6 +146,8 @@ class RunLedger:
     passed_time: float | None
     unresolved: int
     unresolved_time: float | None
+    branch_points: int
+    branch_point_time: float | None
     fallbacks: int
     fallback_time: float | None
     refinements: int
@@ -261,6 +267,12 @@ class RunLedger:
                 f" last at t = {self.unresolved_time:.6g} s: what acts for a moment there may be"
                 f" passed over{'; a smaller step tells more' * (self.fixed_step is not None)}"
             )
+        if self.branch_points:
+            lines.append(
+                f"{self.branch_points} steps so near to where branches of the motion meet that none"
+                f" tells them apart, the last at t = {self.branch_point_time:.6g} s: the motion was"
+                " led straight on there, and may be that of another branch"
+            )
         if self.fallbacks:
             lines.append(
                 f"{self.fallbacks} factorisations of all rows, the last at t ="
@@ -319,6 +331,7 @@ def ledger_of(
         growth_time=single["least_pivot_ratio_time"],
         passed_time=single["passed_time"] if single["passed"] else None,
         unresolved_time=single["unresolved_time"] if single["unresolved"] else None,
+        branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         fallback_time=single["fallback_time"] if single["fallbacks"] else None,
         energy=single["energy"] if solver.is_weighed else None,
         energy_error=single["energy_error"] if options.checks and solver.is_weighed else None,

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +16,7 @@ from kousoku.runtime.options import METHODS, Options, options_of
 from kousoku.runtime.run_ledger import COUNTS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping
 
     import numpy.typing as npt
 
@@ -33,11 +34,22 @@ FINITE = (
 )
 #: What else steps go by, and what the verdict rests on.
 NUMBERS = (
-    *("limit", "behind", "largest_pivot_ratio", "least_pivot_ratio", "drift", "row_drift"),
+    *("limit", "behind", "switched", "largest_pivot_ratio", "least_pivot_ratio"),
+    *("drift", "row_drift"),
     "momentum_errors",
 )
 #: These are NaN where formulas of a row have no value, which is counted and never trusted.
 OF_ROWS = ("energy_error", "energy_moved", "work_error", "violations")
+
+
+def digest_of(arrays: Mapping[str, npt.NDArray[Any]]) -> str:
+    """Return the SHA-256 digest of arrays: of their names, types, shapes and content."""
+    total = hashlib.sha256()
+    for name in sorted(arrays):
+        array = np.asarray(arrays[name])
+        total.update(f"{name} {array.dtype.str} {array.shape}\n".encode())
+        total.update(array.tobytes())
+    return total.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +68,8 @@ class SavedRun:
         The rows that were written.
     events : array
         The place of an event, then the row there, of each that was told.
+    digest : str
+        SHA-256 of all the above.
     """
 
     options: Options
@@ -63,6 +77,13 @@ class SavedRun:
     state: Array
     rows: Array
     events: Array
+    digest: str = ""
+
+    def sealed(self) -> SavedRun:
+        """Return it with the digest of what it holds."""
+        arrays = {"times": self.times, "state": self.state, "rows": self.rows}
+        text = np.array(repr(self.options))
+        return replace(self, digest=digest_of(arrays | {"events": self.events, "options": text}))
 
     def __repr__(self) -> str:
         last = self.times[-1] if len(self.times) else 0.0
@@ -91,6 +112,11 @@ def checked(solver: DynamicsSolver, saved: object) -> SavedRun:
         events=numbers_of(solver.name, "events", saved.events),
     )
     problem = next(_problems(solver, found), "")
+    if not problem and replace(found, options=saved.options).sealed().digest != saved.digest:
+        problem = (
+            "its numbers are not those that were saved, as their digest tells; take a copy that"
+            " nothing changed, or begin again"
+        )
     if problem:
         raise SolveError(f"{solver.name}: the run cannot be resumed: {problem}")
     return found

@@ -318,6 +318,7 @@ class Trust(TypedDict):
     row_drift: Number | None
     pivot_ratio: Number | None
     unresolved: int
+    branch_point_time: Number | None
     error: ErrorEstimate | None
     limit: Number
     problems: list[str]
@@ -343,6 +344,8 @@ class RunLedger(TypedDict):
     passed_time: Number | None
     unresolved: int
     unresolved_time: Number | None
+    branch_points: int
+    branch_point_time: Number | None
     fallbacks: int
     fallback_time: Number | None
     refinements: int

@@ -20,7 +20,13 @@ from .crossing import (
 )
 from .dense_output import hermite_cubic
 from .methods import METHODS
-from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
+from .pivot_monitor import (
+    WEAK,
+    note_branch_point,
+    note_largest_pivot,
+    note_pivot_ratio,
+    pivot_ratio,
+)
 from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .scene import larger, smaller
@@ -126,11 +132,14 @@ def may_leap(
 
     There is another branch behind it. The ratio of pivots goes with the square of the distance from
     it, which changes at a steady rate: no half passes zero where it and those beside it change the
-    ratio by a small factor.
+    ratio by a small factor. What is too short to be halved is noted: no branch is known there.
     """
     low, high = smaller(before, after), larger(before, after)
     is_near = low < SMALL_PIVOT * state.largest_pivot_ratio and high > MOST_GROWTH * low
-    return is_near and h * work.w.size_of(last.y[work.scene.nq :]) > FINEST_WAY
+    is_long = h * work.w.size_of(last.y[work.scene.nq :]) > FINEST_WAY
+    if is_near and not is_long:
+        state.has_branch_point = 1.0
+    return is_near and is_long
 
 
 def middle_of(work: Work) -> Position:
@@ -152,6 +161,7 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
     h = 0.5 * (end - state.time) if in_halves else end - state.time
     first, middle, before = 0.0, 0.0, start
     forget_trials(work)
+    state.has_branch_point = 0.0 if in_halves else 1.0  # a leap is one over such a place
     if in_halves:
         first = predict_and_correct(state.time + h, h, start, half, work, state)
         if not is_smooth(h, first, start, half, work):
@@ -321,6 +331,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         if look.is_untold:
             note_unresolved(state.time, state)
     note_pivot_ratio(ratio, end, state)
+    note_branch_point(end, state, is_there=state.has_branch_point > 0.0)
     state.position_ratio = ratio
     state.largest_pivot_ratio = (
         ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)

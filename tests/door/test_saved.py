@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import kousoku as ks
+from kousoku.runtime.saved import digest_of
 from kousoku.saved import OWN
 
 if TYPE_CHECKING:
@@ -88,16 +89,27 @@ def test_bodies_are_opened_as_they_were(loop: ks.Result, tmp_path: Path) -> None
     require_same(loop, ks.open_run(kept(opened, tmp_path)))
 
 
-def test_a_run_that_was_saved_without_its_verdict_says_so(loop: ks.Result, tmp_path: Path) -> None:
-    with np.load(kept(loop, tmp_path)) as file:
+def test_a_file_of_before_there_was_a_digest_says_what_to_do(
+    loop: ks.Result, tmp_path: Path
+) -> None:
+    text = refused(forged(kept(loop, tmp_path), about=about(format=1), digest=lambda _: None))
+    assert "its format is 1, this kousoku reads 2; make the run again" in text
+
+
+@pytest.mark.parametrize("name", ["rows", "positions", "condition", "about"])
+def test_a_number_that_was_changed_is_not_read_as_a_result(
+    loop: ks.Result, lever: ks.Result, tmp_path: Path, name: str
+) -> None:
+    path = kept(loop if name == "rows" else lever, tmp_path)
+    with np.load(path) as file:
         arrays: dict[str, Any] = dict(file)
-    about = json.loads(str(arrays["kousoku/about"]))
-    del about["trust"], about["trust_figures"]
-    arrays["kousoku/about"] = np.array(json.dumps(about))
-    np.savez(tmp_path / "old.npz", **arrays)
-    opened = ks.open_run(tmp_path / "old.npz")
-    assert repr(opened).startswith("trust: not known, ")
-    assert opened.summary()["trust"] == {}
+    changed = arrays[OWN + name].copy()
+    if name == "about":
+        changed = about(name="other")(changed)
+    else:
+        changed.view(np.uint8).flat[-2] ^= 1
+    np.savez(path, **(arrays | {OWN + name: changed}))
+    assert "its content is not what was saved, as its digest tells" in refused(path)
 
 
 def test_a_linkage_is_opened_as_it_was(lever: ks.Result, tmp_path: Path) -> None:
@@ -183,12 +195,16 @@ def test_a_file_that_was_cut_off_or_changed_is_refused(lever: ks.Result, tmp_pat
 
 
 def forged(path: Path, **changed: Callable[[Any], Any]) -> Path:
-    """Write a file again with other arrays of its own."""
+    """Write a file again with other arrays of its own, and with their digest."""
     with np.load(path) as file:
         arrays = dict(file)
     for name, change in changed.items():
         if (new := change(arrays.pop(OWN + name))) is not None:
             arrays[OWN + name] = new
+    if "digest" not in changed:
+        own = {name.removeprefix(OWN): arrays[name] for name in arrays if name.startswith(OWN)}
+        del own["digest"]
+        arrays[f"{OWN}digest"] = np.array(digest_of(own))
     other = path.with_name("forged.npz")
     with zipfile.ZipFile(other, "w") as archive:
         for name, values in arrays.items():
@@ -223,7 +239,8 @@ def spoiled(*place: int, value: float = np.nan) -> Callable[[Any], Any]:
 @pytest.mark.parametrize(
     ("changed", "says"),
     [
-        ({"about": about(format=2)}, "its format is 2, this kousoku reads 1"),
+        ({"about": about(format=3)}, "its format is 3, this kousoku reads 2"),
+        ({"digest": lambda _: None}, "KeyError: 'digest'"),
         ({"about": about(type="wires")}, "Invalid value 'wires'"),
         ({"about": about(unit=7)}, "Expected `str`, got `int`"),
         ({"about": lambda _: np.array("{")}, "DecodeError"),

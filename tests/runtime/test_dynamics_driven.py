@@ -14,6 +14,7 @@ from kousoku.model.families import n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.result import shortly
 from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.motion import Motion
 
@@ -209,6 +210,24 @@ def test_steps_do_not_leap_onto_the_branch_beside_a_singular_configuration(
     wanted = pin(1.0 + RATE * motion.time, rocker)
     np.testing.assert_allclose(end_of(motion, "rocker", rocker), wanted, rtol=0, atol=1e-11)
     assert motion.ledger.steps < 300
+
+
+@pytest.mark.parametrize("method", ["kinematics", "dop853", "dopri5"])
+@pytest.mark.parametrize("gap", [0.0, 1e-15, 1e-12, 1e-10, 1e-8, 1e-4])
+def test_no_other_branch_is_followed_without_a_word(load: Load, gap: float, method: Any) -> None:
+    rocker = CRANK + gap
+    times = [0.0, 0.77 * math.tau / RATE]
+    motion = load(four_bar(rocker=rocker)).simulate(times=times, method=method, tolerance=1e-6)
+    wanted = pin(1.0 + RATE * motion.time, rocker)
+    is_there = np.abs(end_of(motion, "rocker", rocker) - wanted).max() < 1e-3
+    ledger = motion.ledger
+    assert is_there or ledger.branch_points > 0
+    assert gap < 1e-6 or ledger.branch_points == 0
+    if ledger.branch_points:
+        time = ledger.branch_point_time
+        assert -0.01 < time - (math.pi - 1.0) / RATE < 0.2
+        assert f"branch not known beyond t = {shortly(time, 6)} s" in str(ledger.trust)
+        assert "may be that of another branch" in str(ledger)
 
 
 @pytest.mark.parametrize("phase", [0.1, -3.0, 10.0, 50.0])

@@ -245,7 +245,7 @@ def test_state_of_another_solver_is_refused(in_numpy: Callable[[str], DynamicsSo
     saved = solver.begin([0.0, 1.0]).save()
     saved.state[0] += 2.0
     with pytest.raises(SolveError, match="belongs to another solver"):
-        solver.resume(saved)
+        solver.resume(saved.sealed())
 
 
 @pytest.mark.usefixtures("numpy_solver")

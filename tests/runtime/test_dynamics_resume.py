@@ -123,7 +123,7 @@ def test_state_of_another_solver_is_refused(load: Load) -> None:
         load(n_four_bar(1)).resume(saved)
     with pytest.raises(SolveError, match="another solver"):
         load(n_four_bar(1)).resume(load(n_four_bar(1, rate=-2.0)).begin(TIMES).save())
-    empty = replace(saved, state=np.zeros_like(saved.state))
+    empty = replace(saved, state=np.zeros_like(saved.state)).sealed()
     with pytest.raises(SolveError, match="is not started"):
         load(chain(2)).resume(empty)
 
@@ -191,7 +191,7 @@ def test_saved_run_that_does_not_fit_itself_is_refused(
         *(
             (name, np.nan, f"{name} in the state is no number")
             for name in (
-                *("drift", "row_drift", "limit", "behind", "largest_pivot_ratio"),
+                *("drift", "row_drift", "limit", "behind", "switched", "largest_pivot_ratio"),
                 *("energy_error", "energy_moved", "work_error", "violations"),
             )
         ),
@@ -207,12 +207,29 @@ def test_saved_state_that_was_forged_is_refused(
         solver.resume(changed(solver, run.save(), name, value))
 
 
+@pytest.mark.parametrize("part", ["rows", "state", "times", "options", "digest"])
+def test_number_that_was_changed_is_not_gone_on_from(load: Load, part: str) -> None:
+    solver = load(scene_from_toml(SPRING))
+    run = solver.begin(TIMES)
+    run.advance(3, 5)
+    saved = run.save()
+    other: Any = ""
+    if part == "options":
+        other = replace(saved.options, tolerance=1.1 * saved.options.tolerance)
+    elif part != "digest":
+        other = getattr(saved, part).copy()
+        place = solver.state["y"].place if part == "state" else -1
+        other.flat[place] = np.nextafter(other.flat[place], np.inf)
+    with pytest.raises(SolveError, match="are not those that were saved, as their digest tells"):
+        solver.resume(replace(saved, **{part: other}))
+
+
 def test_run_that_had_no_value_somewhere_is_resumed_and_not_trusted(load: Load) -> None:
     solver = load(chain(2))
     run = solver.begin(TIMES)
     run.advance(3, 5)
     saved = changed(solver, run.save(), "not_finite", 1.0)
-    resumed = solver.resume(changed(solver, saved, "energy_error", np.nan)).finish()
+    resumed = solver.resume(changed(solver, saved, "energy_error", np.nan).sealed()).finish()
     assert not resumed.ledger.trust.is_trusted
 
 

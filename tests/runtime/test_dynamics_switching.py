@@ -91,6 +91,19 @@ def test_works_do_not_depend_on_rows(
     assert run.ledger.works["load"] == pytest.approx(work, rel=3e-5)
 
 
+@pytest.mark.parametrize("rows", [2, 101])
+def test_fast_drivers_are_seen_however_few_the_rows(
+    solver_of: Callable[..., Any], rows: int
+) -> None:
+    law = "sin(200*pi*t) + 0.01*exp(-((t - 9.12345)*1e5)^2)"
+    solver = solver_of(SHAFT.format(law=law, load="-0.01*turn_dot"))
+    run = solver.simulate(END, samples=rows, method="kinematics")
+    # 0.01 A² sqrt(pi/2)/width of the bump, beside 0.01 ω²/2 T; their product is odd but for 1e-3
+    work = -0.005 * (200.0 * math.pi) ** 2 * END - 1e-6 * math.sqrt(math.pi / 2.0) * 1e5
+    assert run.ledger.unresolved == 0
+    assert run.ledger.works["load"] == pytest.approx(work, rel=1e-6)
+
+
 @pytest.mark.usefixtures("numpy_solver")
 def test_both_targets_meet_switches_with_the_same_bits(solver_of: Callable[..., Any]) -> None:
     for text in (PULSE, BUMP):
@@ -113,6 +126,67 @@ def test_jumps_of_a_force_are_met(solver_of: Callable[..., Any]) -> None:
     run = solver_of(hit).simulate(END, parameters={"place": math.e})
     speed = END - 2.0 * math.e + 6.0 + 1.0 - math.cos(END - 3.0 * math.pi)
     assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-9)
+
+
+#: A force in half-waves: each begins and ends where formulas switch.
+HALF_WAVES = """
+name = "half_waves"
+unit = "m"
+outputs = ["energies"]
+parameters = { rate = 2000 }
+[bodies.block]
+point = true
+position = [0, 0, 0]
+velocity = [1, 0, 0]
+mass = 1
+[forces.push]
+type = "force"
+body = "block"
+force = ["10*max(0, sin(rate*t))", "0", "0"]
+"""
+
+
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-11])
+@pytest.mark.parametrize("rate", [200.0, 2000.0, 6283.0])
+def test_errors_of_steps_between_switches_do_not_add_up(
+    solver_of: Callable[..., Any], rate: float, tolerance: float
+) -> None:
+    solver = solver_of(HALF_WAVES)
+    settings: dict[str, Any] = {"parameters": {"rate": rate}, "tolerance": tolerance}
+    run = solver.simulate(5.0, samples=3, method="dop853", **settings)
+    waves, rest = divmod(5.0 * rate, 2.0 * math.pi)
+    speed = 1.0 + 10.0 / rate * (2.0 * waves + 1.0 - math.cos(min(rest, math.pi)))
+    healthy = 100.0 * tolerance * max(1.0, run.ledger.steps / 1000.0)
+    assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=0.1 * healthy)
+    assert run.ledger.works["push"] == pytest.approx((speed**2 - 1.0) / 2.0, rel=0.2 * healthy)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("exponent", [100, 101, 1_000_000])
+def test_high_powers_have_values_of_negative_numbers(
+    solver_of: Callable[..., Any], target: str, exponent: int
+) -> None:
+    law = f"100*sin(pi*t/7.3)^{exponent}"
+    solver = solver_of(HALF_WAVES.replace("10*max(0, sin(rate*t))", law + " + 0*rate"), target)
+    run = solver.simulate(9.0, samples=3)
+    # of sin^n from 0 to pi; what is left at 9 s is nothing
+    part = math.lgamma((exponent + 1) / 2.0) - math.lgamma(exponent / 2.0 + 1.0)
+    speed = 1.0 + 100.0 * 7.3 / math.sqrt(math.pi) * math.exp(part)
+    assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-7)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_halve_the_way_between_switches_with_the_same_bits(
+    solver_of: Callable[..., Any],
+) -> None:
+    rows = [
+        solver_of(HALF_WAVES, target=target)
+        .simulate(0.05, samples=4, method="dop853", tolerance=1e-11)
+        .rows
+        for target in ("c", "numpy")
+    ]
+    assert np.array_equal(*rows)
 
 
 #: A cart that meets what depends on where it is, and how fast.

@@ -24,10 +24,6 @@
 /* a node of Lobatto's rule of five, a part of a step: (1 - sqrt(3/7)) / 2 */
 #define LOBATTO 0.17267316464601143
 
-/* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
- * are checked only */
-enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
-
 /* a position and velocity, and their derivative */
 typedef struct {
     double *y, *f;
@@ -84,12 +80,15 @@ static int is_explained(double h, Position start, Position half, Position last)
 
 /* whether half a step of length h may leap over a singular configuration onto another branch: the
  * ratio of pivots goes with the square of the distance from it, which changes at a steady rate; no
- * half passes zero where it and those beside it change the ratio by a small factor */
-static int may_leap(double h, double before, double after, Position last, const State *s)
+ * half passes zero where it and those beside it change the ratio by a small factor. What is too
+ * short to be halved is noted: no branch is known there */
+static int may_leap(double h, double before, double after, Position last, State *s)
 {
     const double low = smaller(before, after), high = larger(before, after);
-    return low < SMALL_PIVOT * s->largest_pivot_ratio && high > MOST_GROWTH * low &&
-           h * size_of(last.y + NQ) > FINEST_WAY;
+    const int is_near = low < SMALL_PIVOT * s->largest_pivot_ratio && high > MOST_GROWTH * low;
+    const int is_long = h * size_of(last.y + NQ) > FINEST_WAY;
+    if (is_near && !is_long) s->has_branch_point = 1.0;
+    return is_near && is_long;
 }
 
 /* where the position in the middle of a step is kept, and that at its end */
@@ -104,6 +103,7 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     const double h = in_halves ? 0.5 * (end - s->time) : end - s->time;
     double first = 0.0, second, middle = 0.0, *change = work->k[4];
     forget_trials(work);
+    s->has_branch_point = in_halves ? 0.0 : 1.0; /* a leap is one over such a place */
     if (in_halves) {
         if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
         if (!is_smooth(h, first, start, half, change)) return 0;
@@ -274,6 +274,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             if (look.is_untold) note_unresolved(s->time, s);
         }
         note_pivot_ratio(ratio, end, s);
+        note_branch_point(end, s->has_branch_point > 0.0, s);
         s->position_ratio = ratio;
         s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio
                                      ? ratio / WEAK

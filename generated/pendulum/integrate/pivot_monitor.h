@@ -59,3 +59,15 @@ static void note_pivot_ratio(double ratio, double t, State *s)
     s->least_pivot_ratio = ratio;
     s->least_pivot_ratio_time = t;
 }
+
+/* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
+ * are checked only */
+enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
+
+/* notes a driven step to a time if branches meet so near to it that none is known */
+static void note_branch_point(double time, int is_there, State *s)
+{
+    if (!is_there) return;
+    s->branch_points += 1;
+    s->branch_point_time = time;
+}

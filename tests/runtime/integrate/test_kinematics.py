@@ -28,7 +28,7 @@ def work() -> Any:
 def state() -> Any:
     return SimpleNamespace(
         **{"time": 2.0, "step_size": 0.0, "largest_pivot_ratio": 1.0, "avoided": 0, "rejected": 0},
-        **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0},
+        **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "has_branch_point": 0.0},
     )
 
 
