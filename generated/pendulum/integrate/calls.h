@@ -95,6 +95,7 @@ static int advance(
     if (status == GOOD) {
         const double h = is_fixed ? settings->fixed_step
                                   : smaller(s->step_size, settings->largest_step);
+        if (!is_fixed) target = even_end(h, target, s);
         target = resolved_step(h, 1.0, target, s, work);
     }
     if (status == GOOD) status = step(m, settings, asked, target, s, work);

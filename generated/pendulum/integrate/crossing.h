@@ -27,6 +27,11 @@
 #define FINEST 1e-9
 /* the part of a step by which an event may be off where the step was cut, to be found again */
 #define SMALL 1e-3
+/* a function that passes zero is so much larger this much further away from it; where it jumps it is
+ * not, nor where it is infinite; it is looked at from so many roundings of time on */
+#define FURTHER 8.0
+#define GROWTH 1.5
+#define ROUNDINGS 64.0
 /* a step in which what was near to zero gets on a side within this part of it ends there */
 #define SOON 0.1
 /* what rates are known to of a length in a step, in units of the tolerance */
@@ -50,12 +55,12 @@ typedef struct {
     double time, read[ROOM(N_READ)], least[ROOM(N_SEEN)], most[ROOM(N_SEEN)];
 } Node;
 
-/* a step that is looked at, whose polynomial is in the state: what its values are known to, which
- * functions cross, where it was cut, and at which part of it at least, and whether samples leave
- * open how narrow parts vary somewhere in it */
+/* a step that is looked at, whose polynomial is in the state: what values are known to, in the
+ * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
+ * least, and whether samples leave open how narrow parts vary somewhere in it */
 typedef struct {
     const Method *m;
-    double start, h, least_part, slack, cut, noise[ROOM(N_READ)];
+    double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold;
 } Look;
 
@@ -75,7 +80,9 @@ static void read_at(double time, const Look *look, const State *s, Work *work, d
     memcpy(read, work->w + W_MEASURES, N_READ * sizeof *read);
 }
 
-static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
+/* what is seen at a time, where values are known to a noise */
+static void look_closely(
+    const double *noise, double time, const Look *look, const State *s, Work *work, Node *node)
 {
     double *w = work->w, *ranges = w + W_RANGES;
     read_at(time, look, s, work, node->read);
@@ -83,8 +90,8 @@ static void look_at(double time, const Look *look, const State *s, Work *work, N
     for (size_t k = 0; k != N_MEASURES; ++k) {
         double *own = ranges + 2 + 6 * k;
         for (size_t n = 0; n != 2; ++n) {
-            own[2 * n] = node->read[2 * k + n] - look->noise[2 * k + n];
-            own[2 * n + 1] = node->read[2 * k + n] + look->noise[2 * k + n];
+            own[2 * n] = node->read[2 * k + n] - noise[2 * k + n];
+            own[2 * n + 1] = node->read[2 * k + n] + noise[2 * k + n];
         }
         own[4] = own[5] = 0.0;
     }
@@ -93,6 +100,12 @@ static void look_at(double time, const Look *look, const State *s, Work *work, N
         node->least[k] = w[W_SEEN + 4 * k];
         node->most[k] = w[W_SEEN + 4 * k + 1];
     }
+}
+
+/* what is seen at a time of the motion */
+static void look_at(double time, const Look *look, const State *s, Work *work, Node *node)
+{
+    look_closely(look->noise, time, look, s, work, node);
 }
 
 /* makes the polynomial of a step from the state to y, whose rates at both ends are given */
@@ -114,8 +127,10 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         const double size = measure_sizes[k], *a = first + 2 * k, *b = last + 2 * k;
         const double most = larger(fabs(a[0]), fabs(b[0]));
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
-        look->noise[2 * k + 1] = settings->tolerance *
-                                 (larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h);
+        const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h;
+        look->noise[2 * k + 1] = settings->tolerance * fast;
+        look->rounding[2 * k] = SMALLEST * (size + most);
+        look->rounding[2 * k + 1] = SMALLEST * fast;
     }
 }
 
@@ -184,18 +199,26 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
     return stays_positive(first, last, falls, rises, b->time - a->time);
 }
 
+/* what values are known to where a function is looked for: an event that may jump does so in the
+ * polynomial */
+static const double *noise_of(size_t k, const Look *look)
+{
+    return (int)k < EVENTS && events[k][2] ? look->rounding : look->noise;
+}
+
 /* the first time between two nodes at which a function that crosses does: those of events are zero
  * there, the others beyond it, so that what follows is all on the other side */
 static double time_of(
     size_t k, const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
     const int side = -side_at(b, k);
+    const double *noise = noise_of(k, look);
     double first = a->time, last = b->time;
     Node node;
     while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
         const double time = 0.5 * (first + last);
         if (!(first < time && time < last)) break;
-        look_at(time, look, s, work, &node);
+        look_closely(noise, time, look, s, work, &node);
         const int is_behind = (int)k < EVENTS ? side * middle(&node, k) <= 0.0
                                               : side_at(&node, k) == -side;
         if (is_behind) last = time;
@@ -204,7 +227,8 @@ static double time_of(
     return last;
 }
 
-/* the first of the functions that cross between two nodes; only those that do so there are left */
+/* the first of the functions that cross between two nodes; only those that do so there are left.
+ * What is behind the end of the run does not count, however near it is */
 static double first_time(const Node *a, const Node *b, Look *look, const State *s, Work *work)
 {
     double times[ROOM(N_CROSSINGS)], first = b->time;
@@ -213,8 +237,14 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
         times[k] = time_of(k, a, b, look, s, work);
         first = smaller(first, times[k]);
     }
+    double together = first + look->slack;
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (look->crosses[k] && events[k][1] == STOP && times[k] <= first + look->slack) {
+            together = first + 4.0 * SMALLEST * fabs(first);
+        }
+    }
     for (size_t k = 0; k != N_CROSSINGS; ++k) {
-        look->crosses[k] = look->crosses[k] && times[k] <= first + look->slack;
+        look->crosses[k] = look->crosses[k] && times[k] <= together;
     }
     return first;
 }
@@ -277,16 +307,57 @@ static double cut_at(double end, Look *look)
     return end;
 }
 
+/* by how much a function differs from one side of a time to the other, so far away; negative where
+ * values, as far as they are known, are not on the sides of zero */
+static double gap_across(
+    size_t k, int side, double time, double far, const Look *look, const State *s, Work *work)
+{
+    Node a, b;
+    look_closely(look->rounding, time - far, look, s, work, &a);
+    look_closely(look->rounding, time + far, look, s, work, &b);
+    if (side_at(&a, k) != -side || side_at(&b, k) != side) return -1.0;
+    return side > 0 ? b.least[k] - a.most[k] : a.least[k] - b.most[k];
+}
+
+/* whether an event that gets on a side of zero in a step to an end is zero there. Else it jumps, or
+ * goes through infinity: right beside the place it is as large as further away, or larger. Where
+ * rounding hides that it counts as zero */
+static int passes_zero(size_t k, int side, double end, const Look *look, const State *s, Work *work)
+{
+    double first = look->start, last = end;
+    Node node;
+    if (!events[k][2]) return 1;
+    look_closely(look->rounding, end, look, s, work, &node);
+    if (side_at(&node, k) != side) last = end + SMALL * look->h;
+    while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
+        const double time = 0.5 * (first + last);
+        if (!(first < time && time < last)) break;
+        look_closely(look->rounding, time, look, s, work, &node);
+        if (side_at(&node, k) == side) last = time;
+        else first = time;
+    }
+    double far = ROUNDINGS * SMALLEST * larger(fabs(last), look->h);
+    for (; far < look->h / FURTHER; far *= FURTHER) {
+        const double gap = gap_across(k, side, last, far, look, s, work);
+        if (gap > 0.0) {
+            return gap_across(k, side, last, FURTHER * far, look, s, work) >= GROWTH * gap;
+        }
+    }
+    return 1;
+}
+
 /* where an event is that a step was cut for, by the polynomial of the step that ends near it */
 static double polished_cut(const Look *look, const State *s, Work *work)
 {
     const double most = SMALL * look->h;
     for (size_t k = 0; k != EVENTS; ++k) {
         if (!look->was_crossing[k]) continue;
+        if (!passes_zero(k, -(int)s->sides[k], look->cut, look, s, work)) continue;
         double before = look->cut - most, there = look->cut;
         Node a, b;
-        look_at(before, look, s, work, &a);
-        look_at(there, look, s, work, &b);
+        const double *noise = noise_of(k, look);
+        look_closely(noise, before, look, s, work, &a);
+        look_closely(noise, there, look, s, work, &b);
         for (int n = 0; n != 4 && middle(&a, k) != middle(&b, k); ++n) {
             const double slope = (middle(&b, k) - middle(&a, k)) / (there - before);
             const double time = there - middle(&b, k) / slope;
@@ -294,7 +365,7 @@ static double polished_cut(const Look *look, const State *s, Work *work)
             a = b;
             before = there;
             there = time;
-            look_at(there, look, s, work, &b);
+            look_closely(noise, there, look, s, work, &b);
         }
         return there;
     }
@@ -312,6 +383,7 @@ static void note_crossings(double end, const Look *look, State *s, Work *work)
         if (side == 0 || !(now == -side || is_there)) continue;
         s->sides[k] = -side;
         if ((int)k >= EVENTS || (events[k][0] != 0 && events[k][0] != -side)) continue;
+        if (!passes_zero(k, -side, end, look, s, work)) continue;
         s->counts[k] += 1.0;
         if (events[k][1] != COUNT) s->fired[k] = 1.0;
     }

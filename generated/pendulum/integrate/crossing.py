@@ -50,6 +50,11 @@ STEADY = 0.5
 FINEST = 1e-9
 #: The part of a step by which an event may be off where the step was cut, to be found again.
 SMALL = 1e-3
+#: A function that passes zero is so much larger this much further away from it; where it jumps it
+#: is not, nor where it is infinite. It is looked at from so many roundings of time on.
+FURTHER = 8.0
+GROWTH = 1.5
+ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
 #: What rates are known to of a length in a step, in units of the tolerance.
@@ -117,8 +122,8 @@ class Look:
         At which part of it at least it may be cut.
     slack : float [s]
         What crosses within it crosses together.
-    noise : (n, 2) array
-        What values are known to.
+    noise, rounding : (n, 2) array
+        What values are known to, in the motion and in its polynomial.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -134,6 +139,7 @@ class Look:
     least_part: float = 0.0
     slack: float = 0.0
     noise: Array = field(init=False)
+    rounding: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
@@ -165,11 +171,16 @@ def read_at(time: float, look: Look) -> Array:
 
 
 def look_at(time: float, look: Look) -> Node:
-    """Return what is seen at a time."""
+    """Return what is seen at a time of the motion."""
+    return look_closely(look.noise, time, look)
+
+
+def look_closely(noise: Array, time: float, look: Look) -> Node:
+    """Return what is seen at a time, where values are known to a noise."""
     w, read = look.work.w, read_at(time, look)
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
-    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - look.noise, read + look.noise, 0.0
+    own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
     w.run("crossing")
     least, most = w.seen.reshape(-1, 4).T[:2].copy()
     return Node(time, read, least, most)
@@ -191,6 +202,9 @@ def look_into(
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
+    look.rounding = np.empty_like(most)
+    look.rounding[:, 0] = SMALLEST * (sizes + most[:, 0])
+    look.rounding[:, 1] = SMALLEST * (most[:, 1] + SLOW * sizes / h)
 
 
 def bound_seen(a: Node, b: Node, look: Look) -> Array:
@@ -245,6 +259,15 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     return told
 
 
+def noise_of(k: int, look: Look) -> Array:
+    """Return what values are known to where a function is looked for.
+
+    An event that may jump does so in the polynomial.
+    """
+    events = look.work.scene.events
+    return look.rounding if k < len(events) and events[k, 2] else look.noise
+
+
 def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     """Return the first time between two nodes at which a function that crosses does.
 
@@ -252,12 +275,12 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
     side.
     """
     side, first, last = -float(side_at(b)[k]), a.time, b.time
-    is_event = k < len(look.work.scene.events)
+    is_event, noise = k < len(look.work.scene.events), noise_of(k, look)
     while last - first > SMALLEST * larger(abs(first), abs(last)):
         time = 0.5 * (first + last)
         if not first < time < last:
             break
-        node = look_at(time, look)
+        node = look_closely(noise, time, look)
         if side * middle(node)[k] <= 0.0 if is_event else side_at(node)[k] == -side:
             last = time
         else:
@@ -266,11 +289,19 @@ def time_of(k: int, a: Node, b: Node, look: Look) -> float:
 
 
 def first_time(a: Node, b: Node, look: Look) -> float:
-    """Return when the first function crosses; only those that do so there are left."""
+    """Return when the first function crosses; only those that do so there are left.
+
+    What is behind the end of the run does not count, however near it is.
+    """
+    events = look.work.scene.events
     times = {int(k): time_of(int(k), a, b, look) for k in np.flatnonzero(look.crosses)}
     first = min(times.values())
+    together = first + look.slack
     for k, time in times.items():
-        look.crosses[k] = time <= first + look.slack
+        if k < len(events) and ACTIONS[events[k, 1]] == "stop" and time <= first + look.slack:
+            together = first + 4.0 * SMALLEST * abs(first)
+    for k, time in times.items():
+        look.crosses[k] = time <= together
     return first
 
 
@@ -316,15 +347,57 @@ def seen_end(end: float, look: Look) -> float:
     return a.time if nearest < a.time < end else end
 
 
+def gap_across(k: int, side: float, time: float, far: float, look: Look) -> float:
+    """Return by how much a function differs from one side of a time to the other, so far away.
+
+    It is negative where values, as far as they are known, are not on the sides of zero.
+    """
+    a = look_closely(look.rounding, time - far, look)
+    b = look_closely(look.rounding, time + far, look)
+    if side_at(a)[k] != -side or side_at(b)[k] != side:
+        return -1.0
+    return float(b.least[k] - a.most[k] if side > 0.0 else a.least[k] - b.most[k])
+
+
+def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
+    """Return whether an event that gets on a side of zero in a step to an end is zero there.
+
+    Else it jumps, or goes through infinity: right beside the place it is as large as further away,
+    or larger. Where rounding hides that it counts as zero.
+    """
+    if look.work.scene.events[k, 2] == 0:
+        return True
+    first, last = look.start, end
+    if side_at(look_closely(look.rounding, end, look))[k] != side:
+        last = end + SMALL * look.h
+    while last - first > SMALLEST * larger(abs(first), abs(last)):
+        time = 0.5 * (first + last)
+        if not first < time < last:
+            break
+        if side_at(look_closely(look.rounding, time, look))[k] == side:
+            last = time
+        else:
+            first = time
+    far = ROUNDINGS * SMALLEST * larger(abs(last), look.h)
+    while far < look.h / FURTHER:
+        gap = gap_across(k, side, last, far, look)
+        if gap > 0.0:
+            return gap_across(k, side, last, FURTHER * far, look) >= GROWTH * gap
+        far *= FURTHER
+    return True
+
+
 def polished_cut(look: Look) -> float:
     """Return where an event is that a step was cut for, by the step that ends near it."""
     most, cut = SMALL * look.h, look.cut
-    found = np.flatnonzero(look.was_crossing[: len(look.work.scene.events)]).tolist()
-    if not found:
+    sides = look.state.sides
+    every = np.flatnonzero(look.was_crossing[: len(look.work.scene.events)]).tolist()
+    found = next((k for k in every if passes_zero(k, -sides[k], cut, look)), None)
+    if found is None:
         return cut
 
     def value(time: float) -> float:
-        return float(middle(look_at(time, look))[found[0]])
+        return float(middle(look_closely(noise_of(found, look), time, look))[found])
 
     before, there = cut - most, cut
     a, b = value(before), value(there)
@@ -348,7 +421,7 @@ def note_crossings(end: float, look: Look) -> None:
         if side == 0.0 or not (now[k] == -side or is_there):
             continue
         state.sides[k] = -side
-        if k < len(events) and events[k, 0] in {0, -side}:
+        if k < len(events) and events[k, 0] in {0, -side} and passes_zero(k, -side, end, look):
             state.counts[k] += 1.0
             if ACTIONS[events[k, 1]] != "count":
                 state.fired[k] = 1.0

@@ -114,9 +114,11 @@ static void coordinate(double *w) { (void)w; }
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
 #define N_FEATURES 0
+#define N_LAWS 0
 #define W_SPAN 0
 #define W_SWITCHES 0
 #define W_FEATURES 0
+#define W_LAWS 0
 static void switching(double *w) { (void)w; }
 #endif
 #ifndef HAS_CROSSING
@@ -155,9 +157,10 @@ static const size_t starts[ROOM(STARTS)][2];
 static const size_t positive[ROOM(POSITIVE)];
 /* for each row of the constraints whether its residual is a length, if some are left out */
 static const unsigned char row_is_length[ROOM(NCHECK)];
-/* what errors of measures are compared with; of events the direction, and what a run does then */
+/* what errors of measures are compared with; of events the direction, what a run does then, and
+ * whether the formula may jump */
 static const double measure_sizes[ROOM(N_MEASURES)];
-static const int events[ROOM(EVENTS)][2];
+static const int events[ROOM(EVENTS)][3];
 enum { RECORD, COUNT, STOP }; /* what that may be */
 
 #endif

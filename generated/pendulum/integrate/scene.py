@@ -94,8 +94,9 @@ class Scene:
         What residuals of rows are compared with, as corrections are, if some rows are left out.
     measure_sizes : (n,) array
         What errors are compared with of what formulas read.
-    events : (n, 2) array
-        Of each event the direction, and the place of what a run does then in ``ACTIONS``.
+    events : (n, 3) array
+        Of each event the direction, the place of what a run does then in ``ACTIONS``, and 1 where
+        its formula may jump.
     """
 
     name: str
@@ -141,7 +142,7 @@ class Scene:
         }
         for name in ("parameters", "floors", "inverse_masses", "measure_sizes"):
             found[name] = np.array(numbers(tables[name]))
-        widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 2}
+        widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3}
         for name, width in widths.items():
             found[name] = places(tables[name], width)
         for name in ("mass_places", "positive"):
@@ -287,6 +288,7 @@ class Workspace:
     span: Array
     switches: Array
     features: Array
+    laws: Array
     measures: Array
     ranges: Array
     crossings: Array

@@ -18,7 +18,7 @@ from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, larger, smaller, state_of
 from .settings import ACTIONS, Status
 from .stepper import first_step, step
-from .switching import meet_switches, resolved_step
+from .switching import even_end, meet_switches, resolved_step
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -247,7 +247,8 @@ class Solver:
             status = first_step(m, settings, end, s, work)
         if status == Status.GOOD:
             h = settings.fixed_step if is_fixed else smaller(s.step_size, settings.largest_step)
-            target = resolved_step(h, 1.0, target, s, work)
+            to = target if is_fixed else even_end(h, target, s)
+            target = resolved_step(h, 1.0, to, s, work)
         if status == Status.GOOD:
             status = step(m, settings, asked, target, s, work)
         if status == Status.GOOD and asked < s.time:

@@ -19,6 +19,17 @@
  * far, where it is rounding */
 #define FORGIVEN 0.5
 #define CLEAR 1e-3
+/* what the worse of two estimates counts, of a step from a switch to the next: such steps begin
+ * and end at the same phases of a force that repeats, so that their errors have one sign and add
+ * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
+ * DOP853 it is 4 times too small; this is 10 times too large */
+#define LOCKED 4e-3
+/* where drivers determine the motion, a step in which pivot ratios sink to this part of those at
+ * its ends goes over a place where branches meet: errors keep those shorter that go by beside it.
+ * Ratios go with the square of the distance from there; a stage from this part of the step on
+ * tells how */
+#define MEETING 0.04
+#define INSIDE 0.25
 /* a step is this much shorter than what would meet the tolerance */
 #define SAFETY 0.8
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -36,6 +47,7 @@ typedef struct {
     double h, drift, error;         /* its length [s], largest correction, error / tolerance */
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
+    double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
     double last_ratio;              /* that of the end */
     int is_last;                    /* whether it ends at the last time */
 } Trial;
@@ -109,13 +121,15 @@ static double estimate(const Method *m, const double *row, const Trial *trial, c
     return sqrt(sum / (double)(2 * NV)) / tolerance;
 }
 
-static double local_error(
-    const Method *m, const Trial *trial, const State *s, Work *work, double tolerance)
+/* the error of a step, in units of the tolerance; locked from a switch to the next */
+static double local_error(const Method *m, const Trial *trial, int is_locked, const State *s,
+    Work *work, double tolerance)
 {
     const double e = estimate(m, m->error, trial, s, work, tolerance);
     if (!m->error_2 || e * e == 0.0) return e;
     const double e2 = estimate(m, m->error_2, trial, s, work, tolerance);
-    return e * e / sqrt(e * e + 0.01 * e2 * e2);
+    const double best = e * e / sqrt(e * e + 0.01 * e2 * e2);
+    return is_locked ? larger(best, LOCKED * e2) : best;
 }
 
 /* the n-th stage of a step: y on the manifold, or near enough to it, and its derivative; 0 where
@@ -155,6 +169,10 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         trial->last_ratio = last_ratio(work, s);
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
+        if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
+            trial->inner_ratio = trial->last_ratio;
+            trial->inner = m->c[n];
+        }
     }
     return good;
 }
@@ -168,6 +186,18 @@ static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s
         trial->least_ratio = good ? smaller(trial->least_ratio, last_ratio(work, s)) : 0.0;
     }
     return good;
+}
+
+/* whether a parabola through pivot ratios sinks to nearly nothing in a step */
+static int goes_over_branches(const Trial *trial, const State *s)
+{
+    const double first = s->position_ratio, last = trial->last_ratio, x = trial->inner;
+    const double enough = MEETING * smaller(larger(first, last), s->largest_pivot_ratio);
+    const double bend = ((trial->inner_ratio - first) / x - (last - first)) / (x - 1.0);
+    const double slope = last - first - bend;
+    const int is_inside = slope < 0.0 && 0.0 < 2.0 * bend + slope;
+    const double least = is_inside ? first - slope * slope / (4.0 * bend) : 1.0;
+    return smaller(least, trial->least_ratio) < enough;
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
@@ -188,6 +218,8 @@ static void accept(
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
+    note_branch_point(s->time, IS_DRIVEN && goes_over_branches(trial, s), s);
+    s->position_ratio = trial->last_ratio;
     note_motion(h, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
@@ -235,9 +267,13 @@ static int step(
         if (is_fixed && good) trial.drift = larger(trial.drift, norm_error(m, h, s, work));
         if (good && (WORKS > 0 || settings->checks)) energy(work->w);
         if (good && settings->checks) trial.moved = energy_moved(work->w, work->y, s);
-        if (!is_fixed && good) trial.error = local_error(m, &trial, s, work, settings->tolerance);
+        if (!is_fixed && good) {
+            const int is_locked = trial.is_last && s->time == s->switched &&
+                                  (end == s->limit || end == look.cut);
+            trial.error = local_error(m, &trial, is_locked, s, work, settings->tolerance);
+        }
         const int is_vague = N_SEEN > 0 && is_fixed && good &&
-                             !(local_error(m, &trial, s, work, LEAST_PART) <= 1.0);
+                             !(local_error(m, &trial, 0, s, work, LEAST_PART) <= 1.0);
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
         const double last = trial.is_last ? end : s->time + h;
@@ -307,7 +343,10 @@ static int step(
             accept(m, &trial, end, rejected, work, s);
             if (N_SEEN > 0) note_crossings(last, &look, s, work);
             if (look.is_untold) note_unresolved(s->time_before, s);
-            if (s->time == look.cut) s->step_size = larger(s->step_size, before);
+            if (s->time == look.cut) {
+                s->step_size = larger(s->step_size, before);
+                s->switched = s->time;
+            }
             return GOOD;
         }
         rejected = 1;

@@ -8,9 +8,11 @@
 /* how many intervals a search looks at before the run goes on to where it came */
 #define MOST_INTERVALS 4096
 /* so many steps in a row may be shorter by that factor than the longest before, which fades; then
- * steps go on unbounded, until they are long again */
+ * steps go on unbounded, until they are long again. The longest are what was tried, but no more
+ * than a few times what was made: a span says nothing of how long steps could be */
 #define MOST_SHORT 1000
 #define SHORT 1e-4
+#define GROWTH 10.0
 #define FORGETTING 0.9999
 #define LONG 0.1
 /* how far on both sides of a switch the laws of drivers are looked at, in parts of the time: one of
@@ -123,7 +125,7 @@ static int meet_switches(double end, State *s, Work *work)
             memcpy(s->y_before, s->y, NY * sizeof *s->y);
             memset(s->dense, 0, sizeof s->dense);
             s->time_before = s->time;
-            s->time = smaller(s->behind, end);
+            s->time = s->switched = smaller(s->behind, end);
             forget_trials(work);
             if (!project(s->time, 0.0, s->y, s->low, s->f, work, s, NULL)) return NOT_PROJECTED;
         } else {
@@ -134,6 +136,15 @@ static int meet_switches(double end, State *s, Work *work)
         }
     }
     return GOOD;
+}
+
+/* where a step of length h towards an end ends: half-way from a switch to the next. Of equal steps
+ * none is nearly all of the way, where estimates of errors can be blind alike on each such way */
+static double even_end(double h, double end, const State *s)
+{
+    const double way = end - s->time;
+    const int is_between = s->time == s->switched && end == s->limit;
+    return is_between && h < way && way < 2.0 * h ? s->time + 0.5 * way : end;
 }
 
 /* whether samples of an interval tell how parts vary: their rates change as little */
@@ -173,7 +184,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
 {
     if (N_FEATURES == 0) return end;
     const double start = s->time, whole = smaller(h, end - start);
-    s->longest = larger(FORGETTING * s->longest, whole);
+    s->longest = larger(FORGETTING * s->longest, smaller(whole, GROWTH * s->stride));
     const double last_step = start - s->time_before;
     if (s->short_steps > MOST_SHORT && last_step < LONG * s->longest) {
         note_unresolved(start, s);

@@ -39,9 +39,11 @@ if TYPE_CHECKING:
 #: How many intervals a search looks at before the run goes on to where it came.
 MOST_INTERVALS = 4096
 #: So many steps in a row may be shorter by that factor than the longest before, which fades. Then
-#: steps go on unbounded, until they are long again.
+#: steps go on unbounded, until they are long again. The longest are what was tried, but no more
+#: than a few times what was made: a span says nothing of how long steps could be.
 MOST_SHORT = 1000
 SHORT = 1e-4
+GROWTH = 10.0
 FORGETTING = 0.9999
 LONG = 0.1
 #: How far on both sides of a switch the laws of drivers are looked at, in parts of the time: one
@@ -145,7 +147,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             state.y_before[:] = state.y
             state.dense[:] = 0.0
             state.time_before = state.time
-            state.time = smaller(state.behind, end)
+            state.time = state.switched = smaller(state.behind, end)
             forget_trials(work)
             if project(state.time, 0.0, state.y, state.low, state.f, work, state) < 0.0:
                 return Status.NOT_PROJECTED
@@ -154,6 +156,17 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
             if state.limit - state.time <= SMALLEST * larger(abs(state.time), abs(end)):
                 state.limit = state.time  # too near for a step
     return Status.GOOD
+
+
+def even_end(h: float, end: float, state: State) -> float:
+    """Return where a step of length h towards an end ends: half-way from a switch to the next.
+
+    Of equal steps none is nearly all of the way, where estimates of errors can be blind alike on
+    each such way.
+    """
+    way = end - state.time
+    is_between = state.time == state.switched and end == state.limit
+    return state.time + 0.5 * way if is_between and h < way < 2.0 * h else end
 
 
 def is_resolved(first: float, last: float, w: Workspace) -> bool:
@@ -182,7 +195,7 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
         return end
     start = first = state.time
     allowed = whole = smaller(h, end - start)
-    state.longest = larger(FORGETTING * state.longest, whole)
+    state.longest = larger(FORGETTING * state.longest, smaller(whole, GROWTH * state.stride))
     last_step = start - state.time_before
     if state.short_steps > MOST_SHORT and last_step < LONG * state.longest:
         note_unresolved(start, state)

@@ -76,6 +76,9 @@ class Trust:
     unresolved : int
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
+    branch_point_time : float or None [s]
+        When drivers last led so near to where branches of the motion meet that rounding, or the
+        length of steps, decides which of them goes on.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
     limit : float
@@ -96,6 +99,7 @@ class Trust:
     row_drift: float | None
     pivot_ratio: float | None
     unresolved: int
+    branch_point_time: float | None
     error: Any
     limit: float
     problems: tuple[str, ...]
@@ -126,7 +130,11 @@ class Trust:
         if self.pivot_ratio is not None:
             yield f"smallest pivot {shortly(self.pivot_ratio)}"
         if self.unresolved:
-            yield f"steps unresolved: {self.unresolved}"
+            count = f"{self.unresolved} step{'s' * (self.unresolved > 1)}"
+            yield f"narrow forces may be passed over in {count}"
+        if self.branch_point_time is not None:
+            when = shortly(self.branch_point_time, 6)
+            yield f"branch not known beyond t = {when} s, where others meet it"
         yield "error not estimated" if self.error is None else str(self.error)
 
     def __str__(self) -> str:
@@ -243,6 +251,7 @@ def trust_of(
         row_drift=row_drift,
         pivot_ratio=single["least_pivot_ratio"] if has_pivots else None,
         unresolved=int(single["unresolved"]),
+        branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         error=error,
         limit=limit,
         problems=tuple(problems),
