@@ -48,6 +48,22 @@ def test_each_part_of_a_run_has_a_figure(loop: Result) -> None:
     assert labels(figures["a"]) == ["force [N]", "torque [N m]"]
 
 
+def test_forces_and_energies_of_a_scene_in_mm_are_in_newtons_and_joules() -> None:
+    """Its columns are in kg mm/s² and kg mm²/s², as their units say."""
+    run = moved("gear_train", 0.1, ["coordinates", "reactions", "energies"])
+    figures, units = plots.figures_of(run), run.units
+    assert labels(figures["energies"])[0] == "energy [J]"
+    assert labels(figures["rack_guide"]) == ["force [N]", "torque [N m]"]
+    for name, per, of in (
+        ("energy.kinetic", 1e-6, "kg mm²/s²"),
+        ("rack_guide.fy", 1e-3, "kg mm/s²"),
+        ("motor.mz", 1e-6, "kg mm²/s²"),
+    ):
+        (line,) = run.plot(name).axes[0].lines
+        np.testing.assert_allclose(line.get_ydata(), per * run[name], rtol=1e-12, atol=0.0)
+        assert units[name] == of
+
+
 def test_a_body_whose_origin_rests_is_drawn_by_its_centre_of_mass(loop: Result) -> None:
     figure = plots.figures_of(loop, of="rocker")["rocker"]
     assert labels(figure)[0] == "centre of mass [m]"
