@@ -146,6 +146,20 @@ def test_a_still_is_an_svg_of_one_moment() -> None:
     assert "grid" in animation.still() and "[m]" in animation.still()
 
 
+@pytest.mark.parametrize(
+    ("time", "message"),
+    [
+        (99, "arm: time 99; wanted one from 0 to 2 s"),
+        (-0.1, "arm: time -0.1; wanted one from 0 to 2 s"),
+        (float("nan"), "arm: time nan; wanted one from 0 to 2 s"),
+        ("x", "arm: time 'x'; wanted a number"),
+    ],
+)
+def test_a_still_of_no_moment_of_the_run_is_refused(time: Any, message: str) -> None:
+    with pytest.raises(SolveError, match=re.escape(message)):
+        animate(turning(), arm()).still(time)
+
+
 def test_a_path_of_many_turns_is_round_in_a_still() -> None:
     """Chords between 240 points of 48 turns would come as near to the middle as 0.8 of the arm."""
     picture = picture_of(turning(rows=1001, end=48 * np.pi), arm(), paths_of=[("bar", (0.5, 0, 0))])
