@@ -53,7 +53,7 @@ def test_forces_and_energies_of_a_scene_in_mm_are_in_newtons_and_joules() -> Non
     run = moved("gear_train", 0.1, ["coordinates", "reactions", "energies"])
     figures, units = plots.figures_of(run), run.units
     assert labels(figures["energies"])[0] == "energy [J]"
-    assert labels(figures["rack_guide"]) == ["force [N]", "torque [N m]"]
+    assert labels(figures["rack_guide"]) == ["force [N]"]
     for name, per, of in (
         ("energy.kinetic", 1e-6, "kg mm²/s²"),
         ("rack_guide.fy", 1e-3, "kg mm/s²"),
@@ -100,6 +100,8 @@ def test_columns_parts_and_pictures_are_chosen(loop: Result, tmp_path: Path) -> 
         assert file.read_bytes().startswith(begins)
     with pytest.raises(KeyError, match="did you mean 'rocking'"):
         loop.plot("rockin")
+    with pytest.raises(ks.SolveError, match="time is what columns are drawn over"):
+        loop.plot("time")
     a_list: Any = ["rocking", "motor"]
     with pytest.raises(ks.SolveError, match=r"no column .*; wanted names, one by one"):
         loop.plot(a_list)
