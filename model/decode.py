@@ -145,7 +145,7 @@ def _unknown_key(name: str, tree: Mapping[Any, object], record: type[msgspec.Str
     sort = tree.get("type")
     own = getattr(record, "keys_of_type", lambda _: ())(sort) if isinstance(sort, str) else ()
     listed = ", ".join(own or fields)
-    known = f"{with_a(sort)} has {listed}" if own else f"known here: {listed}"
+    known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"
     if name in NOT_THERE:
         return f"unknown key: {NOT_THERE[name]}; {known}"
     return f"unknown key; did you mean {near[0]!r}?" if near else f"unknown key; {known}"

@@ -60,7 +60,8 @@ def test_forces_and_energies_of_a_scene_in_mm_are_in_newtons_and_joules() -> Non
         ("motor.mz", 1e-6, "kg mm²/s²"),
     ):
         (line,) = run.plot(name).axes[0].lines
-        np.testing.assert_allclose(line.get_ydata(), per * run[name], rtol=1e-12, atol=0.0)
+        drawn = np.asarray(line.get_ydata(), dtype=float)
+        np.testing.assert_allclose(drawn, per * run[name], rtol=1e-12, atol=0.0)
         assert units[name] == of
 
 
