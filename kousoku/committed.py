@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from importlib import import_module
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from types import ModuleType
+from types import ModuleType
+from typing import Any
 
 __all__ = ["kinds"]
+
+
+class Kernels(ModuleType):
+    """The kernels of a kind as a module that pickles: by its name."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return import_module, (self.__name__,)
 
 
 class Kinds:
@@ -21,7 +26,12 @@ class Kinds:
     def __getattr__(self, name: str) -> ModuleType:
         if name not in _packages():
             raise AttributeError(f"no kernels of {name!r}; there are {', '.join(_packages())}")
-        return import_module(f"kousoku.generated.kinds.{name}")
+        module = import_module(f"kousoku.generated.kinds.{name}")
+        module.__class__ = Kernels
+        return module
+
+    def __reduce__(self) -> str:
+        return "kinds"
 
     def __dir__(self) -> list[str]:
         return [*object.__dir__(self), *_packages()]

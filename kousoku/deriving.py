@@ -42,7 +42,8 @@ def derive(
     Raises
     ------
     DerivationError
-        No kind has this name, or C cannot be derived; the message says what is wrong.
+        No kind has this name, or of one's own it is none or taken, or C cannot be derived; the
+        message says what is wrong.
 
     Examples
     --------
@@ -55,8 +56,11 @@ def derive(
         from kousoku.symbolic import derive as derive_kind
 
         return derive_kind(name)
+    from kousoku.symbolic.check import require_own_name
     from kousoku.symbolic.constraint import derive_constraint
     from kousoku.symbolic.vectors import constraint_of
+
+    require_own_name(name)
 
     return derive_constraint(constraint_of(name, C, title=title, source=source))
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from kousoku.model.errors import NotInResultError, SolveError
 from kousoku.plots import STYLE, Drawing, draw_linkage, save
-from kousoku.runtime.integrate.motion import BODY, COORDINATE, JOINT, Motion
+from kousoku.runtime.integrate.motion import BODY, COORDINATE, IN_METRES, JOINT, UNITS, Motion
 from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class Panel:
 
 
 def plot(result: Result, *columns: str) -> Figure:
-    """Draw columns of a run over time.
+    """Draw columns of a run over time; forces in N, torques in N m, energies in J.
 
     Parameters
     ----------
@@ -95,6 +95,8 @@ def plot(result: Result, *columns: str) -> Figure:
     main = (x for x in result.main_columns() if result.places[x].table != "inputs")
     names = list(columns) or [*main, *_efforts(result)]
     wanted = [x for name in names for x in result.columns_of(name)]
+    if {*wanted} == {"time"}:
+        raise SolveError(f"{result.name}: time is what columns are drawn over; name another column")
     return _figure(result, list(_panels(result, wanted, asked={*columns})))
 
 
@@ -184,7 +186,7 @@ def _panels(
             continue
         key = (place.table, place.owner if is_vector else "", place.unit)
         groups.setdefault(key, []).append(name)
-    for (table, owner, unit), names in groups.items():
+    for (table, owner, written), names in groups.items():
         curves, label = _curves(result, table, owner, names), LABELS.get(table, table)
         is_asked = not {*names}.isdisjoint(asked)
         center = _center(result, owner, curves) if owner and table == "position" else {}
@@ -194,8 +196,12 @@ def _panels(
         label = label.replace("_", " ")
         if not owner and len(curves) == 1 and not label:
             label = next(iter(curves))
-        known = f"{of}{label}".strip()
-        panel = Panel(f"{known} [{unit}]".strip(), curves, _size(result, table, unit))
+        known, unit, size = f"{of}{label}".strip(), written, _size(result, table, written)
+        if isinstance(result, Motion) and table in IN_METRES:  # mm and cm have no newtons
+            factor = result.layout.unit ** (2 if "u²" in UNITS[table] else 1)
+            curves = {own: factor * values for own, values in curves.items()}
+            unit, size = IN_METRES[table], factor * size
+        panel = Panel(f"{known} [{unit}]".strip(), curves, size)
         if is_asked or not panel.is_noise or len(groups) == 1:
             yield panel
 

@@ -18,6 +18,7 @@ from kousoku.model.angles import Angle
 from kousoku.model.design import Design, Formula, NumberOrAngle
 from kousoku.model.errors import SceneError
 from kousoku.model.problems import Problems
+from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
@@ -44,6 +45,8 @@ _FRICTION = (
     "there is no Coulomb friction; 'damping' is viscous, and a force along a coordinate s may be"
     " such as '-3*s_dot/sqrt(s_dot^2 + 1e-6)'"
 )
+#: What the key may say that tells in which order the numbers of a quaternion stand.
+QUATERNIONS = ("wxyz", "xyzw")
 NOT_THERE = dict.fromkeys(
     ("limits", "limit", "range", "lower", "upper", "stop", "stops", "min", "max"), _LIMITS
 ) | dict.fromkeys(("coefficient", "coulomb", "friction", "mu", "static", "dynamic"), _FRICTION)
@@ -142,7 +145,7 @@ def _unknown_key(name: str, tree: Mapping[Any, object], record: type[msgspec.Str
     sort = tree.get("type")
     own = getattr(record, "keys_of_type", lambda _: ())(sort) if isinstance(sort, str) else ()
     listed = ", ".join(own or fields)
-    known = f"a {sort} has {listed}" if own else f"known here: {listed}"
+    known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"
     if name in NOT_THERE:
         return f"unknown key: {NOT_THERE[name]}; {known}"
     return f"unknown key; did you mean {near[0]!r}?" if near else f"unknown key; {known}"
@@ -345,6 +348,8 @@ def _refusal(value: object, kind: Any) -> str:
     problem = f"{_got(value)} stands where {_wanted(kind)} is wanted"
     if isinstance(value, str) and kind in (int, float):
         problem += "; no formula may stand here, write the number itself"
+    if get_args(_without_none(kind)) == QUATERNIONS:
+        problem += "; it belongs to quaternion: angles have 'sequence', such as 'zyx', and 'about'"
     return problem
 
 

@@ -60,8 +60,8 @@ def name_problem(name: str) -> str | None:
         return f"the name {shown} has {len(name)} characters; at most {LONGEST} are allowed"
     if not re.fullmatch(PATTERN[1:-1], name):
         return (
-            f"{shown} is not a name: wanted an identifier, a letter followed by letters, digits "
-            "and single underscores, such as 'O1' or 'crank_pin'"
+            f"{shown} is not a name: wanted an identifier, a Latin letter (a-z, A-Z) followed by "
+            "such letters, digits and single underscores, such as 'O1' or 'crank_pin'"
         )
     if keyword.iskeyword(name):
         return f"{shown} is a Python keyword; choose another name, such as '{name}_1'"

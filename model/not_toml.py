@@ -14,6 +14,7 @@ LONGEST = 60
 _AT = re.compile(r"\(at line ([0-9]+), column ([0-9]+)\)")
 _TWICE = ("Cannot overwrite", "Cannot declare", "Cannot mutate", "Duplicate inline table key")
 _VALUE = re.compile(r"[^,\]}#]*")
+_BARE = re.compile(r"[-+]?\.[0-9]+([eE][-+]?[0-9]+)?")
 _FORMULA = re.compile(r"[-+(A-Za-z0-9_.][-+*/^().A-Za-z0-9_ ]*")
 
 
@@ -48,6 +49,8 @@ def _of_value(line: str, column: int) -> str:
         return ""
     found = _VALUE.match(line, start)
     value = found.group().strip() if found else ""
+    if _BARE.fullmatch(value):
+        return f"; write {value.replace('.', '0.', 1)}: a number has a digit before its point"
     if value.lower() in {"true", "false"}:
         return f"; wanted {value.lower()}, in small letters"
     if not _FORMULA.fullmatch(value) or not re.search("[A-Za-z*/^(]", value):

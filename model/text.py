@@ -31,3 +31,8 @@ def table(
 def counted(count: int, name: str, plural: str = "") -> str:
     """Return a count with its noun: ``1 body``, ``2 bodies``."""
     return f"{count} {name if count == 1 else plural or name + 's'}"
+
+
+def with_a(noun: str) -> str:
+    """Return a noun with its article: ``a hinge``, ``an edge``, ``a universal``."""
+    return f"{'an' if noun[:1] in 'aeiou' and not noun.startswith('uni') else 'a'} {noun}"

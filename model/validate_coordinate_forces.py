@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.decode import LARGEST, require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE, leaves_of, sort_of
+from kousoku.model.text import with_a
 from kousoku.model.validate_coordinates import check_leaves
 
 if TYPE_CHECKING:
@@ -48,7 +49,8 @@ def _check_angle(scene: Scene, force: Force, key: str) -> None:
     if leaves and ANGLE not in leaves:
         kind = scene.joints[joint].type
         raise SceneError(
-            f"{joint} is a {kind} joint, which has no angle that is one number", key=f"{key}.joint"
+            f"{joint} is {with_a(kind)} joint, which has no angle that is one number",
+            key=f"{key}.joint",
         )
     check_leaves(scene, joint, of if of or SECOND_ANGLE in leaves else ANGLE, key)
 

@@ -21,6 +21,7 @@ from kousoku.model.joints import (
 )
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
+from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
     from kousoku.model.problems import Problems
@@ -133,19 +134,19 @@ def check_leaves(scene: Scene, name: str, of: str | None, key: str) -> str:
     if not leaves:
         known = ", ".join(other for other, entry in JOINTS.items() if entry.leaves)
         raise SceneError(
-            f"{name} is a {kind} joint, which leaves free no angle or displacement that is one "
-            f"number; wanted one of {known}",
+            f"{name} is {with_a(kind)} joint, which leaves free no angle or displacement that is "
+            f"one number; wanted one of {known}",
             key=f"{key}.joint",
         )
     if of is not None and of not in leaves:
         raise SceneError(
-            f"{name} is a {kind} joint, which has no {of} that is one number; wanted "
+            f"{name} is {with_a(kind)} joint, which has no {of} that is one number; wanted "
             f"{listed([repr(leaf) for leaf in leaves], 'or')}",
             key=f"{key}.of",
         )
     if of is None and len(leaves) > 1:
         raise SceneError(
-            f"is missing; {name} is a {kind} joint, which leaves {len(leaves)} free: wanted "
+            f"is missing; {name} is {with_a(kind)} joint, which leaves {len(leaves)} free: wanted "
             f"{listed([repr(leaf) for leaf in leaves], 'or')}",
             key=f"{key}.of",
         )

@@ -8,6 +8,7 @@ from kousoku.model.decode import require_known
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import COUPLINGS, NAMES, leaves_of
 from kousoku.model.spatial import GROUND
+from kousoku.model.text import with_a
 from kousoku.model.validate_coordinates import check_counted
 
 if TYPE_CHECKING:
@@ -32,13 +33,13 @@ def check_coupling(scene: Scene, joint: Joint, key: str) -> None:
     for name in joint.__struct_fields__:
         if name not in ("type", *own) and getattr(joint, name) is not None:
             raise SceneError(
-                f"a {joint.type} couples what joints leave free, and has none; leave it out",
+                f"{with_a(joint.type)} couples what joints leave free, and has none; leave it out",
                 key=f"{key}.{name}",
             )
     for name in own:
         if getattr(joint, name) is None:
             raise SceneError(
-                f"is missing; a {joint.type} wants {WANTED[name]}", key=f"{key}.{name}"
+                f"is missing; {with_a(joint.type)} wants {WANTED[name]}", key=f"{key}.{name}"
             )
     if joint.joints is not None:
         _check_joints(scene, joint, key)
@@ -78,8 +79,8 @@ def _check_joints(scene: Scene, joint: Joint, key: str) -> None:
         kind = scene.joints[name].type
         if sort not in leaves_of(kind):
             raise SceneError(
-                f"{name} is a {kind} joint, which has no {sort} that is one number; wanted a joint "
-                f"that leaves one free",
+                f"{name} is {with_a(kind)} joint, which has no {sort} that is one number; wanted a "
+                f"joint that leaves one free",
                 key=place,
             )
         check_counted(scene, name, sort, place)

@@ -16,6 +16,7 @@ from kousoku.model.formulas import (
 from kousoku.model.loads import KEYS
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.spatial import GROUND
+from kousoku.model.text import with_a
 from kousoku.model.validate_coordinate_forces import (
     check_along,
     check_bushing,
@@ -77,7 +78,7 @@ def _check_keys(scene: Scene, force: Force, key: str) -> None:
     own = KEYS[force.type]
     for name in dict.fromkeys(name for names in KEYS.values() for name in names):
         if name not in own and getattr(force, name) is not None:
-            raise SceneError(f"a {force.type} has none; leave it out", key=f"{key}.{name}")
+            raise SceneError(f"{with_a(force.type)} has none; leave it out", key=f"{key}.{name}")
     if "bodies" in own:
         _check_ends(scene, force, key)
     CHECKS[force.type](scene, force, key)

@@ -11,6 +11,7 @@ from kousoku.model.drivers import time_of, way_of
 from kousoku.model.errors import SceneError
 from kousoku.model.joints import leaves_of, listed
 from kousoku.model.motion import turns_of
+from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
     from kousoku.model.planar import Input
@@ -124,12 +125,13 @@ def _check_joint(scene: Scene, given: Input, joint: str, key: str) -> None:
             if not leaves
             else f"leaves free {listed(leaves)}; wanted a driver with 'of'"
         )
-        raise SceneError(f"{joint} is a {kind} joint, which {problem}", key=f"{key}.joint")
+        raise SceneError(f"{joint} is {with_a(kind)} joint, which {problem}", key=f"{key}.joint")
     if leaves[0] == "displacement":
         _refuse_angles(given, key)
         if given.turns is not None:
             raise SceneError(
-                f"{joint} is a {kind} joint, which makes no turns; wanted 'to'", key=f"{key}.turns"
+                f"{joint} is {with_a(kind)} joint, which makes no turns; wanted 'to'",
+                key=f"{key}.turns",
             )
         if given.to is None:
             raise SceneError("is missing; wanted the last displacement", key=f"{key}.to")

@@ -11,6 +11,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.orientation import check_orientation
 from kousoku.model.problems import Problems
 from kousoku.model.spatial import SOLIDS
+from kousoku.model.text import with_a
 
 if TYPE_CHECKING:
     from kousoku.model.spatial import Body
@@ -75,7 +76,7 @@ def _check_solid(solid: object, key: str, problems: Problems) -> None:
 def _check_positive(value: float | None, what: str, unit: str, key: str) -> None:
     if value is None or not 1 / LARGEST <= value <= LARGEST:
         shown = f"{value!r} {unit}".rstrip()
-        raise SceneError(f"a {what} of {shown}; wanted a positive {what}", key=key)
+        raise SceneError(f"{with_a(what)} of {shown}; wanted a positive {what}", key=key)
 
 
 def _check_inertia(body: Body, key: str) -> None:

@@ -13,6 +13,7 @@ from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.orientation import check_orientation
 from kousoku.model.planar import Method
 from kousoku.model.spatial import GROUND
+from kousoku.model.text import with_a
 from kousoku.model.validate_coordinates import check_coordinates
 from kousoku.model.validate_couplings import check_coupling
 from kousoku.model.validate_forces import check_event, check_force, check_gravity
@@ -152,8 +153,8 @@ def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -
     for index, name in enumerate(joint.ends):
         if name != GROUND and scene.bodies[name].point and kind.turns(index):
             raise SceneError(
-                f"{name} is a point, which has no orientation that a {joint.type} joint could "
-                "keep; wanted a body that is no point",
+                f"{name} is a point, which has no orientation that {with_a(joint.type)} joint "
+                "could keep; wanted a body that is no point",
                 key=f"{key}.bodies[{index}]",
             )
 
@@ -169,7 +170,7 @@ def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
         for name in ("points", "at"):
             if getattr(joint, name) is not None:
                 raise SceneError(
-                    f"a {joint.type} joint has no point; leave it out", key=f"{key}.{name}"
+                    f"{with_a(joint.type)} joint has no point; leave it out", key=f"{key}.{name}"
                 )
         return
     if joint.at is not None and (joint.points is not None or NAMES[joint.type] == "rod"):
@@ -181,8 +182,8 @@ def _check_point(joint: Joint, kind: JointKind, key: str) -> None:
         raise SceneError(problem, key=f"{key}.at")
     if joint.points is None and joint.at is None:
         raise SceneError(
-            f"is missing; a {joint.type} joint wants its point in each body, or once in frame O "
-            "as 'at'",
+            f"is missing; {with_a(joint.type)} joint wants its point in each body, or once in"
+            " frame O as 'at'",
             key=f"{key}.points",
         )
 
@@ -192,12 +193,15 @@ def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
     given = [name for name in ("axes", "axis", "second_axis") if getattr(joint, name) is not None]
     if not kind.axes and not (kind.has_zero and joint.zero is not None):
         for name in given:
-            raise SceneError(f"a {joint.type} joint has no axis; leave it out", key=f"{key}.{name}")
+            raise SceneError(
+                f"{with_a(joint.type)} joint has no axis; leave it out", key=f"{key}.{name}"
+            )
         _check_zero(joint, kind, key)
         return
     if not given:
         raise SceneError(
-            f"is missing; a {joint.type} joint wants an axis in each body, or in frame O as 'axis'",
+            f"is missing; {with_a(joint.type)} joint wants an axis in each body, or in frame O as"
+            " 'axis'",
             key=f"{key}.axes",
         )
     if joint.axes is not None and len(given) > 1:
@@ -208,7 +212,7 @@ def _check_axes(joint: Joint, kind: JointKind, key: str) -> None:
         raise SceneError("is missing; wanted the axis of body j", key=f"{key}.second_axis")
     if kind.axes == 1 and joint.second_axis is not None:
         raise SceneError(
-            f"a {joint.type} joint has one axis; leave it out", key=f"{key}.second_axis"
+            f"{with_a(joint.type)} joint has one axis; leave it out", key=f"{key}.second_axis"
         )
     axes = {f"{key}.axes[{index}]": axis for index, axis in enumerate(joint.axes or ())}
     axes |= {f"{key}.{name}": getattr(joint, name) for name in given if name != "axes"}
@@ -222,7 +226,8 @@ def _check_zero(joint: Joint, kind: JointKind, key: str) -> None:
         return
     if not kind.has_zero:
         raise SceneError(
-            f"a {joint.type} joint has no angle, and keeps none; leave it out", key=f"{key}.zero"
+            f"{with_a(joint.type)} joint has no angle, and keeps none; leave it out",
+            key=f"{key}.zero",
         )
     _check_lengths({f"{key}.zero[{index}]": zero for index, zero in enumerate(joint.zero)})
     # Beside an axis in frame O they are looked at when the frames of the bodies are known.
@@ -240,10 +245,13 @@ def _check_numbers(joint: Joint, kind: JointKind, key: str) -> None:
     for name in ("pitch", "joints", "ratio", "radius", "coordinates", "factors"):
         given = getattr(joint, name)
         if given is not None and name not in kind.keys:
-            raise SceneError(f"a {joint.type} joint has none; leave it out", key=f"{key}.{name}")
+            raise SceneError(
+                f"{with_a(joint.type)} joint has none; leave it out", key=f"{key}.{name}"
+            )
     if "pitch" in kind.keys and joint.pitch is None:
         raise SceneError(
-            f"is missing; a {joint.type} joint wants its advance in one turn", key=f"{key}.pitch"
+            f"is missing; {with_a(joint.type)} joint wants its advance in one turn",
+            key=f"{key}.pitch",
         )
     if joint.pitch == 0:
         raise SceneError(
@@ -263,7 +271,9 @@ def _check_length(joint: Joint, key: str) -> None:
     if joint.length is None:
         return
     if not NAMES[joint.type] == "rod":
-        raise SceneError(f"a {joint.type} joint has no length; leave it out", key=f"{key}.length")
+        raise SceneError(
+            f"{with_a(joint.type)} joint has no length; leave it out", key=f"{key}.length"
+        )
     if not joint.length >= 1 / LARGEST:
         raise SceneError(
             f"a length of {joint.length!r}; wanted a positive length: where two points coincide, "

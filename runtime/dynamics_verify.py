@@ -22,6 +22,7 @@ from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.result import key_of
 from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.notice import silent
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
@@ -151,7 +152,9 @@ def _solvers(
         if target not in {"auto", wanted}:
             continue
         try:
-            yield load_dynamics(folder, target=wanted)
+            with silent():
+                solver = load_dynamics(folder, target=wanted)
+            yield solver
         except (NoCompilerError, TargetError) as error:
             text = f"{NAMES[wanted]} is not checked: {error}"
             (notes if target == "auto" else problems).append(text)

@@ -2,7 +2,25 @@
 
 from __future__ import annotations
 
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
 _said: set[str] = set()
+_is_silent = ContextVar("_is_silent", default=False)
+
+
+@contextmanager
+def silent() -> Iterator[None]:
+    """Say nothing meanwhile, in this thread: what is loaded is compared, and does not move."""
+    token = _is_silent.set(True)
+    try:
+        yield
+    finally:
+        _is_silent.reset(token)
 
 
 def say_once(message: str) -> None:
@@ -12,7 +30,7 @@ def say_once(message: str) -> None:
     warning of the `warnings` module, because a missing compiler is a condition of the machine and
     must not fail a program that turns warnings into errors.
     """
-    if message not in _said:
+    if message not in _said and not _is_silent.get():
         _said.add(message)
         import logging
 

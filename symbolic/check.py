@@ -75,21 +75,28 @@ def check_names(derivation: Derivation) -> None:
         A name is no identifier, is a word of C or Python, stands for two things, or is the name of
         a kind that kousoku ships.
     """
-    try:
-        shipped = packages_of(derivation.name)
-    except DerivationError:
-        shipped = ()
-    if shipped:
-        raise DerivationError(
-            f"{derivation.name!r} is taken by a kind that kousoku ships (they are "
-            f"{', '.join(KINDS)}, and their other names); choose another name for yours"
-        )
-    _check_each("a kind", derivation.name, (derivation.name,))
+    require_own_name(derivation.name)
     _check_each("a kernel", derivation.name, [function.name for function in derivation.functions])
     for function in derivation.functions:
         quantities = (*function.inputs, *(output.quantity for output in function.outputs))
         where = f"{derivation.name}.{function.name}"
         _check_each("an input or output", where, [quantity.name for quantity in quantities])
+
+
+def require_own_name(name: str) -> None:
+    """Refuse a name of a kind that cannot be emitted, or that is one of a kind kousoku ships."""
+    if not isinstance(name, str):
+        raise DerivationError(f"name of a kind: {name!r} is no text")
+    try:
+        shipped = packages_of(name)
+    except DerivationError:
+        shipped = ()
+    if shipped:
+        raise DerivationError(
+            f"{name!r} is taken by a kind that kousoku ships (they are "
+            f"{', '.join(KINDS)}, and their other names); choose another name for yours"
+        )
+    _check_each("a kind", name, (name,))
 
 
 def _check_each(what: str, where: str, names: Sequence[str]) -> None:

@@ -234,7 +234,10 @@ class Derivation:
     def __getitem__(self, key: int | slice) -> Step | Derivation:
         if isinstance(key, slice):
             return replace(self, steps=self.steps[key], numbers=self.step_numbers[key])
-        return self.steps[key]
+        try:
+            return self.steps[key]
+        except IndexError:
+            raise IndexError(f"{self.name} has no step {key}: there are {len(self)}") from None
 
     def __len__(self) -> int:
         return len(self.steps)

@@ -48,6 +48,23 @@ def test_each_part_of_a_run_has_a_figure(loop: Result) -> None:
     assert labels(figures["a"]) == ["force [N]", "torque [N m]"]
 
 
+def test_forces_and_energies_of_a_scene_in_mm_are_in_newtons_and_joules() -> None:
+    """Its columns are in kg mm/s² and kg mm²/s², as their units say."""
+    run = moved("gear_train", 0.1, ["coordinates", "reactions", "energies"])
+    figures, units = plots.figures_of(run), run.units
+    assert labels(figures["energies"])[0] == "energy [J]"
+    assert labels(figures["rack_guide"]) == ["force [N]"]
+    for name, per, of in (
+        ("energy.kinetic", 1e-6, "kg mm²/s²"),
+        ("rack_guide.fy", 1e-3, "kg mm/s²"),
+        ("motor.mz", 1e-6, "kg mm²/s²"),
+    ):
+        (line,) = run.plot(name).axes[0].lines
+        drawn = np.asarray(line.get_ydata(), dtype=float)
+        np.testing.assert_allclose(drawn, per * run[name], rtol=1e-12, atol=0.0)
+        assert units[name] == of
+
+
 def test_a_body_whose_origin_rests_is_drawn_by_its_centre_of_mass(loop: Result) -> None:
     figure = plots.figures_of(loop, of="rocker")["rocker"]
     assert labels(figure)[0] == "centre of mass [m]"
@@ -84,6 +101,8 @@ def test_columns_parts_and_pictures_are_chosen(loop: Result, tmp_path: Path) -> 
         assert file.read_bytes().startswith(begins)
     with pytest.raises(KeyError, match="did you mean 'rocking'"):
         loop.plot("rockin")
+    with pytest.raises(ks.SolveError, match="time is what columns are drawn over"):
+        loop.plot("time")
     a_list: Any = ["rocking", "motor"]
     with pytest.raises(ks.SolveError, match=r"no column .*; wanted names, one by one"):
         loop.plot(a_list)

@@ -97,6 +97,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
     from kousoku.codegen.dynamics.checking.start import forces_without_value
     from kousoku.codegen.dynamics.generate import composed
     from kousoku.model.about import notes_of_dry_friction
+    from kousoku.model.formulas import used_parameters
 
     made = composed(scene, scene.outputs)
     if names := forces_without_value(made.written):
@@ -104,9 +105,12 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
     degrees = f"{made.degrees} degree{'s' * (made.degrees != 1)} of freedom"
     tables = {"bodies": "body", "joints": "joint", "drivers": "driver"}
     tables |= {"inputs": "input", "forces": "force", "events": "event"}
+    used = used_parameters(scene)
+    unused = [name for name in scene.parameters if name not in used]
     return f"{_counted(scene, tables)}; {degrees}", (
         *made.about.notes,
         *notes_of_dry_friction(scene),
+        *(f"parameters.{name}: stands in no formula, and changes nothing" for name in unused),
     )
 
 

@@ -18,7 +18,7 @@ from kousoku.cli.console import (
     print_json,
     progress,
 )
-from kousoku.model.errors import EmitError
+from kousoku.model.errors import EmitError, KousokuError
 from kousoku.model.text import counted
 
 SourceTree = dict[str, str]
@@ -81,6 +81,14 @@ def generate(
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
     orders = [order for name in names or [""] for order in _orders(name, out, check)]
     if out is not None and len(orders) == 1 and _is_own(out):
+        _require_place(out, orders[0].folder.name, target)
+    if check and out is None and checkout() is None and not any(x.folder.exists() for x in orders):
+        raise EmitError(
+            f"--check: nothing was generated in {_kinds_folder().parent}: this"
+            " kousoku is no checkout; in one run make generate-check, or install it editable,"
+            " pip install -e ."
+        )
+    if out is not None and len(orders) == 1 and _is_own(out):
         orders = [replace(orders[0], folder=out)]
     is_all = not names and out is None and checkout() is not None
     with progress() as bar:
@@ -117,6 +125,32 @@ def _is_own(folder: Path) -> bool:
     from kousoku.runtime.library import MANIFEST
 
     return not folder.exists() or (folder / MANIFEST).is_file()
+
+
+def _require_place(out: Path, package: str, target: Emitted) -> None:
+    """Refuse a folder that cannot be imported as a package, or that holds another one.
+
+    Raises
+    ------
+    EmitError
+        The message says why.
+    """
+    from kousoku.model.manifest import Manifest
+    from kousoku.model.names import scene_name_problem
+    from kousoku.runtime.library import MANIFEST
+
+    name = out.resolve().name
+    if target is not Emitted.C and (problem := scene_name_problem(name)):
+        raise EmitError(f"--out {out}: Python could not import the package: {problem}")
+    try:
+        known = Manifest.from_json((out / MANIFEST).read_text(encoding="utf-8")).package
+    except (OSError, ValueError, KeyError, TypeError, KousokuError):
+        return  # it is new, or damaged and written again
+    if known != package:
+        raise EmitError(
+            f"--out {out}: holds the package of {known}, not of {package}; choose another folder,"
+            " or remove it first"
+        )
 
 
 def _shown(folder: Path) -> Path:

@@ -250,8 +250,10 @@ def _require_part(mechanism: Mechanism, name: str) -> None:
     scene = mechanism.scene
     known = [*(scene.bodies if scene.is_spatial else scene.nodes)]
     if name not in known:
-        option = "--body" if scene.is_spatial else "--node"
-        raise SolveError(f"{option} {name}: the scene has {', '.join(known)}")
+        from kousoku.runtime.integrate.result import unknown
+
+        part = "body" if scene.is_spatial else "node"
+        raise SolveError(f"{scene.name}: {unknown(part, name, known)}")
 
 
 def _columns(result: Result, names: Sequence[str] | None) -> list[str]:
@@ -345,6 +347,8 @@ def numbers_of(option: str, given: Sequence[str] | None) -> dict[str, float | st
             example = "angle=pi/6, or 'angle=30 deg'; a rate, angle_dot, is per second"
         if not (name and value):
             raise SolveError(f"{option} {text}: wanted a name, = and a number: {example}")
+        if name in values:
+            raise SolveError(f"{option} {text}: {name} is given twice; give it once")
         try:
             values[name] = _number(value)
         except ExpressionError as error:

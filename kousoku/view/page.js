@@ -435,28 +435,37 @@
     context.fill();
   }
 
-  // Paths are places in frame O, at no more frames than a screen can show.
-  const PATH = 240;
-  const tracks = scene.paths.map(({ body, s, color }) => {
+  // Paths are places in frame O: curves through all frames, with corners too small to be seen. What
+  // is straight has few points, and no more lines are drawn than a screen shows in time.
+  const [CORNER, PIECES, LEAST, MOST] = [0.12, 4, 240, 6000];
+  const tracks = (() => {
     const there = bodies.map(() => ({ r: [0, 0, 0], a: [1, 0, 0, 0, 1, 0, 0, 0, 1] }));
-    const count = Math.min(frames, PATH);
-    const points = [];
-    const times = [];
-    for (let k = 0; k < count; k++) {
-      times.push(start + (count > 1 ? (k / (count - 1)) * (end - start) : 0));
-      setPoses(times[k], there);
-      points.push(placed(body, s, there));
+    const times = Array.from({ length: frames }, (_, k) => start + k * step);
+    const found = scene.paths.map(() => []);
+    for (const time of times) {
+      setPoses(time, there);
+      scene.paths.forEach(({ body, s }, n) => found[n].push(placed(body, s, there)));
     }
-    return smooth(points, times, color);
-  });
+    return found.map((points, n) => curve(points, times, scene.paths[n].color));
+  })();
 
-  /** A path through points: a curve through each four of them, where there are only few. */
-  function smooth(points, times, color) {
-    const pieces = Math.max(1, Math.min(4, Math.floor(PATH / points.length)));
+  /** The curve through points: between two of them a cubic, of more pieces where it bends. */
+  function curve(points, times, color) {
     const found = { points: [points[0]], times: [times[0]], color };
-    for (let k = 1; k < points.length; k++) {
+    const last = points.length - 1;
+    const bends = points.map((p, k) => bend(points[Math.max(k - 1, 0)], p, points[Math.min(k + 1, last)]));
+    const [few, skipped] = [Math.min(PIECES, Math.floor(LEAST / points.length)), points.length / LEAST];
+    let [turn, since] = [0, 0];
+    for (let k = 1; k <= last; k++) {
       const [p, q] = [points[k - 1], points[k]];
-      const [o, r] = [points[Math.max(k - 2, 0)], points[Math.min(k + 1, points.length - 1)]];
+      const o = k > 1 ? points[k - 2] : ahead(p, q, points[Math.min(2, last)]);
+      const r = k < last ? points[k + 1] : ahead(q, p, points[Math.max(last - 2, 0)]);
+      const sharp = Math.ceil(Math.max(bends[k - 1], bends[k]) / CORNER);
+      const pieces = Math.max(1, few, Math.min(PIECES, sharp));
+      turn += bends[k];
+      since += 1;
+      if (pieces === 1 && turn < CORNER / 2 && since < skipped && k < last) continue;
+      [turn, since] = [0, 0];
       for (let piece = 1; piece <= pieces; piece++) {
         const s = piece / pieces;
         const [a, b] = [s * (1 - s) ** 2, s * s * (1 - s)];
@@ -470,12 +479,27 @@
     return found;
   }
 
+  /** The point ahead of p on the parabola through p, q and r. */
+  function ahead(p, q, r) {
+    return p.map((x, c) => 3 * (x - q[c]) + r[c]);
+  }
+
+  /** The angle by which a way from o over p to q turns. */
+  function bend(o, p, q) {
+    const [u, v] = [p.map((x, c) => x - o[c]), q.map((x, c) => x - p[c])];
+    return Math.atan2(Math.hypot(...cross(u, v)), dot(u, v));
+  }
+
   function addPaths(camera) {
+    const most = Math.floor(MOST / tracks.length);
     for (const { points, times, color } of tracks) {
-      const places = points.map((point) => projected(point, camera));
+      const here = times.findIndex((time) => time > now);
+      const middle = here < 0 ? points.length : here;
+      const from = Math.max(0, Math.min(middle - Math.floor(most / 2), points.length - most));
+      const places = points.slice(from, from + most).map((point) => projected(point, camera));
       const ink = palettes[color][20];
       for (let k = 1; k < places.length; k++) {
-        const isPast = times[k] <= now;
+        const isPast = times[from + k] <= now;
         addLine(places[k - 1], places[k], ink, isPast ? 2.2 : 1.4, isPast ? 0.9 : 0.35);
       }
     }

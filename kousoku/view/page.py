@@ -280,9 +280,17 @@ class Animation:
         ----------
         time : float, optional [s]
             The moment; the start unless given.
+
+        Raises
+        ------
+        SolveError
+            It is no number, or none of the part of the run that is shown.
         """
+        from kousoku.view.picture import require_moment
         from kousoku.view.stills import still_svg
 
+        if time is not None:
+            require_moment(self._picture, time)
         return still_svg(self._picture, time)
 
     def __repr__(self) -> str:

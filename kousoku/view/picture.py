@@ -28,6 +28,8 @@ SHOWN_TURNS = 2.0
 """Turns in a second that an eye can follow."""
 SHORTEST, LONGEST = 3.0, 30.0
 """How long a motion is shown, in seconds, unless it takes that time in reality."""
+SLACK = 1e-9
+"""Part by which a moment may lie beyond the end, by rounding."""
 PATHS = 6
 """Paths that are drawn when none are named."""
 
@@ -218,6 +220,16 @@ def require_showable(
     _require_numbers(scene.name, speed=speed)
     if paths_of:
         _paths(picture_at_rest(scene).shapes, paths_of, scene.name)
+
+
+def require_moment(picture: Picture, time: float) -> None:
+    """Refuse a moment that the picture of a run does not show."""
+    from kousoku.model.errors import SolveError
+
+    _require_numbers(picture.name, time=time)
+    first, last = picture.time[[0, -1]].tolist()
+    if not first - SLACK * abs(first) <= time <= last + SLACK * abs(last):
+        raise SolveError(f"{picture.name}: time {time!r}; wanted one from {first:g} to {last:g} s")
 
 
 def _require_numbers(scene: str, **given: float | None) -> None:

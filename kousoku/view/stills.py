@@ -38,6 +38,10 @@ FRAMES = 15.0
 """Frames in a second of a picture that moves, at most."""
 COARSE = 8
 """Sides of a cylinder in a picture that moves, which has half as many pieces, too."""
+CORNER, PIECES = 0.12, 4
+"""Angle [rad] by which a path of many points may turn at one, unless it has so many between two."""
+FEW_POINTS, LONGEST_PATH = 240, 4000
+"""A path of no more points is drawn as it is; of a longer motion the path begins with these."""
 STRIP = 400.0
 """Height below a picture for what says where x, y and z are."""
 STYLE = (
@@ -266,13 +270,41 @@ def _zigzag(ends: Array, toward: Array, wide: float) -> Array:
 
 def paths_seen(picture: Picture, camera: Camera) -> list[Stroke]:
     """Return the paths of the chosen points."""
-    rows = np.unique(np.linspace(0, len(picture.time) - 1, 240).round().astype(int))
-    found = []
+    rows, found = range(min(len(picture.time), LONGEST_PATH)), []
     for path in picture.paths:
         points = np.array([placed(picture, row, path.body, path.s) for row in rows])
         color = picture.shapes.bodies[path.body].color
+        points = curve(points) if len(points) > FEW_POINTS else points
         found.append(Stroke(camera.seen(points)[0], "path", color))
     return found
+
+
+def curve(points: Array) -> Array:
+    """Return the curve through three points or more, of as many pieces as its corners ask for."""
+    way = np.diff(points, axis=0)
+    length = np.linalg.norm(way, axis=1)
+    cosine = (way[1:] * way[:-1]).sum(axis=1)
+    both = np.maximum(length[1:] * length[:-1], 1e-300)
+    bend = np.zeros(len(points))
+    bend[1:-1] = np.arccos(np.clip(cosine / both, -1.0, 1.0))
+    tangent = np.zeros_like(points)
+    tangent[1:-1] = 0.5 * (points[2:] - points[:-2])
+    tangent[[0, -1]] = 1.5 * way[[0, -1]] - 0.5 * way[[1, -2]]
+    found, last, turn, since = [points[:1]], len(points) - 1, 0.0, 0
+    for k in range(1, last + 1):
+        pieces = int(np.clip(np.ceil(max(bend[k - 1], bend[k]) / CORNER), 1, PIECES))
+        turn, since = turn + bend[k], since + 1
+        if pieces == 1 and turn < CORNER / 2 and since < len(points) / FEW_POINTS and k < last:
+            continue
+        turn, since = 0.0, 0
+        s = np.arange(1, pieces + 1)[:, np.newaxis] / pieces
+        found.append(
+            (1 + 2 * s) * (1 - s) ** 2 * points[k - 1]
+            + s * (1 - s) ** 2 * tangent[k - 1]
+            + s**2 * (3 - 2 * s) * points[k]
+            - s**2 * (1 - s) * tangent[k]
+        )
+    return np.concatenate(found)
 
 
 def grid_seen(picture: Picture, camera: Camera) -> tuple[list[Stroke], float]:

@@ -139,6 +139,36 @@ def test_a_numpy_package_is_verified_without_c(run: Run, tmp_path: Path) -> None
     assert "C is not checked" in out
 
 
+@pytest.mark.parametrize("name", ["numpy", "class", "my loop", "json"])
+def test_a_folder_that_python_could_not_import_is_refused(
+    run: Run, tmp_path: Path, name: str
+) -> None:
+    code, _, err = run("generate", "n1", "--out", tmp_path / name)
+    assert code == 2
+    assert f"{name}: Python could not import the package: '{name}' " in err
+    assert not (tmp_path / name).exists()
+
+
+def test_the_folder_of_another_package_is_refused(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "made"
+    assert run("generate", "n1", "--out", folder)[0] == 0
+    code, _, err = run("generate", "n2", "--out", folder)
+    assert code == 2
+    assert f"{folder}: holds the package of n1, not of n2; choose another folder" in err
+    assert run("generate", "n1", "--out", folder, "--check")[0] == 0
+
+
+def test_an_installed_kousoku_has_nothing_to_check(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CACHE", str(tmp_path))
+    for module in ("kousoku.cli.generate", "kousoku.cli.scenes"):
+        monkeypatch.setattr(f"{module}.checkout", lambda: None)
+    code, out, err = run("generate", "--check")
+    assert (code, out, len(err.splitlines())) == (2, "", 1)
+    assert "nothing was generated in" in err and "make generate-check" in err
+
+
 @pytest.mark.parametrize("name", ["n9", "missing.toml"])
 def test_one_bad_name_and_nothing_is_written(run: Run, tmp_path: Path, name: str) -> None:
     code, out, err = run("generate", "n1", name, "--out", tmp_path)

@@ -124,6 +124,16 @@ def test_notes_are_told_and_do_not_count_as_problems(run: Run, tmp_path: Path) -
     ]
 
 
+def test_a_parameter_that_no_formula_has_is_told(run: Run, tmp_path: Path) -> None:
+    text = (SCENES / "loop_free.toml").read_text(encoding="utf-8")
+    file = tmp_path / "loop_free.toml"
+    file.write_text(text.replace("{ mass = 3 }", "{ mass = 3, maas = 2 }"), encoding="utf-8")
+    code, out, _ = run("check", file)
+    assert code == 0
+    (note,) = (line for line in out.splitlines() if "note: parameters" in line)
+    assert note == f"{file}: note: parameters.maas: stands in no formula, and changes nothing"
+
+
 @pytest.mark.parametrize(
     ("force", "problem", "note"),
     [

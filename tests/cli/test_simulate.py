@@ -143,10 +143,13 @@ def test_progress_is_shown_on_a_terminal_only(run: Run, monkeypatch: pytest.Monk
     ("options", "says"),
     [
         (("--end", 0), "end 0.0; wanted one above 0, in seconds"),
-        (("--end", 1, "--tolerance", 0), "tolerance 0.0; wanted one from 1e-15 to 1\n"),
-        (("--end", 1, "--body", "bob"), "the scene has rod"),
+        (("--end", 1, "--tolerance", 0), "tolerance 0.0; wanted one from 1e-15, below 1\n"),
+        (("--end", 1, "--body", "bob"), "no body 'bob': there are rod"),
         (("--end", 1, "--out", "rows.txt"), "must end in"),
+        (("--end", 1, "--body", "rood"), "no body 'rood': there are rod; did you mean 'rod'?"),
         (("--end", 1, "--output", "angles"), "angles"),
+        (("--end", 1, "--set", "mass=1", "--set", "mass=2"), "--set mass=2: mass is given twice"),
+        (("--end", 1, "--initial", "a=1", "--initial", "a=2"), "--initial a=2: a is given twice"),
     ],
 )
 def test_options_that_are_not_possible_are_refused(

@@ -170,8 +170,8 @@ def test_bodies_are_solved_at_the_divisions_of_their_input(
 def test_options_of_the_other_scenes_are_refused(run: Run, crank: Path) -> None:
     for scene, option, says in (
         (crank, ("--turns", 2), "--turns is an option of linkages of nodes; this one is a scene"),
-        (crank, ("--node", "O3"), "--body O3: the scene has arm"),
-        (LEVER, ("--body", "arm"), "--node arm: the scene has O1, O2, O3, O4"),
+        (crank, ("--node", "O3"), "no body 'O3': there are arm"),
+        (LEVER, ("--body", "arm"), "no node 'arm': there are O1, O2, O3, O4"),
         (LEVER, ("--set", "k=3"), "a linkage has no parameters"),
         (crank, ("--set", "k=3"), "its formulas have none"),
     ):

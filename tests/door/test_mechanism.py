@@ -104,6 +104,19 @@ def test_what_is_public_says_what_it_is_in_ten_lines(compiler: object) -> None:
         assert " object at 0x" not in lines[0], name
 
 
+def test_nobody_changes_what_others_read(loop: ks.Mechanism) -> None:
+    run = loop.simulate(0.1, samples=3)
+    for values in (run["crank_angle"], run.body("crank").position, run.time, run.joint("a").force):
+        with pytest.raises(ValueError, match="read-only"):
+            values[0] = 9.0
+
+
+def test_kernels_of_a_kind_pickle() -> None:
+    kernels = ks.kinds.p2_z
+    assert pickle.loads(pickle.dumps(kernels)) is kernels
+    assert pickle.loads(pickle.dumps(ks.kinds)) is ks.kinds
+
+
 def test_what_is_public_pickles(compiler: object) -> None:
     for name, thing in public_objects().items():
         if name != "run":  # save() gives what can be sent

@@ -97,6 +97,21 @@ def test_what_is_no_name_is_no_kind_and_no_equation() -> None:
         ks.ledger.find(wrong)
 
 
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [("n1", "'n1' is taken by a kind that kousoku ships"), ("a b", "'a b' is not a name")],
+)
+def test_a_name_of_ones_own_is_refused_before_anything_is_derived(name: str, message: str) -> None:
+    with pytest.raises(ks.KousokuError, match=message):
+        ks.derive(name, C=ks.body("i").axis().dot(ks.body("j").axis()))
+
+
+def test_a_step_that_there_is_not_says_how_many_there_are() -> None:
+    steps = ks.derive("n1")
+    with pytest.raises(IndexError, match=f"n1 has no step 99: there are {len(steps)}"):
+        steps[99]
+
+
 def test_kernels_are_those_of_a_kind_or_of_a_folder() -> None:
     for given in (N1, str(N1), "n1", "N1"):
         assert ks.kernels(given, target="numpy").manifest.package == "n1"

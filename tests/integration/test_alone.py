@@ -373,7 +373,7 @@ def test_copied_folder_refuses_with_the_words_of_kousoku(free_loop: Path) -> Non
         "simulate(1, tolerence=1)": "TypeError: my_loop: no option 'tolerence': there are end,"
         " times, samples, tolerance, method",
         "begin([0], checked=1)": "TypeError: my_loop: no option 'checked': there are times, tol",
-        "simulate(1, tolerance=0)": "ValueError: my_loop: tolerance 0; wanted one from 1e-15 to 1",
+        "simulate(1, tolerance=0)": "ValueError: my_loop: tolerance 0; wanted one from 1e-15, bel",
         "simulate(1, parameters={'mass': 'a'})": "ValueError: my_loop: parameter mass is 'a',",
         "simulate(1, initial={'crank_angle': float('nan')})": "ValueError: my_loop: initial"
         " crank_angle is nan; wanted a finite number, or an angle such as '30 deg'",

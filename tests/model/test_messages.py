@@ -33,6 +33,24 @@ QUATERNION = '{ quaternion = [1, 0, 0, 0], order = "wxyz" }'
         (BAR + "mass = 2\n", "line 6: bodies.bar.mass: stands in line 5, too; give each key once"),
         (BAR + BAR, "line 6: bodies.bar: stands in line 3, too"),
         ("[bodies]\nbar = { mass = 1, mass = 2 }", "bodies.bar.mass: stands twice in this line"),
+        (BAR + "com = [.1, 0, 0]\n", "; write 0.1: a number has a digit before its point"),
+        (BAR + "mass = -.5e3\n", "; write -0.5e3: a number has a digit before its point"),
+        (
+            BAR + 'orientation = { angles = [1, 0, 0], order = "xyz" }\n',
+            "'wxyz', 'xyzw' is wanted; it belongs to quaternion: angles have 'sequence'",
+        ),
+        (
+            BAR + "boxes = [{ mass = 1, size = [1, 1, -1] }]\n",
+            "an edge of -1.0; wanted",
+        ),
+        (
+            BAR + ROUND + HINGE + '[forces.f]\ntype = "along"\nfoo = 3\n',
+            "an along has type",
+        ),
+        (
+            '[bodies."棒"]\nposition = [0, 0, 0]\n',
+            "a Latin letter (a-z, A-Z) followed by such letters",
+        ),
         ("", "has no mechanism: wanted nodes and links, .* or bodies and joints, .*kousoku new"),
         (
             BAR + ROUND + HINGE + "limits = [0, 1]\n",

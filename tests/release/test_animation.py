@@ -81,6 +81,9 @@ def pages(
         animate(solver.simulate(end, samples=201), scene, folder / f"{scene.name}.html")
     animate(*lever_crank(), folder / "lever_crank.html")
     animate(turning(), structs.replace(arm(), title=HOSTILE), folder / "hostile.html")
+    for turns in (1, 48):
+        run = turning(rows=21 * turns, end=turns * np.pi)
+        animate(run, arm(), folder / f"turns_{turns}.html", paths_of=[("bar", (0.5, 0, 0))])
     cell = animate(turning(), arm())._repr_html_()
     (folder / "cell.html").write_text(f"<!doctype html><title>notebook</title>{cell}", "utf-8")
     return {path.stem: path for path in folder.iterdir()}
@@ -282,6 +285,21 @@ def test_what_is_shown_can_be_chosen(browser: Any, pages: dict[str, Path], name:
     page.find(name).click()
     page.wait()
     assert differ(with_it, page.pixels()) > 100
+
+
+def test_a_path_of_many_turns_is_round(browser: Any, pages: dict[str, Path]) -> None:
+    """It covers what one turn does; chords between few points would cover what is inside."""
+    covered = []
+    for name in ("turns_1", "turns_48"):
+        page = Shown(browser, pages[name], 0.0)
+        with_it = page.pixels()
+        page.find("paths").click()
+        page.wait()
+        covered.append(np.abs(with_it - page.pixels()).max(axis=-1) > 24.0)
+    once, often = covered
+    assert once.sum() > 500
+    near = np.array([np.roll(once, (x, y), (0, 1)) for x in range(-2, 3) for y in range(-2, 3)])
+    assert (often & ~near.any(axis=0)).sum() < 0.02 * once.sum()
 
 
 def test_all_of_it_is_in_the_frame(browser: Any, pages: dict[str, Path]) -> None:

@@ -42,6 +42,7 @@ run.plot().savfig("x.png")  # wrong
 for one in run.figures(of="rod").values():
     one.savefig("x.png")
 force: float = run.joint("a").force[0, 1]
+place: float = run.body("rod").positoin[0, 1]  # wrong
 run.save("x.csv")
 run.save(path_of="x.csv")  # wrong
 
@@ -70,4 +71,4 @@ def test_what_is_misspelt_is_seen_by_a_type_checker(tmp_path: Path) -> None:
     wrong = {k for k, line in enumerate(PROGRAM.splitlines(), 1) if line.endswith("# wrong")}
     told = set(map(int, re.findall(r"program\.py:(\d+): error", found)))
     assert told == wrong, found
-    assert len(wrong) == 15
+    assert len(wrong) == 16

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+import kousoku as ks
 from kousoku.codegen.dynamics.checking import reference
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.generate import write_tree
@@ -20,7 +21,7 @@ from kousoku.model.compressed import content, stored
 from kousoku.model.errors import SolveError
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene
-from kousoku.runtime import verify
+from kousoku.runtime import notice, verify
 from kousoku.runtime.dynamics import load_dynamics
 
 if TYPE_CHECKING:
@@ -195,3 +196,11 @@ def _principal(solver: Any, vector: Any) -> Any:
     """Return a vector of the user's frame in the principal frame of the only body."""
     w, *e = solver.bodies[0].axes_b
     return vector + 2.0 * (w * np.cross(e, vector) + np.cross(e, np.cross(e, vector)))
+
+
+def test_verify_does_not_say_how_long_a_run_would_take(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(notice, "_said", set())
+    assert ks.verify(SCENES / "loop_free.toml", target="numpy").ok
+    assert not caplog.messages

@@ -20,6 +20,8 @@ from msgspec import structs
 from kousoku.model.errors import SolveError
 from kousoku.model.read import read_scene
 from kousoku.view import animate, draw_mechanism
+from kousoku.view.picture import picture_of
+from kousoku.view.stills import Camera, moving_svg, paths_seen
 from tests.view.runs import arm, lever_crank, turning
 
 SCENES = Path(__file__).parents[2] / "scenes"
@@ -144,6 +146,30 @@ def test_a_still_is_an_svg_of_one_moment() -> None:
     assert "grid" in animation.still() and "[m]" in animation.still()
 
 
+@pytest.mark.parametrize(
+    ("time", "message"),
+    [
+        (99, "arm: time 99; wanted one from 0 to 2 s"),
+        (-0.1, "arm: time -0.1; wanted one from 0 to 2 s"),
+        (float("nan"), "arm: time nan; wanted one from 0 to 2 s"),
+        ("x", "arm: time 'x'; wanted a number"),
+    ],
+)
+def test_a_still_of_no_moment_of_the_run_is_refused(time: Any, message: str) -> None:
+    with pytest.raises(SolveError, match=re.escape(message)):
+        animate(turning(), arm()).still(time)
+
+
+def test_a_path_of_many_turns_is_round_in_a_still() -> None:
+    """Chords between 240 points of 48 turns would come as near to the middle as 0.8 of the arm."""
+    picture = picture_of(turning(rows=1001, end=48 * np.pi), arm(), paths_of=[("bar", (0.5, 0, 0))])
+    camera = Camera(picture, (1000.0, 800.0), 10.0)
+    (stroke,) = paths_seen(picture, camera)
+    middle, _ = camera.seen(np.zeros((1, 3)))
+    radius = np.linalg.norm(0.5 * (stroke.points[1:] + stroke.points[:-1]) - middle, axis=1)
+    assert np.ptp(radius) < 0.01 * radius.max()
+
+
 def test_a_picture_that_moves_shows_one_frame_after_the_other(tmp_path: Path) -> None:
     place = tmp_path / "lever_crank.svg"
     animate(*lever_crank(), place)
@@ -158,9 +184,6 @@ def test_a_picture_that_moves_shows_one_frame_after_the_other(tmp_path: Path) ->
 
 
 def test_a_picture_that_moves_is_no_larger_than_is_asked() -> None:
-    from kousoku.view.picture import picture_of
-    from kousoku.view.stills import moving_svg
-
     picture = picture_of(*lever_crank())
     assert 40_000 < len(moving_svg(picture, largest=60_000).encode()) < 66_000
 

@@ -436,6 +436,8 @@ class Motion(Result):
         if name not in self._tables:
             self._make(name)
         values = self._tables[name]
+        for table in values.values():
+            table.flags.writeable = False  # nobody can write to what others read
         sort = "bodies" if name in BODY else "joints" if name in JOINT else "the scene"
         what, output = f"{name.replace('_', ' ')} of {sort}", OUTPUTS.get(name)
         if output is None or PARTS_OF_ROWS[output] in self.layout.sizes:
