@@ -149,16 +149,27 @@ class Part:
     def __init__(self, result: Result, name: str, tables: Mapping[str, str]) -> None:
         self._result, self._tables, self.name = result, tables, name
 
-    def __getattr__(self, table: str) -> Array:
-        if table.startswith("_"):
-            raise AttributeError(table)
-        if table not in self._tables:
-            raise AttributeError(f"{self.name}: {unknown('table', table, [*self._tables])}")
-        try:
-            found: Array = getattr(self._result, self._tables[table])[self.name]
-        except KeyError as error:
-            raise AttributeError(str(error)) from None
-        return found
+    if TYPE_CHECKING:  # a type checker sees which tables there are
+        position: Array
+        velocity: Array
+        acceleration: Array
+        orientation: Array
+        angle: Array
+        angular_velocity: Array
+        angular_acceleration: Array
+        force: Array
+        torque: Array
+    else:
+
+        def __getattr__(self, table: str) -> Array:
+            if table.startswith("_"):
+                raise AttributeError(table)
+            if table not in self._tables:
+                raise AttributeError(f"{self.name}: {unknown('table', table, [*self._tables])}")
+            try:
+                return getattr(self._result, self._tables[table])[self.name]
+            except KeyError as error:
+                raise AttributeError(str(error)) from None
 
     def __dir__(self) -> list[str]:
         return ["name", *self._tables]

@@ -262,7 +262,7 @@ def require_steps(
                 " steps that are no longer"
             )
     if not 1e-15 <= tolerance < 1.0:
-        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted one from 1e-15 to 1")
+        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted one from 1e-15, below 1")
     for name, value in (("largest_step", largest_step), ("most_steps", most_steps)):
         if not value > 0.0:
             raise refusal(f"{scene}: {name} {shown(value)}; wanted one above 0")
