@@ -12,7 +12,7 @@
 #define STEP_ASIDE 0.25
 #define HALVINGS 5
 #define NO_WAY 1e-6
-/* at a pivot ratio this much smaller than the largest on the way a singular configuration is near */
+/* at a pivot ratio so much smaller than the largest on the way a singular configuration is near */
 #define NEAR_SINGULAR 0.25
 
 /* whether parameters may change where bodies or drivers begin */
@@ -109,8 +109,8 @@ static int step_along(const double *u, double *y, Work *work, State *s)
 /* whether rows that are left out depend on others where bodies may move. Rows may miss
  * CLOSURE_TOLERANCE where the run starts, and per unit of motion there and along the way, which is
  * the root of the sum of squares over all bodies; what that adds up to ends a run only where it is
- * clearly more. Near a singular configuration one freedom more is nearly open, and what rows miss along it
- * tells nothing. What is too much takes the place of residuals. */
+ * clearly more. Near a singular configuration one freedom more is nearly open, and what rows miss
+ * along it tells nothing. What is too much takes the place of residuals. */
 static int stay_closed_along(State *s, Work *work)
 {
     double *w = work->w, *y = work->k[0], *u = work->k[1];
@@ -158,7 +158,7 @@ static int stay_closed(State *s, Work *work)
     enum { SINGLE = offsetof(State, y) / sizeof(double) };
     double counts[SINGLE];
     memcpy(counts, s, sizeof counts);
-    s->largest_pivot_ratio = ALL_OF_THEM;
+    s->largest_pivot_ratio = ALL_ROWS;
     const int is_good = stay_closed_along(s, work);
     memcpy(s, counts, sizeof counts);
     return is_good;

@@ -9,8 +9,8 @@ static double energy_balance(const double *w, const State *s)
     return balance;
 }
 
-/* whether rows miss so many times CLOSURE_TOLERANCE at most, relative to LENGTH: those that are left
- * out do, and others where these took over */
+/* whether rows miss so many times CLOSURE_TOLERANCE at most, relative to LENGTH: those that are
+ * left out do, and others where these took over */
 static int are_closed(const double *misses, double times)
 {
     for (size_t k = 0; k != NCHECK; ++k) {

@@ -16,8 +16,8 @@
 #define FORGETTING 0.9999
 #define LONG 0.1
 /* how far on both sides of a switch the laws of drivers are looked at, in parts of the time: one of
- * these tells that they go on smoothly; what rounding leaves of them, relative to what they are; how
- * much the third derivative may be beyond that on the sides */
+ * these tells that they go on smoothly; what rounding leaves of them, relative to what they are;
+ * how much the third derivative may be beyond that on the sides */
 #define FAR_BESIDE 1e-6
 #define BESIDE 1e-7
 #define EQUAL 1e-12

@@ -48,7 +48,8 @@ FORGETTING = 0.9999
 LONG = 0.1
 #: How far on both sides of a switch the laws of drivers are looked at, in parts of the time: one
 #: of these tells that they go on smoothly. What rounding leaves of them, relative to what they are.
-BESIDE = (1e-6, 1e-7)
+FAR_BESIDE = 1e-6
+BESIDE = 1e-7
 EQUAL = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
@@ -141,7 +142,7 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
     while state.time < end and not state.time < state.limit:
         if state.behind > state.time:
             span = larger(abs(state.time), abs(end))
-            far = (part * span for part in BESIDE)
+            far = (part * span for part in (FAR_BESIDE, BESIDE))
             if len(w.laws) and not any(are_laws_smooth(one, state, w) for one in far):
                 return Status.STEP_TOO_SMALL
             state.y_before[:] = state.y

@@ -31,7 +31,8 @@ SHORTEST = 1e-9
 #: next, in lengths of the scene or radians, and how many shorter steps are tried; a direction that
 #: is smaller than this is none.
 LOOKS = 24
-STEP_ASIDE, HALVINGS = 0.25, 5
+STEP_ASIDE = 0.25
+HALVINGS = 5
 NO_WAY = 1e-6
 #: At a pivot ratio this much smaller than the largest on the way a singular configuration is near.
 NEAR_SINGULAR = 0.25

@@ -27,8 +27,8 @@
 #define FINEST 1e-9
 /* the part of a step by which an event may be off where the step was cut, to be found again */
 #define SMALL 1e-3
-/* a function that passes zero is so much larger this much further away from it; where it jumps it is
- * not, nor where it is infinite; it is looked at from so many roundings of time on */
+/* a function that passes zero is so much larger this much further away from it; where it jumps it
+ * is not, nor where it is infinite; it is looked at from so many roundings of time on */
 #define FURTHER 8.0
 #define GROWTH 1.5
 #define ROUNDINGS 64.0
