@@ -158,7 +158,7 @@ static int stay_closed(State *s, Work *work)
     enum { SINGLE = offsetof(State, y) / sizeof(double) };
     double counts[SINGLE];
     memcpy(counts, s, sizeof counts);
-    s->largest_pivot_ratio = ALL_ROWS;
+    s->largest_pivot_ratio = ALL_OF_THEM;
     const int is_good = stay_closed_along(s, work);
     memcpy(s, counts, sizeof counts);
     return is_good;

@@ -9,7 +9,7 @@ import numpy as np
 
 from .pivot_monitor import WEAK, pivot_ratio
 from .projection import project, take_normal_part
-from .row_switch import ALL_ROWS
+from .row_switch import ALL_OF_THEM
 from .rows import are_closed
 from .scene import larger, mean_square, smaller
 from .settings import CLEARLY
@@ -156,7 +156,7 @@ def stay_closed(state: State, work: Work) -> bool:
     are kept: so a file with these parameters is looked at. The state stays as it is.
     """
     counts = state.numbers[:SINGLE].copy()
-    state.largest_pivot_ratio = ALL_ROWS
+    state.largest_pivot_ratio = ALL_OF_THEM
     is_good = stay_closed_along(state, work)
     state.numbers[:SINGLE] = counts
     return is_good

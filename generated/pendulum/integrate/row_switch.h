@@ -11,7 +11,7 @@
 /* where all rows have a ratio so many times larger: else the choice of rows is not to blame */
 #define HELPS 10.0
 /* the largest ratio so far where all rows are to be solved for, whatever those are that are kept */
-#define ALL_ROWS (-1.0)
+#define ALL_OF_THEM (-1.0)
 
 /* an element of the diagonal of M^-1 */
 static double inverse_mass(const double *w, size_t k)
@@ -273,7 +273,7 @@ static void find_geometry(Work *work, State *s)
     geometry(work->w);
     if (!HAS_ROW_SWITCH) return;
     work->all.is_on = 0.0;
-    if (!(s->largest_pivot_ratio > ALL_ROWS)) {
+    if (!(s->largest_pivot_ratio > ALL_OF_THEM)) {
         write_jacobian(work);
         work->all.ratio = factorise_rows(work, 0.0);
         work->all.is_on = work->all.ratio > 0.0;

@@ -30,7 +30,7 @@ FALL_BACK = 1e-2
 #: Where all rows have a ratio so many times larger: else the choice of rows is not to blame.
 HELPS = 10.0
 #: The largest ratio so far where all rows are to be solved for, whatever those are that are kept.
-ALL_ROWS = -1.0
+ALL_OF_THEM = -1.0
 
 
 def inverse_masses(work: Work) -> Array:
@@ -235,7 +235,7 @@ def find_geometry(work: Work, state: State) -> None:
     if work.all is None:
         return
     work.all.is_on = False
-    if state.largest_pivot_ratio == ALL_ROWS:
+    if state.largest_pivot_ratio == ALL_OF_THEM:
         write_jacobian(work.all, work)
         work.all.ratio = factorise_rows(work.all, work, 0.0)
         work.all.is_on = work.all.ratio > 0.0
