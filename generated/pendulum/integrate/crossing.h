@@ -30,7 +30,7 @@
 /* a function that passes zero is so much larger this much further away from it; where it jumps it
  * is not, nor where it is infinite; it is looked at from so many roundings of time on */
 #define FURTHER 8.0
-#define GROWTH 1.5
+#define LARGER_THERE 1.5
 #define ROUNDINGS 64.0
 /* a step in which what was near to zero gets on a side within this part of it ends there */
 #define SOON 0.1
@@ -340,7 +340,7 @@ static int passes_zero(size_t k, int side, double end, const Look *look, const S
     for (; far < look->h / FURTHER; far *= FURTHER) {
         const double gap = gap_across(k, side, last, far, look, s, work);
         if (gap > 0.0) {
-            return gap_across(k, side, last, FURTHER * far, look, s, work) >= GROWTH * gap;
+            return gap_across(k, side, last, FURTHER * far, look, s, work) >= LARGER_THERE * gap;
         }
     }
     return 1;

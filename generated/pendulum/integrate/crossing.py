@@ -53,7 +53,7 @@ SMALL = 1e-3
 #: A function that passes zero is so much larger this much further away from it; where it jumps it
 #: is not, nor where it is infinite. It is looked at from so many roundings of time on.
 FURTHER = 8.0
-GROWTH = 1.5
+LARGER_THERE = 1.5
 ROUNDINGS = 64.0
 #: A step in which what was near to zero gets on a side within this part of it ends there.
 SOON = 0.1
@@ -382,7 +382,7 @@ def passes_zero(k: int, side: float, end: float, look: Look) -> bool:
     while far < look.h / FURTHER:
         gap = gap_across(k, side, last, far, look)
         if gap > 0.0:
-            return gap_across(k, side, last, FURTHER * far, look) >= GROWTH * gap
+            return gap_across(k, side, last, FURTHER * far, look) >= LARGER_THERE * gap
         far *= FURTHER
     return True
 
