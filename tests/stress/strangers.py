@@ -204,6 +204,10 @@ def try_scenes(case: str) -> Outcome:
     return Tried("scenes").each(some, check, case)
 
 
+#: What a scene may lack, so that a message begins with it though it is not there.
+NEEDED = ("name", "unit", "nodes", "links")
+
+
 def try_tables(case: str) -> Outcome:
     """Try scenes as tables of Python: whatever stands in them."""
     some = st.tuples(strange.edited_trees(), st.integers(0, 15).map(lambda k: k == 1))
@@ -211,7 +215,7 @@ def try_tables(case: str) -> Outcome:
     def check(of: tuple[dict[str, Any], bool]) -> bool:
         tree, emit = of
         tables = [printable(key) for key in tree if key]
-        return taken(lambda: scene_from_dict(tree), emit, *tables, "name", "unit")  # both needed
+        return taken(lambda: scene_from_dict(tree), emit, *tables, *NEEDED)
 
     return Tried("tables").each(some, check, case)
 
