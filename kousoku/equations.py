@@ -39,7 +39,7 @@ from kousoku.runtime.integrate.body_tables import (
     solver_state,
     written_sizes,
 )
-from kousoku.runtime.integrate.given import misfit, numbers_of, require_numbers, values_of
+from kousoku.runtime.integrate.given import misfit_of_bodies, numbers_of, require_numbers, values_of
 from kousoku.runtime.integrate.result import listed, unknown
 
 if TYPE_CHECKING:
@@ -222,9 +222,7 @@ class Equations:
     def _given(self, name: str, given: npt.ArrayLike, size: int) -> Array:
         """Return numbers of bodies as the scene is written."""
         array = numbers_of(self.name, name, given).copy()
-        of = "r (3), Euler parameters (4)" if name == "q" else "velocity (3), omega_b (3)"
-        of = f"of each body {of}; a point has the first three alone"
-        if wrong := misfit(name, array, size, of):
+        if wrong := misfit_of_bodies(name, array, size):
             raise SolveError(f"{self.name}: {wrong}")
         return array
 

@@ -189,6 +189,12 @@ def misfit(name: str, given: Array, size: int, of: str) -> str:
     return ""
 
 
+def misfit_of_bodies(name: str, given: Array, size: int) -> str:
+    """Return what is wrong with q or v of bodies as written, see :func:`misfit`."""
+    of = "r (3), Euler parameters (4)" if name[0] == "q" else "velocity (3), omega_b (3)"
+    return misfit(name, given, size, f"of each body {of}; a point has the first three alone")
+
+
 def require_shape(scene: str, name: str, given: Array, wanted: Array) -> None:
     """Refuse an array that has too many or too few numbers.
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .body_tables import indices, solver_state, written_state
-from .given import misfit
+from .given import misfit_of_bodies
 from .initial import ROUNDING, InitialError, Leader, Start, lead
 from .result import refusal
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
 
 #: What bodies may miss of joints: lengths relative to the scene's, velocities to the largest.
 MISSES = 1e-6
-VELOCITIES = "velocity (3), omega_b (3)"
 #: A whole turn, and so many that are tried to close gears.
 TURN, MOST_TURNS = 2.0 * np.pi, 1000
 
@@ -116,9 +115,7 @@ def place(
     problems: list[str] = []
     wanted = []
     for name, values, own in zip(("q0", "v0"), (q0, v0), begun, strict=True):
-        of = "r (3), Euler parameters (4)" if own is begun[0] else VELOCITIES
-        of = f"of each body {of}; a point has the first three alone"
-        if values is not None and (wrong := misfit(name, values, own.size, of)):
+        if values is not None and (wrong := misfit_of_bodies(name, values, own.size)):
             raise InitialError(wrong)
         wanted.append(own if values is None else values.copy())
     for body, part in _parts(start.bodies, wanted[0], 4):
