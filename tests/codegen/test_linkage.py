@@ -6,6 +6,7 @@ import hashlib
 import json
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,6 +40,11 @@ ALWAYS = ("piston_crank", "watt_six_bar")
 
 def program(name: str) -> Program:
     return specialise(assemble(read_scene(SCENES / f"{name}.toml")), load_frozen("link"))
+
+
+@cache
+def files_of(name: str) -> dict[str, str]:
+    return generate_scene(read_scene(SCENES / f"{name}.toml"))
 
 
 def kernels(name: str) -> dict[str, Kernel]:
@@ -191,7 +197,7 @@ def test_verify_finds_a_flipped_sign_in_the_solver(
     tmp_path: Path, compiler: object, file: str, right: str, wrong: str
 ) -> None:
     """The kernels are right, and every digest fits: only the motion tells."""
-    files = generate_scene(read_scene(SCENES / "lever_crank.toml"))
+    files = dict(files_of("lever_crank"))
     file = f"kinematics/{file}"
     assert right in files[file]
     files[file] = files[file].replace(right, wrong)

@@ -77,7 +77,7 @@ def places(tree: object, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
     return found
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.data())
 def test_a_scene_with_one_value_replaced(data: st.DataObject) -> None:
     tree: Any = copy.deepcopy(data.draw(st.sampled_from(TREES)))

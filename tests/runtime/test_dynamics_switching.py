@@ -249,8 +249,9 @@ def blend(x: str) -> str:
 
 
 @pytest.mark.usefixtures("numpy_solver")
-@pytest.mark.parametrize("target", ["c", "numpy"])
-@pytest.mark.parametrize("method", ["kinematics", "dop853"])
+@pytest.mark.parametrize(
+    ("target", "method"), [("c", "kinematics"), ("c", "dop853"), ("numpy", "kinematics")]
+)
 @pytest.mark.parametrize(
     ("law", "time"),
     [
@@ -275,9 +276,8 @@ def test_a_driver_leads_to_where_its_law_bends_or_jumps(
         run = solver.simulate(END, samples=3, method=method)
         assert run.ledger.trust.is_trusted
         return
-    with pytest.raises(MotionError, match=r"no step can be taken.*drivers\.motor"):
-        solver.simulate(END, samples=3, method=method)
-    with pytest.raises(MotionError) as caught:
+    wanted = r"no step can be taken.*drivers\.motor"
+    with pytest.raises(MotionError, match=wanted) as caught:
         solver.simulate(END, samples=3, method=method)
     reached = float(str(caught.value).split("at t = ")[1].split(" s:")[0])
     assert reached == pytest.approx(time - start, abs=1e-6)

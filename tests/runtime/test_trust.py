@@ -149,9 +149,8 @@ def test_rows_that_are_not_finite_are_told_with_their_time(target: str) -> None:
 
 
 @pytest.mark.compiles
-@pytest.mark.parametrize("target", ["numpy", "c"])
-def test_fixed_steps_go_over_a_quotient_without_a_value(target: str) -> None:
-    run = cart("sin(t - 0.5)/(t - 0.5)", target=target).simulate(1, samples=3, step=0.1)
+def test_fixed_steps_go_over_a_quotient_without_a_value() -> None:
+    run = cart("sin(t - 0.5)/(t - 0.5)", target="c").simulate(1, samples=3, step=0.1)
     assert 1000 < run.ledger.steps < 3000
     assert run.ledger.unresolved == run.ledger.trust.unresolved > 0
     told = f"narrow forces may be passed over in {run.ledger.unresolved} step"
