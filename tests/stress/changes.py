@@ -31,6 +31,13 @@ def multiplied(value: Any, factor: float) -> Any:
     return value * factor
 
 
+def write_numbers(body: Tree) -> None:
+    """Write the rates of angles that a body starts with as numbers; no formula may stand there."""
+    for key in ("angular_velocity", "angular_velocity_b"):
+        if key in body:
+            body[key] = Reader().vector(body[key])
+
+
 def is_angle(tree: Tree, one: Tree) -> bool:
     """Return whether what a coordinate, driver, force or input refers to is an angle."""
     if "coordinate" in one:
@@ -111,6 +118,7 @@ class Scaled:
 
     def _body(self, body: Tree) -> None:
         L, M = self.L, self.M
+        write_numbers(body)
         self._multiply(body, L, "position", "center")
         self._multiply(body, L / self.T, "velocity")
         self._multiply(body, 1 / self.T, "angular_velocity", "angular_velocity_b")
@@ -230,6 +238,7 @@ class Displaced:
     def _body(self, body: Tree) -> None:
         if {"x", "y", "z"} & set(body.get("hold", ())):
             raise DoesNotApply("a body holds a component in frame O")
+        write_numbers(body)
         body["position"] = self._place(body["position"])
         if self.A is not None and not body.get("point"):
             B = product(self.A, orientation_of(Reader(), body.get("orientation")))
