@@ -16,6 +16,7 @@ from kousoku.model.formulas import RATE, state_names, texts_of, used_names
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
+from kousoku.model.switching import may_jump
 from kousoku.model.terms import Apply, Function, names_of, ordered
 
 if TYPE_CHECKING:
@@ -65,7 +66,9 @@ class About:
 
 
 def scene_notes(scene: Scene) -> Iterator[str]:
-    """Yield what is odd in a checked scene of bodies, though it can be solved: lost points.
+    """Yield what is odd in a checked scene of bodies, though it can be solved.
+
+    These are lost points, and events that may jump over 0.
 
     A joint is looked at between bodies that are made of solids, and at the ground where its body
     has a rod: a ball that hangs on the ground by a rod without mass is no mistake.
@@ -83,6 +86,7 @@ def scene_notes(scene: Scene) -> Iterator[str]:
             yield (
                 f"{join('joints', name)} lies {far:.3g} {scene.unit} from all that {what} made of"
             )
+    yield from notes_of_events(scene)
 
 
 def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
@@ -100,6 +104,17 @@ def notes_of_dry_friction(scene: Scene) -> Iterator[str]:
                 f"{join('forces', name)} jumps where a rate passes 0, as dry friction does: where"
                 " it holds the rate at 0, steps become tiny and the run stops; take"
                 " x/sqrt(x^2 + 1e-6) for sign(x)"
+            )
+
+
+def notes_of_events(scene: Scene) -> Iterator[str]:
+    """Yield a note on each event that may jump over 0, where it does not count."""
+    names = state_names(scene)
+    for name, event in scene.events.items():
+        if may_jump(parse_expression(event.when, names), names.difference(scene.parameters)):
+            yield (
+                f"{join('events', name)} may jump over 0, also through infinity, and does not"
+                " count where it does; take what passes 0 there: x for sign(x) and for 1/x"
             )
 
 

@@ -5,8 +5,19 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model.derivative import derivative
-from kousoku.model.switching import even_root, may_be_zero
-from kousoku.model.terms import Apply, Function, Name, Number, add, apply, names_of, neg, ordered
+from kousoku.model.switching import SMOOTH, even_root, may_be_zero
+from kousoku.model.terms import (
+    Apply,
+    Function,
+    Name,
+    Number,
+    add,
+    apply,
+    names_of,
+    neg,
+    ordered,
+    power,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -66,7 +77,10 @@ def kink_of(law: Expression, time: str, parameters: Mapping[str, float]) -> Appl
 
 
 def _without_roots(law: Expression) -> tuple[Expression, dict[Apply, Apply]]:
-    """Return a formula with ``abs(a)`` for ``sqrt(a^2)``, and which root each of these was."""
+    """Return a formula with ``abs(a)`` in its roots of even powers, and which root each one was.
+
+    ``sqrt(a^2)`` is ``abs(a)``, and ``(a^2)^0.75`` is ``abs(a)^1.5``.
+    """
     known: dict[int, Expression] = {}
     roots: dict[Apply, Apply] = {}
     for one in ordered(law):
@@ -75,9 +89,10 @@ def _without_roots(law: Expression) -> tuple[Expression, dict[Apply, Apply]]:
             continue
         same = Apply(one.function, tuple(known[id(arg)] for arg in one.args))
         root = even_root(same)
-        if root is not None and root[1] == 1 and may_be_zero(root[0]):
-            size = Apply(Function.ABS, root[:1])
-            known[id(one)], roots[size] = size, same
+        if root is not None and 0 < root[1] < SMOOTH and may_be_zero(root[0]):
+            a, exponent = root
+            size = Apply(Function.ABS, (a,))
+            known[id(one)], roots[size] = power(size, Number(exponent)), same
         else:
             known[id(one)] = same
     return known[id(law)], roots

@@ -122,7 +122,7 @@ def seen_of(system: System) -> Seen:
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
         narrow,
-        tuple(any(map(_may_jump, ordered(one))) for one in events),
+        tuple(may_jump(one, {TIME, *of_state}) for one in events),
         tuple(chain.from_iterable(_with_rates(one) for one, places in breaks.items() if places)),
     )
 
@@ -268,16 +268,30 @@ def _with_rates(law: Expression) -> tuple[Expression, ...]:
     return law, rate, derivative(rate, TIME)
 
 
-def _may_jump(part: Expression) -> bool:
-    """Return whether the last function of a formula may jump, also through infinity."""
+def may_jump(formula: Expression, varying: Collection[str]) -> bool:
+    """Return whether a formula may jump where names vary, also through infinity.
+
+    A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
+    """
+    return any(
+        not set(varying).isdisjoint(names_of(place))
+        for part in ordered(formula)
+        for place in _jumps_of(part)
+    )
+
+
+def _jumps_of(part: Expression) -> Iterator[Expression]:
+    """Yield what the last function of a formula may jump with."""
     if not isinstance(part, Apply):
-        return False
-    if part.function is Function.DIV:
-        return not isinstance(part.args[1], Number)
-    if part.function is Function.POW:
-        exponent = part.args[1]
-        return not isinstance(exponent, Number) or exponent.value < 0
-    return part.function in JUMPING
+        return
+    a, b = part.args[0], part.args[-1]
+    is_product = isinstance(b, Number) and b.value >= 0
+    if part.function in JUMPING:
+        yield part
+    elif part.function is Function.DIV and may_be_zero(b):
+        yield b
+    elif part.function is Function.POW and not is_product and may_be_zero(a):
+        yield a
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:

@@ -30,6 +30,8 @@ def blend(x: str) -> str:
         "min(h, w)*t",
         "t*sqrt((2 + sin(t))^2)",
         "((t - T)^2)^(3/2)",
+        "((t - T)^2)^1.25",
+        "((2 + sin(t))^2)^0.75",
         "h*sqrt((t - T)^2)*(t - T)^2",
     ],
 )
@@ -49,6 +51,9 @@ def test_two_derivatives_go_through(formula: str) -> None:
         ("sqrt((t - h)^2)", "sqrt"),
         ("t + ((t - 1)*(t - 1))^(1/2)", "pow"),
         ("((t - 1)^6)^(1/6)", "pow"),
+        ("((t - T)^2)^0.75", "pow"),
+        ("h*((t - T)^4)^(1/3)", "pow"),
+        ("abs(t - T)^1.5", "abs"),
         ("min(t^2, 1)", "min"),
         (blend("min(t, T)"), "min"),
         (blend("min(t, 1)") + " + 1e-9*max(t - 1, 0)^2", "max"),
