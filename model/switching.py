@@ -122,7 +122,7 @@ def seen_of(system: System) -> Seen:
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
         narrow,
-        tuple(may_jump(one, {TIME, *of_state}) for one in events),
+        tuple(any(map(_may_jump, ordered(one))) for one in events),
         tuple(chain.from_iterable(_with_rates(one) for one, places in breaks.items() if places)),
     )
 
@@ -273,25 +273,24 @@ def may_jump(formula: Expression, varying: Collection[str]) -> bool:
 
     A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
     """
-    return any(
-        not set(varying).isdisjoint(names_of(place))
-        for part in ordered(formula)
-        for place in _jumps_of(part)
-    )
+    for part in filter(_may_jump, ordered(formula)):
+        place = _place_of(part) if isinstance(part, Apply) else None
+        is_there = place is None or may_be_zero(place)
+        if is_there and not set(varying).isdisjoint(names_of(place or part)):
+            return True
+    return False
 
 
-def _jumps_of(part: Expression) -> Iterator[Expression]:
-    """Yield what the last function of a formula may jump with."""
+def _may_jump(part: Expression) -> bool:
+    """Return whether the last function of a formula is one that may jump, also to infinity."""
     if not isinstance(part, Apply):
-        return
-    a, b = part.args[0], part.args[-1]
-    is_product = isinstance(b, Number) and b.value >= 0
-    if part.function in JUMPING:
-        yield part
-    elif part.function is Function.DIV and may_be_zero(b):
-        yield b
-    elif part.function is Function.POW and not is_product and may_be_zero(a):
-        yield a
+        return False
+    if part.function is Function.DIV:
+        return not isinstance(part.args[1], Number)
+    if part.function is Function.POW:
+        exponent = part.args[1]
+        return not isinstance(exponent, Number) or exponent.value < 0
+    return part.function in JUMPING
 
 
 def _signed_squares(part: Expression) -> Iterator[Expression]:

@@ -90,6 +90,7 @@ def test_a_force_that_jumps_and_the_duration_are_told() -> None:
         ("p^(0-2)*x", False),
         ("tan(p)*x", False),
         ("x/(2 + sin(t))", False),
+        ("atan2(sin(t), 2 + cos(t)) - x", False),
         ("max(x, 0) - abs(x)^3", False),
     ],
 )
