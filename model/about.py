@@ -62,13 +62,12 @@ class About:
             for name, force in scene.forces.items()
             if any(used_names(text, ("sign",)) for text in texts_of(force))
         )
-        return cls((*scene_notes(scene), *notes), scene.duration, jumps)
+        notes = (*scene_notes(scene), *notes_of_events(scene), *notes)
+        return cls(notes, scene.duration, jumps)
 
 
 def scene_notes(scene: Scene) -> Iterator[str]:
-    """Yield what is odd in a checked scene of bodies, though it can be solved.
-
-    These are lost points, and events that may jump over 0.
+    """Yield what is odd in a checked scene of bodies, though it can be solved: lost points.
 
     A joint is looked at between bodies that are made of solids, and at the ground where its body
     has a rod: a ball that hangs on the ground by a rod without mass is no mistake.
@@ -86,7 +85,6 @@ def scene_notes(scene: Scene) -> Iterator[str]:
             yield (
                 f"{join('joints', name)} lies {far:.3g} {scene.unit} from all that {what} made of"
             )
-    yield from notes_of_events(scene)
 
 
 def notes_of_dry_friction(scene: Scene) -> Iterator[str]:

@@ -189,13 +189,15 @@ def _places_of(law: Expression) -> Iterator[Expression]:
     """Yield what is zero where the law of a driver or a derivative of it may jump."""
     yield from switching_functions(law)
     for part in ordered(law):
-        place = _place_of(part) if isinstance(part, Apply) else None
+        place = _place_of(part)
         if place is not None and may_be_zero(place):
             yield place
 
 
-def _place_of(part: Apply) -> Expression | None:
+def _place_of(part: Expression) -> Expression | None:
     """Return what is zero where a function, or a derivative of it, is infinite or jumps."""
+    if not isinstance(part, Apply):
+        return None
     a, b = part.args[0], part.args[-1]
     match part.function:
         case Function.SQRT | Function.LOG:
@@ -273,12 +275,9 @@ def may_jump(formula: Expression, varying: Collection[str]) -> bool:
 
     A quotient does so where what it is divided by may be zero, as far as :func:`may_be_zero` tells.
     """
-    for part in filter(_may_jump, ordered(formula)):
-        place = _place_of(part) if isinstance(part, Apply) else None
-        is_there = place is None or may_be_zero(place)
-        if is_there and not set(varying).isdisjoint(names_of(place or part)):
-            return True
-    return False
+    parts = filter(_may_jump, ordered(formula))
+    places = (_place_of(part) or part for part in parts)  # a sign has none, and may be zero itself
+    return any(may_be_zero(one) and not set(varying).isdisjoint(names_of(one)) for one in places)
 
 
 def _may_jump(part: Expression) -> bool:

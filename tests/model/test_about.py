@@ -102,5 +102,5 @@ def test_an_event_that_may_jump_is_told(when: str, *, is_told: bool) -> None:
         **{"joints": joints, "coordinates": {"x": {"joint": "a"}}},
         **{"events": {"other": {"when": "t - 1"}, "hit": {"when": when}}},
     }
-    notes = [*scene_notes(scene_from_dict(scene))]
+    notes = About.of(scene_from_dict(scene)).notes
     assert [note.split(" over")[0] for note in notes] == ["events.hit may jump"] * is_told
