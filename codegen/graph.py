@@ -8,9 +8,8 @@ rational until they are printed: a constant is rounded once, by :func:`literal`.
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -46,8 +45,7 @@ EXACT_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.NEG, Op.SQRT, Op.ABS})
 BINARY_OPS = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.DIV, Op.ATAN2, Op.MAX})
 
 
-@dataclass(frozen=True, slots=True)
-class Node:
+class Node(NamedTuple):
     """One scalar operation.
 
     Parameters
@@ -74,6 +72,7 @@ class Graph:
     def __init__(self) -> None:
         self._nodes: list[Node] = []
         self._ids: dict[Node, int] = {}
+        self._numbers: dict[Fraction | int | float, int] = {}
 
     @property
     def nodes(self) -> Sequence[Node]:
@@ -89,7 +88,11 @@ class Graph:
 
     def const(self, value: Fraction | int | float) -> int:
         """Return the node of a number; a float stands for its exact binary value."""
-        return self._intern(Node(Op.CONST, value=Fraction(value)))
+        known = self._numbers.get(value)
+        if known is None:
+            known = self._intern(Node(Op.CONST, value=Fraction(value)))
+            self._numbers[value] = known
+        return known
 
     def input(self, name: str, index: int) -> int:
         """Return the node of element ``index`` (flat, row-major) of the input array ``name``."""
@@ -107,12 +110,13 @@ class Graph:
     def add(self, a: int, b: int) -> int:
         """Return a + b."""
         va, vb = self.value(a), self.value(b)
-        if va is not None and vb is not None:
-            return self.const(va + vb)
-        if va == 0:
-            return b
-        if vb == 0:
-            return a
+        if va is not None or vb is not None:
+            if va is not None and vb is not None:
+                return self.const(va + vb)
+            if va == 0:
+                return b
+            if vb == 0:
+                return a
         if (minus := self._negated(b)) is not None:
             return self.sub(a, minus)
         if (minus := self._negated(a)) is not None:
@@ -122,12 +126,13 @@ class Graph:
     def sub(self, a: int, b: int) -> int:
         """Return a − b."""
         va, vb = self.value(a), self.value(b)
-        if va is not None and vb is not None:
-            return self.const(va - vb)
-        if vb == 0:
-            return a
-        if va == 0:
-            return self.neg(b)
+        if va is not None or vb is not None:
+            if va is not None and vb is not None:
+                return self.const(va - vb)
+            if vb == 0:
+                return a
+            if va == 0:
+                return self.neg(b)
         if a == b:
             return self.const(0)
         if (minus := self._negated(b)) is not None:
@@ -150,9 +155,10 @@ class Graph:
     def mul(self, a: int, b: int) -> int:
         """Return a · b."""
         va, vb = self.value(a), self.value(b)
-        if va is not None and vb is not None:
-            return self.const(va * vb)
-        for value, other in ((va, b), (vb, a)):
+        if va is not None or vb is not None:
+            if va is not None and vb is not None:
+                return self.const(va * vb)
+            value, other = (va, b) if vb is None else (vb, a)
             if value == 0:
                 return self.const(0)
             if value == 1:
@@ -238,7 +244,11 @@ class Graph:
 
     def apply(self, op: Op, args: Sequence[int]) -> int:
         """Return ``op`` applied to ``args``: how a walk over another graph rebuilds a node here."""
-        return int(getattr(self, op.value)(*args))
+        return int(getattr(self, _METHODS[op])(*args))
+
+
+#: Those of :class:`Graph` by what they build, looked up faster than the values of an Enum.
+_METHODS = {op: op.value for op in Op}
 
 
 def literal(value: Fraction) -> str:

@@ -138,7 +138,7 @@ def node_values(
     """Return the values of all nodes of a kernel, as :func:`evaluate` does for its outputs."""
     values: list[Any] = []
     for node in kernel.nodes:
-        op, args = node.op, node.args
+        op, args, _, symbol = node
         # This runs a million times where a scene is looked at: names of members are looked up once.
         if op is _MUL:
             value = values[args[0]] * values[args[1]]
@@ -148,8 +148,8 @@ def node_values(
             value = values[args[0]] - values[args[1]]
         elif op is _NEG:
             value = -values[args[0]]
-        elif node.symbol is not None:
-            value = inputs[node.symbol[0]][node.symbol[1]]
+        elif symbol is not None:
+            value = inputs[symbol[0]][symbol[1]]
         else:
             value = _rare(node, [values[arg] for arg in args], arithmetic)
         values.append(value)

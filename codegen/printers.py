@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from kousoku.codegen.graph import Op, literal
 from kousoku.model.errors import EmitError
@@ -27,8 +27,7 @@ class Precedence(IntEnum):
     ATOM = 4
 
 
-@dataclass(frozen=True, slots=True)
-class Text:
+class Text(NamedTuple):
     """A printed expression.
 
     Parameters
@@ -81,7 +80,7 @@ class Printer:
         if op not in self.operators:
             raise EmitError(f"the operation {op.value} has no entry in this target's table")
         sign, level = self.operators[op]
-        tighter = Precedence(level + 1)
+        tighter = _TIGHTER[level]
         if len(args) == 1:
             return Text(f"{sign}{args[0].within(tighter)}", level)
         left, right = args
@@ -93,6 +92,7 @@ class Printer:
 
 
 _COMMUTATIVE = frozenset({Op.ADD, Op.MUL})
+_TIGHTER = {level: Precedence(level + 1) for level in Precedence if level < Precedence.ATOM}
 
 _OPERATORS = {
     Op.ADD: ("+", Precedence.SUM),

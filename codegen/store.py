@@ -9,6 +9,7 @@ import json
 import re
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 from importlib import resources
 from typing import Any
 
@@ -83,6 +84,7 @@ def chosen(package: Package, choice: str) -> Package:
     return Package(name, package.title, f"kousoku generate {name}", kernels)
 
 
+@cache
 def load_frozen(name: str) -> Package:
     """Return the frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
 

@@ -156,10 +156,10 @@ def together(kernels: Sequence[Kernel]) -> Kernel:
     for kernel in kernels:
         places: list[int] = []
         for node in kernel.nodes:
-            moved = replace(node, args=tuple(places[arg] for arg in node.args))
+            moved = node._replace(args=tuple(places[arg] for arg in node.args))
             key = moved
             if node.op in _COMMUTATIVE:
-                key = replace(moved, args=tuple(sorted(moved.args)))
+                key = moved._replace(args=tuple(sorted(moved.args)))
             if key not in known:
                 known[key] = len(nodes)
                 nodes.append(moved)

@@ -76,7 +76,7 @@ def finish(kernel: Kernel, graph: Graph, new_ids: Mapping[int, int]) -> Kernel:
     live = live_ids(graph.nodes, (node for result in results for node in result))
     compact = {old: new for new, old in enumerate(live)}
     nodes = tuple(
-        replace(graph.nodes[old], args=tuple(compact[arg] for arg in graph.nodes[old].args))
+        graph.nodes[old]._replace(args=tuple([compact[arg] for arg in graph.nodes[old].args]))
         for old in live
     )
     return replace(

@@ -32,9 +32,10 @@ ADDED_HERE = Fraction(1, 2**1000)
 
 def with_finite_quotients(kernel: Kernel) -> Kernel:
     """Return a kernel whose divisors have an inverse, also where they are zero."""
-    if all(node.value != ADDED for node in kernel.nodes):
+    added = {k for k, x in enumerate(kernel.nodes) if x.op is Op.CONST and x.value == ADDED}
+    if not added:
         return kernel
-    nodes = (replace(x, value=ADDED_HERE) if x.value == ADDED else x for x in kernel.nodes)
+    nodes = [x._replace(value=ADDED_HERE) if k in added else x for k, x in enumerate(kernel.nodes)]
     return replace(kernel, nodes=tuple(nodes))
 
 
