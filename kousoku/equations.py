@@ -20,6 +20,7 @@ from kousoku.codegen.dynamics.assembly.residuals import unit_of
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
 from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.emission.view_numbers import row_of
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
@@ -160,6 +161,8 @@ class Equations:
         self.rows = tuple(rows_of(self.system, self._program.rows))
         own = [self.system.constraints[row.instance] for row in self._program.rows]
         self.units = tuple(scene.unit if unit_of(one) == "m" else "rad" for one in own)
+        #: Joint or driver of each row, and the unit of its residual in SI, as of a solver.
+        self.checked = [row_of(row, self.system) for row in self._program.rows]
         self._row_scale = np.array(
             [(1 / self.unit if unit_of(one) == "m" else 1.0) / one.scale for one in own]
         )

@@ -19,7 +19,8 @@ from kousoku.labels import is_turn
 from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
-from kousoku.runtime.integrate.result import listed
+from kousoku.runtime.integrate.result import key_of, listed, shortly
+from kousoku.runtime.run_ledger import violations_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from kousoku.equations import Equations, Numbers, State
     from kousoku.model.scene import Scene
     from kousoku.runtime.dynamics import DynamicsSolver
+    from kousoku.runtime.run_ledger import Violation
 
     Array = npt.NDArray[np.float64]
 
@@ -38,6 +40,8 @@ ZERO = 1e-9
 TAKES_PART = 1e-10
 #: What λ may leave of the forces, and how far a state may be from what the solver has.
 HOLDS = 1e-7
+#: Speeds in lengths of the scene a second that are as good as none.
+STANDS = 1e-6
 #: Rows and columns that a table in a notebook has at most.
 MOST_SHOWN = 30
 
@@ -170,6 +174,11 @@ class Evaluation(NamedTuple):
         Whether the multiplier of a row follows from the motion.
     rows, columns : tuple of str
         As of :class:`Matrices`.
+    violations : mapping of str to Violation
+        What the state, and these accelerations, leave of the constraints of each joint and driver.
+    notes : tuple of str
+        Which of them are open, or come apart, by more than the scene's closure tolerance: what is
+        computed there keeps gaps from accelerating, and is no motion of the scene.
     """
 
     v_dot: Array
@@ -177,12 +186,15 @@ class Evaluation(NamedTuple):
     is_unique: npt.NDArray[np.bool_]
     rows: tuple[str, ...]
     columns: tuple[str, ...]
+    violations: Mapping[str, Violation]
+    notes: tuple[str, ...]
 
     def __repr__(self) -> str:
-        """Return sizes, and what is not unique."""
+        """Return sizes, and what is not unique or not closed."""
         several = [row for row, one in zip(self.rows, self.is_unique, strict=True) if not one]
         text = f"v_dot ({len(self.v_dot)},), lam ({len(self.lam)},)"
-        return f"{text}; not unique: {listed(several)}" if several else text
+        text = f"{text}; not unique: {listed(several)}" if several else text
+        return "\n".join([text, *self.notes])
 
 
 def matrices(
@@ -242,6 +254,9 @@ def evaluate(
 ) -> Evaluation:
     """Return the accelerations that a solver computes, and the multipliers of all rows.
 
+    Nothing is put onto the constraints: C_q v̇ = γ holds at any state, also where joints are open,
+    which the result tells.
+
     Parameters
     ----------
     scene : Scene
@@ -262,7 +277,43 @@ def evaluate(
     found = _labelled(equations, numbers, state)
     v_dot = _accelerations(equations, solver, state)
     lam, is_unique = _multipliers(found, found.M @ v_dot, equations.length)
-    return Evaluation(v_dot, lam, is_unique, found.rows, found.columns)
+    scales = np.array([equations.unit if unit == "m" else 1.0 for _, unit in equations.checked])
+    left = (found.C, found.C_q @ state.v - found.nu, found.C_q @ v_dot - found.gamma)
+    violations = violations_of(scales * np.abs(left), equations.checked)
+    speeds = scales * (np.abs(found.C_q) @ np.abs(state.v) + np.abs(found.nu))
+    notes = tuple(_gaps(equations, violations, speeds))
+    return Evaluation(v_dot, lam, is_unique, found.rows, found.columns, violations, notes)
+
+
+def _gaps(
+    equations: Equations, violations: Mapping[str, Violation], speeds: Array
+) -> Iterator[str]:
+    """Yield which joints a state leaves open, and which of them come apart.
+
+    Velocities are compared with the largest of ``speeds``, of what each row consists [m/s, rad/s].
+    """
+    length = equations.length * equations.unit
+    arms = [1.0 if unit == "m" else length for _, unit in equations.checked]
+    speed = max((speeds * arms).max(initial=0.0), STANDS * length) / length
+    texts = ("joints are open", ""), ("joints come apart", "/s")
+    for k, ((what, per), size) in enumerate(zip(texts, (1.0, speed), strict=True)):
+        parts = {
+            name: max(one.metres[k] / length, one.radians[k]) for name, one in violations.items()
+        }
+        limit = equations.system.closure_tolerance * size
+        far = sorted((x for x in parts if parts[x] > limit), key=lambda x: -parts[x])
+        gaps = [
+            f"{key_of(name)} by "
+            + " and ".join(
+                f"{shortly(gap, 3)} {unit}{per}"
+                for gap, unit in ((one.metres[k], "m"), (one.radians[k], "rad"))
+                if gap > limit * (length if unit == "m" else 1.0)
+            )
+            for name in far
+            if (one := violations[name])
+        ]
+        if gaps:
+            yield f"{equations.name}: at this state {what}: {listed(gaps)}"
 
 
 def _of_linkage(

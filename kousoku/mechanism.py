@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from contextlib import contextmanager
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast, overload
@@ -366,6 +367,9 @@ class Mechanism:
     ) -> Evaluation:
         """Return accelerations and multipliers, see :func:`kousoku.matrices.evaluate`.
 
+        Where the state leaves joints open, or velocities do not fit, by more than the closure
+        tolerance of the scene, a ``UserWarning`` names them, and so do the ``notes`` of the result.
+
         Raises
         ------
         SolveError
@@ -375,7 +379,10 @@ class Mechanism:
 
         solver = self._bodies("accelerations")
         parameters, angles = self._known(q, parameters, angles)
-        return evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
+        found = evaluate(self.scene, solver, t, q, v, parameters, angles=angles)
+        for note in found.notes:
+            warnings.warn(note, stacklevel=2)
+        return found
 
     def _known(
         self,

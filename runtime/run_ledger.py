@@ -319,7 +319,7 @@ def ledger_of(
     if solver.is_weighed:
         works = _works(state["y"], layout.works, options)
     if options.checks:
-        violations = _violations(worst, [one for part in rows for one in part], layout.checked)
+        violations = violations_of(worst, [one for part in rows for one in part], layout.checked)
     changes = state["momentum_errors"].tolist()
     return RunLedger(
         method=options.method,
@@ -370,9 +370,20 @@ def _works(y: Array, works: Sequence[tuple[str, int]], options: Options) -> dict
     return {name: float(y[place]) for name, place in works}
 
 
-def _violations(
-    worst: Array, rows: Sequence[tuple[str, str]], order: Sequence[str]
+def violations_of(
+    worst: Array, rows: Sequence[Sequence[str]], order: Sequence[str] = ()
 ) -> dict[str, Violation]:
+    """Return the largest residuals of joints.
+
+    Parameters
+    ----------
+    worst : (3, m) array
+        Of each row, at all levels, in SI units.
+    rows : sequence of (str, str)
+        Joint or driver of each row, and the unit of its residual: m or rad.
+    order : sequence of str
+        Joints that come first, those too that have no rows.
+    """
     joints = dict.fromkeys((*order, *(joint for joint, _ in rows)))
     sizes = {joint: {name: np.zeros(len(LEVELS)) for name in UNITS} for joint in joints}
     for (joint, unit), column in zip(rows, worst.T, strict=True):

@@ -407,6 +407,26 @@ def test_a_state_that_the_solver_cannot_have_is_refused(
         evaluate(scene, solver, 0.0, q, v)
 
 
+def test_joints_that_a_state_leaves_open_are_told(bodies_folder: Callable[..., Path]) -> None:
+    solver = load_dynamics(bodies_folder(READ["loop_free"], ("accelerations",)), target="numpy")
+    mechanism = ks.Mechanism(solver, FILES["loop_free"].read_text(encoding="utf-8"))
+    q, v = written_state(solver.bodies, solver.q, solver.v, solver.unit)
+    q[7] += 1e-5  # less than the closure tolerance
+    assert mechanism.evaluate(0.0, q, v).notes == ()
+    q[7] += 0.1 - 1e-5  # of the coupler, between the joints b and c
+    with pytest.warns(
+        UserWarning, match=r"open: joints\.[bc] by 0\.1 m, joints\.[bc] by 0\.1 m$"
+    ) as told:
+        found = mechanism.evaluate(0.0, q, v)
+    assert [str(one.message) for one in told] == [*found.notes]
+    assert Path(told[0].filename) == Path(__file__)
+    assert repr(found).endswith(found.notes[0])
+    q[7] -= 0.1
+    v[0] += 0.3
+    with pytest.warns(UserWarning, match="joints come apart: joints.a by 0.3 m/s"):
+        mechanism.evaluate(0.0, q, v)
+
+
 def test_scenes_without_all_masses_have_all_but_m_and_f() -> None:
     scene = READ["spatial_four_bar"]
     found = matrices(scene, 0.0, *_standing(scene))

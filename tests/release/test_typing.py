@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import ast
 import re
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+
+from kousoku.runtime.integrate import result
+from kousoku.runtime.kinematics.trajectory import Iterations
+from kousoku.runtime.run_ledger import RunLedger
 
 ROOT = Path(__file__).parents[2]
 
@@ -43,6 +48,9 @@ for one in run.figures(of="rod").values():
     one.savefig("x.png")
 force: float = run.joint("a").force[0, 1]
 place: float = run.body("rod").positoin[0, 1]  # wrong
+left: float = run.ledger.violations["a"].metres[0] + run.ledger.residual
+if run.ledger.trust.is_trusted and run.ledger.energy_eror:  # wrong
+    going.motion().ledger.step  # wrong
 run.save("x.csv")
 run.save(path_of="x.csv")  # wrong
 
@@ -55,6 +63,23 @@ try:
 except ks.MotionError as error:
     error.result.save("x.csv")
 """
+
+
+def test_a_type_checker_sees_the_fields_of_both_ledgers() -> None:
+    (shown,) = (
+        node
+        for node in ast.walk(ast.parse(Path(result.__file__).read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef) and node.name == "Ledger"
+    )
+    fields = {
+        ast.unparse(one.target): ast.unparse(one.annotation)
+        for one in shown.body
+        if isinstance(one, ast.AnnAssign)
+    }
+    of_linkages = {name: one.__forward_arg__ for name, one in Iterations.__annotations__.items()}
+    known = RunLedger.__annotations__ | of_linkages
+    assert {name: what for name, what in fields.items() if "Callable" not in what} == known
+    assert all(hasattr(RunLedger, name) for name in fields.keys() - known.keys())
 
 
 def test_what_is_misspelt_is_seen_by_a_type_checker(tmp_path: Path) -> None:
@@ -71,4 +96,4 @@ def test_what_is_misspelt_is_seen_by_a_type_checker(tmp_path: Path) -> None:
     wrong = {k for k, line in enumerate(PROGRAM.splitlines(), 1) if line.endswith("# wrong")}
     told = set(map(int, re.findall(r"program\.py:(\d+): error", found)))
     assert told == wrong, found
-    assert len(wrong) == 16
+    assert len(wrong) == 18

@@ -56,6 +56,7 @@ def test_works_are_right_for_every_number_of_rows(samples: int) -> None:
     assert run.ledger.works["load"] == pytest.approx(-lost, rel=1e-8)
     assert run.ledger.works["motor"] == pytest.approx(lost, rel=1e-8)
     assert run.ledger.trust.is_trusted
+    assert run.ledger.trust.work_error is not None
     assert run.ledger.trust.work_error < 1e-6 * lost
 
 
@@ -75,6 +76,8 @@ def test_work_of_a_motor_is_the_energy_that_moves(samples: int) -> None:
     run = kousoku.load(SCENES / "engine.toml", outputs=["energies"]).simulate(1, samples=samples)
     trust = run.ledger.trust
     assert trust.is_trusted
+    assert trust.energy_error is not None
+    assert trust.energy_moved is not None
     assert trust.energy_error < 1e-8 * trust.energy_moved
 
 
@@ -96,6 +99,9 @@ def test_what_the_rule_of_steps_cannot_see_is_noticed(monkeypatch: pytest.Monkey
     solver: Any = mechanism.solver
     solver.state["steps"].view(run.state)[...] = 1.0  # its first steps are not tried
     trust = run.finish().ledger.trust
+    assert trust.energy_error is not None
+    assert trust.energy_moved is not None
+    assert trust.work_error is not None
     assert trust.energy_error < 1e-12  # load and motor miss the same
     assert trust.work_error > 0.1 * trust.energy_moved
     assert "works are off by" in trust.why

@@ -72,6 +72,7 @@ def test_energy_that_has_moved_is_that_of_all_steps(method: Any, target: Any) ->
     mechanism = kousoku.load(tree, target=target)
     few, many = (mechanism.simulate(10, samples=n, method=method).ledger.trust for n in (2, 101))
     # at both ends nothing moves; between, the cart has up to 0.5*(9/(8 sqrt 3) 5 m/s)^2
+    assert few.energy_moved is not None
     assert few.energy_moved == pytest.approx(many.energy_moved, rel=0.05)
     assert few.energy_moved > 5.2
     assert few.is_trusted
@@ -81,6 +82,8 @@ def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
     run = cart("-3*x").simulate(20, samples=21, step=1.0)
     trust = run.ledger.trust
     assert not trust.is_trusted
+    assert trust.energy_error is not None
+    assert trust.energy_moved is not None
     assert trust.energy_error > trust.limit * trust.energy_moved
     assert trust.limit == pytest.approx(1e-7)  # a fixed step has no tolerance
     assert str(trust).startswith("not trusted: energy is off by ")
@@ -109,6 +112,7 @@ def test_fixed_steps_in_which_bodies_turn_too_far_are_told(method: Any, target: 
 def test_rows_between_steps_that_are_off_the_constraints_are_told() -> None:
     run = double_pendulum().simulate(2, samples=101, step=0.5)
     trust = run.ledger.trust
+    assert trust.row_drift is not None
     assert trust.row_drift > trust.limit
     assert "rows between steps are off the constraints by" in trust.why
 
