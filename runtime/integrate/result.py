@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
     from ..momenta import Momentum
     from ..run_ledger import Violation
+    from .events import Event
     from .given_start import Moved
     from .trust import Trust
 
@@ -254,6 +255,35 @@ class Result:
     target: str
     #: What moved, where kousoku loaded it; plots and animations are drawn from its scene.
     mechanism: Any = None
+    #: How it was computed.
+    method: str
+
+    if TYPE_CHECKING:  # a type checker sees what runs of bodies have alone, and linkages
+        is_complete: bool
+
+        @property
+        def events(self) -> Mapping[str, Event]:
+            """Of bodies: how often each event of the scene was, when, and the states there."""
+
+        @property
+        def stopped_by(self) -> str:
+            """Of bodies: the event that ended the run; empty where none did."""
+
+        @property
+        def not_unique(self) -> tuple[str, ...]:
+            """Of bodies: joints whose force and torque the motion does not determine."""
+
+        @property
+        def undetermined(self) -> dict[str, tuple[str, ...]]:
+            """Of bodies: columns of force and torque that are not determined, by joint."""
+
+        @property
+        def reaction_length(self) -> float:
+            """Of bodies: a length of the scene, in its unit, that torques are weighed by."""
+
+        @property
+        def iterations(self) -> npt.NDArray[np.int32]:
+            """Of linkages: corrections in the step that led to each row."""
 
     def __len__(self) -> int:
         raise NotImplementedError

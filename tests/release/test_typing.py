@@ -48,6 +48,8 @@ for one in run.figures(of="rod").values():
     one.savefig("x.png")
 force: float = run.joint("a").force[0, 1]
 place: float = run.body("rod").positoin[0, 1]  # wrong
+by: str = run.stopped_by or f"{run.method} {run.iterations.max()}"
+count: int = run.events["lands"].cuont  # wrong
 left: float = run.ledger.violations["a"].metres[0] + run.ledger.residual
 if run.ledger.trust.is_trusted and run.ledger.energy_eror:  # wrong
     going.motion().ledger.step  # wrong
@@ -96,4 +98,4 @@ def test_what_is_misspelt_is_seen_by_a_type_checker(tmp_path: Path) -> None:
     wrong = {k for k, line in enumerate(PROGRAM.splitlines(), 1) if line.endswith("# wrong")}
     told = set(map(int, re.findall(r"program\.py:(\d+): error", found)))
     assert told == wrong, found
-    assert len(wrong) == 18
+    assert len(wrong) == 19
