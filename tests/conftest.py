@@ -43,12 +43,24 @@ if TYPE_CHECKING:
 
 TESTS = Path(__file__).parent
 #: The mark that a fixture gives to all tests that ask for it.
-MARKS = {"compiler": "compiles", "numpy_solver": "numpy_solver", "shipped_flags": "shipped_flags"}
+MARKS = {
+    "compiler": "compiles",
+    "numpy_solver": "numpy_solver",
+    "shipped_flags": "shipped_flags",
+    "tiny": "extension",
+    "warm_package": "extension",
+}
 #: What the compiler of a test without the fixture is called; its error says what is missing.
 NOT_ASKED_FOR = "the fixture 'compiler' of the test"
 #: Bits are the same without optimising, in a fifth of the compiler's time; the last flag wins. Zig
 #: would look for undefined behaviour then.
 QUICK_TO_COMPILE = "-O0 -fno-sanitize=undefined"
+#: The Tiny C Compiler takes a twentieth of that, where it is installed. It makes no extensions of
+#: Python, and no libraries without start-up code.
+TINY_C = """#!/bin/sh
+for word; do shift; [ "$word" = -nostartfiles ] || set -- "$@" "$word"; done
+exec tcc "$@"
+"""
 #: Tests by their ids without parameters, of which a case took too long for ``make quick``.
 SLOW = TESTS / "slow.txt"
 TOO_LONG = 0.25
@@ -83,6 +95,11 @@ def pytest_configure(config: pytest.Config) -> None:
         shared = tempfile.mkdtemp(prefix="kousoku-tests-")
         os.environ["KOUSOKU_TESTS_SHARE"] = shared
         os.environ.setdefault("KOUSOKU_CACHE", str(Path(shared, "cache")))
+        if shutil.which("tcc") and "KOUSOKU_CC" not in os.environ:
+            tiny = Path(shared, "tiny-c")
+            tiny.write_text(TINY_C, encoding="utf-8")
+            tiny.chmod(0o755)
+            os.environ["KOUSOKU_TESTS_TINY_C"] = str(tiny)
         config.add_cleanup(lambda: shutil.rmtree(shared, ignore_errors=True))
 
 
@@ -148,7 +165,10 @@ def pytest_runtest_protocol(item: pytest.Item) -> Generator[None, object, object
     marks, start = marks_of(item), processor_time()
     with pytest.MonkeyPatch.context() as patch:
         if not marks & {"release", "shipped_flags"} and "KOUSOKU_CFLAGS" not in os.environ:
-            patch.setenv("KOUSOKU_CFLAGS", QUICK_TO_COMPILE)
+            if "KOUSOKU_TESTS_TINY_C" in os.environ and "extension" not in marks:
+                patch.setenv("KOUSOKU_CC", os.environ["KOUSOKU_TESTS_TINY_C"])
+            else:
+                patch.setenv("KOUSOKU_CFLAGS", QUICK_TO_COMPILE)
         if not marks & {"release", "compiles"}:
             patch.setenv("KOUSOKU_CC", NOT_ASKED_FOR)
         if not marks & {"release", "numpy_solver"}:
@@ -217,6 +237,8 @@ def compiler() -> Toolchain:
     """Return this machine's C compiler, as it is for users; without one the test is skipped."""
     with pytest.MonkeyPatch.context() as patch:
         patch.delenv("KOUSOKU_CFLAGS", raising=False)
+        if "KOUSOKU_TESTS_TINY_C" in os.environ:
+            patch.delenv("KOUSOKU_CC", raising=False)
         try:
             return find_toolchain()
         except NoCompilerError as error:

@@ -104,6 +104,7 @@ def test_flags_of_the_user_come_last_and_count(monkeypatch: pytest.MonkeyPatch) 
     assert changed.fingerprint != usual.fingerprint
 
 
+@pytest.mark.usefixtures("shipped_flags")
 def test_a_flag_that_the_compiler_refuses_is_named(
     monkeypatch: pytest.MonkeyPatch, compiler: Toolchain
 ) -> None:
