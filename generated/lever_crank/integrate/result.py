@@ -15,13 +15,75 @@ from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Protocol, TypedDict
 import numpy as np
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Callable, Iterator, Sequence
     from typing import TypeAlias, Unpack
 
     import numpy.typing as npt
     from matplotlib.figure import Figure
 
+    from ..momenta import Momentum
+    from ..run_ledger import Violation
+    from .events import Event
+    from .given_start import Moved
+    from .trust import Trust
+
     Array: TypeAlias = npt.NDArray[np.float64]
+
+    class Ledger:
+        """What a run cost, and how far it can be trusted: ``print(run.ledger)`` tells it.
+
+        Bodies have a ``kousoku.runtime.run_ledger.RunLedger``, linkages of nodes the ``Iterations``
+        of an analysis, where their fields are told. Which of them a run has no type checker knows:
+        it sees the fields of both.
+        """
+
+        method: str
+        # of bodies
+        tolerance: float
+        fixed_step: float | None
+        parameters: Mapping[str, float]
+        steps: int
+        rejected: int
+        derivatives: int
+        factorisations: int
+        corrections: int
+        drift: float
+        avoided: int
+        growth: float
+        growth_time: float
+        passed: int
+        passed_time: float | None
+        unresolved: int
+        unresolved_time: float | None
+        branch_points: int
+        branch_point_time: float | None
+        fallbacks: int
+        fallback_time: float | None
+        refinements: int
+        energy: float | None
+        energy_error: float | None
+        works: Mapping[str, float]
+        momenta: tuple[Momentum, ...]
+        violations: Mapping[str, Violation]
+        missed: Mapping[str, tuple[float, float]]
+        released: tuple[str, ...]
+        moved: Mapping[str, Moved]
+        events: Mapping[str, int]
+        seconds: Mapping[str, float]
+        trust: Trust
+        worst: Callable[[str], tuple[float, float]]
+        worst_joint: Callable[[str], str]
+        as_data: Callable[[], dict[str, object]]
+        # of linkages
+        target: str
+        rows: int
+        least: int
+        most: int
+        total: int
+        residual: float
+        condition: float
+        unit: str
+
 
 Value = TypeVar("Value")
 #: Characters of a value, and names, that a message shows.
@@ -193,6 +255,35 @@ class Result:
     target: str
     #: What moved, where kousoku loaded it; plots and animations are drawn from its scene.
     mechanism: Any = None
+    #: How it was computed.
+    method: str
+
+    if TYPE_CHECKING:  # a type checker sees what runs of bodies have alone, and linkages
+        is_complete: bool
+
+        @property
+        def events(self) -> Mapping[str, Event]:
+            """Of bodies: how often each event of the scene was, when, and the states there."""
+
+        @property
+        def stopped_by(self) -> str:
+            """Of bodies: the event that ended the run; empty where none did."""
+
+        @property
+        def not_unique(self) -> tuple[str, ...]:
+            """Of bodies: joints whose force and torque the motion does not determine."""
+
+        @property
+        def undetermined(self) -> dict[str, tuple[str, ...]]:
+            """Of bodies: columns of force and torque that are not determined, by joint."""
+
+        @property
+        def reaction_length(self) -> float:
+            """Of bodies: a length of the scene, in its unit, that torques are weighed by."""
+
+        @property
+        def iterations(self) -> npt.NDArray[np.int32]:
+            """Of linkages: corrections in the step that led to each row."""
 
     def __len__(self) -> int:
         raise NotImplementedError
@@ -236,7 +327,7 @@ class Result:
         raise NotImplementedError
 
     @property
-    def ledger(self) -> Any:
+    def ledger(self) -> Ledger:
         """What the run cost, and how far it can be trusted."""
         raise NotImplementedError
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, cast
 
 import numpy as np
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from ..integrate.result import Ledger
     from .mechanism import Array, Mechanism
     from .rows import Rows, Run
 
@@ -210,13 +211,14 @@ class Trajectory(Result):
         return [*self.positions] if sort == "node" else [link[0] for link in self.links]
 
     @property
-    def ledger(self) -> Iterations:
+    def ledger(self) -> Ledger:
         """What it cost, and what is left of the equations."""
-        own = self.iterations
-        least = int(np.min(own[1:])) if len(own) > 1 else 0
-        counts = least, int(np.max(own, initial=0)), int(np.sum(own))
+        steps = self.iterations
+        least = int(np.min(steps[1:])) if len(steps) > 1 else 0
+        counts = least, int(np.max(steps, initial=0)), int(np.sum(steps))
         sizes = self.residual_max, float(np.max(self.condition, initial=0.0))
-        return Iterations(self.method, self.target, len(self), *counts, *sizes, self.unit)
+        own = Iterations(self.method, self.target, len(self), *counts, *sizes, self.unit)
+        return cast("Ledger", own)
 
     @property
     def turn_gaps(self) -> dict[str, float]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from .result import Ledger
     from .trust import Trust
 
     Array: TypeAlias = npt.NDArray[np.float64]
@@ -335,13 +336,14 @@ class Motion(Result):
         return found
 
     @property
-    def ledger(self) -> Any:
+    def ledger(self) -> Ledger:
         """What the run cost, and how far it can be trusted: a ``RunLedger``."""
         if self._ledger is None:
             raise missing(f"{self.name}: no ledger: install kousoku, which keeps it")
         if callable(self._ledger):
             self._ledger = self._ledger()
-        return self._ledger
+        found: Ledger = self._ledger
+        return found
 
     @property
     def parameters(self) -> Mapping[str, float]:
