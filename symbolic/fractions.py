@@ -39,6 +39,8 @@ class Fraction:
         if norms is None:
             return self
         if not norms and self.under != self.under.ring.one:
+            if not _may_divide(self.under, self.over):
+                return self
             quotient, rest = self.over.div(self.under)
             return self if rest else Fraction(quotient, self.under.ring.one)
         over, under = self.over, self.under
@@ -59,6 +61,21 @@ class Fraction:
 
     def __rmul__(self, number: int) -> Fraction:
         return Fraction(number * self.over, self.under)
+
+
+def _may_divide(under: Polynomial, over: Polynomial) -> bool:
+    """Return whether the first and the last monomial of a polynomial divide those of another.
+
+    Those of a product are the products of those of its factors.
+    """
+    order = over.ring.order
+    return not over or all(
+        all(
+            less <= more
+            for less, more in zip(end(under, key=order), end(over, key=order), strict=True)
+        )
+        for end in (min, max)
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -114,7 +114,7 @@ QUESTION = Question(
     cases=cases,
     run=run,
     faults=(
-        Fault("velocities that assembly made for other places", as_assembled, "begun 1 0"),
-        Fault("an angular velocity in the wrong frame", in_the_body, "begun 1 0"),
+        Fault("velocities that assembly made for other places", as_assembled, "begun 1 3 1"),
+        Fault("an angular velocity in the wrong frame", in_the_body, "begun 1 3 1"),
     ),
 )
