@@ -1,24 +1,18 @@
-"""How entries are shown: on one line, as text, as data, typeset; and the committed pages."""
+"""How entries are shown: on one line, as text, as data, typeset."""
 
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
 
 from kousoku.ledger import entries, find, prove
-from kousoku.ledger.page import latex_page, markdown_page
 from kousoku.ledger.printing import as_data, as_text, count_lines, first_words, row
 from kousoku.ledger.typesetting import in_words, is_balanced, sentence, typeset, verbatim
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from kousoku.ledger.proof import Proof
-
-DOCS = Path(__file__).parents[2] / "docs"
 
 
 def test_first_words_leave_out_fonts_and_layout_but_no_sign() -> None:
@@ -111,24 +105,6 @@ def test_formulas_in_a_sentence_are_set_in_math_mode(text: str, latex: str) -> N
 
 def test_long_lines_are_cut_between_words() -> None:
     assert verbatim("a b c d", width=3) == "a b\nc d"
-
-
-@pytest.fixture(scope="module")
-def proofs() -> dict[str, Proof]:
-    """Return the proofs of all entries, by key."""
-    return {entry.equation: prove(entry) for entry in entries()}
-
-
-@pytest.mark.release
-@pytest.mark.parametrize(
-    ("name", "page"), [("ledger.tex", latex_page), ("ledger.md", markdown_page)]
-)
-def test_the_committed_pages_are_up_to_date(
-    name: str, page: Callable[..., str], proofs: dict[str, Proof]
-) -> None:
-    option = "--latex" if name == "ledger.tex" else "--markdown"
-    committed = (DOCS / name).read_text(encoding="utf-8")
-    assert committed == page(entries(), proofs), f"run kousoku ledger {option} > docs/{name}"
 
 
 def test_an_entry_shows_itself_in_a_notebook() -> None:
