@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.derived import (
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     SourceTree = dict[str, str]
 
 MANIFEST_FILE = "manifest.json"
+#: How much of a line that differs is shown.
+SHOWN = 60
 
 
 def package_names() -> tuple[str, ...]:
@@ -292,8 +295,13 @@ def _listed(folder: Path) -> dict[str, Any]:
 
 
 def _where(found: str, wanted: str) -> str:
-    pairs = zip(found.splitlines(), wanted.splitlines(), strict=False)
-    for number, (old, new) in enumerate(pairs, 1):
+    """Say in which line two texts differ first, and what stands there, of long lines a part."""
+    lines = zip(found.splitlines(), wanted.splitlines(), strict=False)
+    for number, (old, new) in enumerate(lines, 1):
         if old != new:
-            return f"from line {number} on: {old[:60]!r} instead of {new[:60]!r}"
+            pairs = enumerate(zip_longest(old, new))
+            alike = next(place for place, (one, other) in pairs if one != other)
+            first = max(0, alike - SHOWN // 2) if alike >= SHOWN else 0
+            parts = (("… " if first else "") + text[first : first + SHOWN] for text in (old, new))
+            return "from line {} on: {!r} instead of {!r}".format(number, *parts)
     return "in its length or its line ends"
