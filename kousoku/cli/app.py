@@ -25,7 +25,7 @@ from kousoku.cli.schema import schema
 from kousoku.cli.simulate import simulate
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
-from kousoku.cli.wording import as_typed
+from kousoku.cli.wording import as_typed, refused
 from kousoku.model.errors import KousokuError
 
 
@@ -48,7 +48,11 @@ class _Commands(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         with _until_unread():
-            return super().invoke(ctx)
+            try:
+                return super().invoke(ctx)
+            except typer.BadParameter as error:
+                error.message = refused(error)
+                raise
 
 
 app = typer.Typer(
