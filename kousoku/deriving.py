@@ -62,7 +62,17 @@ def derive(
 
     require_own_name(name)
 
-    return derive_constraint(constraint_of(name, C, title=title, source=source))
+    derivation = derive_constraint(constraint_of(name, C, title=title, source=source))
+    for row, parts in enumerate(derivation.C_q.tolist()):
+        if not any(parts):
+            from kousoku.model.errors import DerivationError
+
+            raise DerivationError(
+                f"{name}: row {row} of C constrains nothing: its row of C_q is zero wherever the"
+                " bodies are; wanted vectors of body('i') or body('j') that vary against each"
+                " other, or against the ground"
+            )
+    return derivation
 
 
 def body(name: Literal["i", "j"]) -> Body:
