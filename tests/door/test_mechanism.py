@@ -92,6 +92,8 @@ def public_objects() -> dict[str, Any]:
         **{"run": going, "saved": going.save(), "matrices": loop.matrices(*run.state(1))},
         **{"evaluation": loop.evaluate(*run.state(1)), "explanation": ks.explain(loop)},
         **{"derivation": ks.derive("n1"), "kinds": ks.kinds, "catalog": ks.catalog()},
+        **{"solver": loop.solver, "solver of a linkage": lever.solver, "files": loop.files},
+        **{"explanation of a linkage": ks.explain(lever)},
         "report": ks.verify(SCENES.parent / "generated" / "pendulum", target="numpy"),
     }
 
