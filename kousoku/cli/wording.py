@@ -51,6 +51,8 @@ def refused(error: BadParameter) -> str:
     text, number = repr(first.get("input")), NUMBERS.get(first.get("type", ""))
     if number:
         return f"{text} is no {number}."
+    if first.get("type") == "greater_than_equal":
+        return f"{text}; wanted at least {first['ctx']['ge']}."
     message = error.message.removeprefix("Value error, ")
     choices = re.findall("'(.+?)'", message.partition(" is not one of ")[2])
     near = get_close_matches(str(first.get("input")), choices, n=1)

@@ -107,6 +107,7 @@ def test_an_unknown_kind_is_one_message_that_lists_the_known_ones(
         (("simulate", "x.toml", "--target", "fortran"), "'--target': 'fortran' is not one of"),
         (("simulate", "x.toml", "--output", "energy"), "Did you mean 'energies'?"),
         (("new", "pendlum"), "Did you mean 'pendulum'?"),
+        (("solve", "x.toml", "--divisions", "0"), "'--divisions': '0'; wanted at least 1."),
     ],
 )
 def test_an_argument_that_is_refused_is_named_and_so_is_what_is_wanted(
