@@ -297,11 +297,13 @@ def _listed(folder: Path) -> dict[str, Any]:
 def _where(found: str, wanted: str) -> str:
     """Say in which line two texts differ first, and what stands there, of long lines a part."""
     lines = zip(found.splitlines(), wanted.splitlines(), strict=False)
-    for number, (old, new) in enumerate(lines, 1):
-        if old != new:
-            pairs = enumerate(zip_longest(old, new))
-            alike = next(place for place, (one, other) in pairs if one != other)
-            first = max(0, alike - SHOWN // 2) if alike >= SHOWN else 0
-            parts = (("… " if first else "") + text[first : first + SHOWN] for text in (old, new))
-            return "from line {} on: {!r} instead of {!r}".format(number, *parts)
-    return "in its length or its line ends"
+    differ = [(number, *pair) for number, pair in enumerate(lines, 1) if pair[0] != pair[1]]
+    if not differ:
+        return "in its length or its line ends"
+    # A digest tells that something changed, and not what.
+    number, old, new = next((one for one in differ if "digest" not in one[1]), differ[0])
+    pairs = enumerate(zip_longest(old, new))
+    alike = next(place for place, (one, other) in pairs if one != other)
+    first = max(0, alike - SHOWN // 2) if alike >= SHOWN else 0
+    parts = (("… " if first else "") + text[first : first + SHOWN] for text in (old, new))
+    return "from line {} on: {!r} instead of {!r}".format(number, *parts)

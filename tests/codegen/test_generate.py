@@ -187,6 +187,17 @@ def test_a_long_line_is_shown_from_where_it_differs(tmp_path: Path) -> None:
     assert "start, here, end" in new
 
 
+def test_what_differs_is_shown_rather_than_a_digest(tmp_path: Path) -> None:
+    tree = tree_with(a_c="digest 1\nsame\none\n")
+    write_tree(tmp_path, tree)
+    (tmp_path / "a.c").write_bytes(b"digest 2\nsame\ntwo\n")
+    (differs,) = check_tree(tmp_path, tree)
+    assert "from line 3 on: 'two' instead of 'one'" in differs
+    (tmp_path / "a.c").write_bytes(b"digest 2\nsame\none\n")
+    (differs,) = check_tree(tmp_path, tree)
+    assert "from line 1 on: 'digest 2' instead of 'digest 1'" in differs
+
+
 def test_what_is_kept_compressed_counts_as_it_is_before(tmp_path: Path) -> None:
     tree = tree_with(a_json_gz="one\n")
     write_tree(tmp_path, tree)
