@@ -113,6 +113,13 @@ def test_nobody_changes_what_others_read(loop: ks.Mechanism) -> None:
             values[0] = 9.0
 
 
+def test_a_column_that_is_read_as_an_attribute_is_shown_the_way(loop: ks.Mechanism) -> None:
+    run: Any = loop.simulate(0.1, samples=3)
+    with pytest.raises(AttributeError, match=r"'crank_angle'; it is a column: run\['crank_angle'"):
+        _ = run.crank_angle
+    assert not hasattr(pickle.loads(pickle.dumps(run)), "nothing")
+
+
 def test_kernels_of_a_kind_pickle() -> None:
     kernels = ks.kinds.p2_z
     assert pickle.loads(pickle.dumps(kernels)) is kernels
