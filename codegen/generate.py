@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
@@ -32,6 +33,8 @@ if TYPE_CHECKING:
     SourceTree = dict[str, str]
 
 MANIFEST_FILE = "manifest.json"
+#: A digest in a line: hexadecimal digits, and no decimal number.
+DIGEST = re.compile(r"\b(?=[0-9e]*[a-df])[0-9a-f]{16,}\b")
 #: How much of a line that differs is shown.
 SHOWN = 60
 
@@ -301,7 +304,7 @@ def _where(found: str, wanted: str) -> str:
     if not differ:
         return "in its length or its line ends"
     # A digest tells that something changed, and not what.
-    number, old, new = next((one for one in differ if "digest" not in one[1]), differ[0])
+    number, old, new = next((one for one in differ if not DIGEST.search(one[1])), differ[0])
     pairs = enumerate(zip_longest(old, new))
     alike = next(place for place, (one, other) in pairs if one != other)
     first = max(0, alike - SHOWN // 2) if alike >= SHOWN else 0

@@ -188,14 +188,15 @@ def test_a_long_line_is_shown_from_where_it_differs(tmp_path: Path) -> None:
 
 
 def test_what_differs_is_shown_rather_than_a_digest(tmp_path: Path) -> None:
-    tree = tree_with(a_c="digest 1\nsame\none\n")
+    one, other = "0d64ff41541dfdbe", "87eeb8a25595d5e7"
+    tree = tree_with(a_c=f'return "{one}";\n1.23456789012345678e-05\n')
     write_tree(tmp_path, tree)
-    (tmp_path / "a.c").write_bytes(b"digest 2\nsame\ntwo\n")
+    (tmp_path / "a.c").write_text(f'return "{other}";\n1.23456789012345679e-05\n')
     (differs,) = check_tree(tmp_path, tree)
-    assert "from line 3 on: 'two' instead of 'one'" in differs
-    (tmp_path / "a.c").write_bytes(b"digest 2\nsame\none\n")
+    assert "from line 2 on: '1.23456789012345679e-05' instead of '1.23456789012345678" in differs
+    (tmp_path / "a.c").write_text(f'return "{other}";\n1.23456789012345678e-05\n')
     (differs,) = check_tree(tmp_path, tree)
-    assert "from line 1 on: 'digest 2' instead of 'digest 1'" in differs
+    assert f"from line 1 on: 'return \"{other}\";' instead of " in differs
 
 
 def test_what_is_kept_compressed_counts_as_it_is_before(tmp_path: Path) -> None:
