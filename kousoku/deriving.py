@@ -153,6 +153,14 @@ def kernels(
             if not folder.is_dir():
                 raise
         return load(folder, target=target)
+    from kousoku.runtime.integrate.result import shown
+    from kousoku.symbolic.derivation import Derivation
+
+    if not isinstance(derivation, Derivation):
+        raise DerivationError(
+            f"{shown(derivation)} is no derivation; wanted what derive returned, the name of a"
+            " kind, or the path of a folder that kernels wrote"
+        )
     tree = generate(derivation)
     if folder is None:
         digest = Manifest.from_json(tree[MANIFEST_FILE]).digest
