@@ -185,7 +185,6 @@ def install(extras: list[str]) -> int:
             return 2
     print(f"installing kousoku[{','.join(extras)}] into .venv: 30 s", flush=True)
     command = [str(PYTHON), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    command += ["--config-settings", "editable_mode=" + ("compat" if has_links() else "strict")]
     status = subprocess.call([*command, "--editable", f".[{','.join(extras)}]"])
     if status == 0:
         for stamp in stamps:

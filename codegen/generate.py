@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
+from itertools import zip_longest
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.derived import (
@@ -31,6 +33,10 @@ if TYPE_CHECKING:
     SourceTree = dict[str, str]
 
 MANIFEST_FILE = "manifest.json"
+#: A digest in a line: hexadecimal digits, and no decimal number.
+DIGEST = re.compile(r"\b(?=[0-9e]*[a-df])[0-9a-f]{16,}\b")
+#: How much of a line that differs is shown.
+SHOWN = 60
 
 
 def package_names() -> tuple[str, ...]:
@@ -292,8 +298,15 @@ def _listed(folder: Path) -> dict[str, Any]:
 
 
 def _where(found: str, wanted: str) -> str:
-    pairs = zip(found.splitlines(), wanted.splitlines(), strict=False)
-    for number, (old, new) in enumerate(pairs, 1):
-        if old != new:
-            return f"from line {number} on: {old[:60]!r} instead of {new[:60]!r}"
-    return "in its length or its line ends"
+    """Say in which line two texts differ first, and what stands there, of long lines a part."""
+    lines = zip(found.splitlines(), wanted.splitlines(), strict=False)
+    differ = [(number, *pair) for number, pair in enumerate(lines, 1) if pair[0] != pair[1]]
+    if not differ:
+        return "in its length or its line ends"
+    # A digest tells that something changed, and not what.
+    number, old, new = next((one for one in differ if not DIGEST.search(one[1])), differ[0])
+    pairs = enumerate(zip_longest(old, new))
+    alike = next(place for place, (one, other) in pairs if one != other)
+    first = max(0, alike - SHOWN // 2) if alike >= SHOWN else 0
+    parts = (("… " if first else "") + text[first : first + SHOWN] for text in (old, new))
+    return "from line {} on: {!r} instead of {!r}".format(number, *parts)

@@ -35,6 +35,13 @@ class LinkageExplanation:
     blocks: tuple[tuple[int, int], ...]
     kernels: tuple[tuple[str, int], ...]
 
+    def __repr__(self) -> str:
+        unknowns = sum(unknowns for unknowns, _ in self.blocks)
+        return (
+            f"<LinkageExplanation of {self.name}: {counted(self.inputs, 'input')},"
+            f" {counted(unknowns, 'unknown')}; print() shows what is solved>"
+        )
+
     def __str__(self) -> str:
         sizes = ", ".join(str(unknowns) for unknowns, _ in self.blocks)
         unknowns = sum(unknowns for unknowns, _ in self.blocks)

@@ -113,4 +113,9 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    hidden = {
+        "Any",
+        "TYPE_CHECKING",
+        "import_module",
+    }  # a list of completions offers the door alone
+    return sorted({*globals(), *__all__} - hidden)

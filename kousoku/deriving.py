@@ -62,7 +62,17 @@ def derive(
 
     require_own_name(name)
 
-    return derive_constraint(constraint_of(name, C, title=title, source=source))
+    derivation = derive_constraint(constraint_of(name, C, title=title, source=source))
+    for row, parts in enumerate(derivation.C_q.tolist()):
+        if not any(parts):
+            from kousoku.model.errors import DerivationError
+
+            raise DerivationError(
+                f"{name}: row {row} of C constrains nothing: its row of C_q is zero wherever the"
+                " bodies are; wanted vectors of body('i') or body('j') that vary against each"
+                " other, or against the ground"
+            )
+    return derivation
 
 
 def body(name: Literal["i", "j"]) -> Body:
@@ -143,6 +153,14 @@ def kernels(
             if not folder.is_dir():
                 raise
         return load(folder, target=target)
+    from kousoku.runtime.integrate.result import shown
+    from kousoku.symbolic.derivation import Derivation
+
+    if not isinstance(derivation, Derivation):
+        raise DerivationError(
+            f"{shown(derivation)} is no derivation; wanted what derive returned, the name of a"
+            " kind, or the path of a folder that kernels wrote"
+        )
     tree = generate(derivation)
     if folder is None:
         digest = Manifest.from_json(tree[MANIFEST_FILE]).digest

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, cast, overload
 from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.text import counted
 from kousoku.runtime.dynamics import DynamicsSolver
-from kousoku.runtime.integrate.result import Coordinates
+from kousoku.runtime.integrate.result import Coordinates, listed
 from kousoku.runtime.options import ALL_OPTIONS
 from kousoku.runtime.run import Interrupted
 
@@ -32,6 +32,13 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
     Solver = DynamicsSolver | LinkageSolver
+
+
+class _Files(dict[str, str]):
+    """Texts of files by name, which a page or a terminal is not filled with."""
+
+    def __repr__(self) -> str:
+        return f"<{counted(len(self), 'file')}: {listed([*self])}>"
 
 
 class Mechanism:
@@ -105,7 +112,7 @@ class Mechanism:
         """The emitted files by name: C and NumPy of its solver, to be read."""
         solver = self.solver
         owner = solver.target.sources if isinstance(solver, DynamicsSolver) else solver.library
-        return {name: data.decode() for name, data in owner.files.items()}
+        return _Files({name: data.decode() for name, data in owner.files.items()})
 
     def __repr__(self) -> str:
         return f"<Mechanism {self.name}: {', '.join(self._facts())}; in {self.target}>"

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 import sys
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from html import escape
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-#: Characters of a line in a notebook, which the next one covers.
-WIDTH = 72
-
 
 def is_watched() -> bool:
     """Return whether somebody sees what is shown: standard error is a terminal, or a notebook."""
+    return _is_notebook() or (sys.stderr is not None and sys.stderr.isatty())
+
+
+def _is_notebook() -> bool:
     shell = sys.modules.get("IPython")
-    if shell is not None and "ZMQ" in type(shell.get_ipython()).__name__:
-        return True
-    return sys.stderr is not None and sys.stderr.isatty()
+    return shell is not None and "ZMQ" in type(shell.get_ipython()).__name__
 
 
 @contextmanager
@@ -27,14 +28,37 @@ def told() -> Iterator[Callable[[str], object]]:
     if not is_watched():
         yield lambda text: None
         return
-    if not sys.stderr.isatty():  # a notebook, where rich wants widgets and leaves empty outputs
-        try:
-            yield lambda text: sys.stderr.write(f"\r{text:<{WIDTH}}")
-        finally:
-            sys.stderr.write(f"\r{'':<{WIDTH}}\r")
+    if _is_notebook():
+        with _shown_in_a_cell() as show:
+            yield show
         return
     from rich.console import Console
 
     console = Console(stderr=True)
     with console.status("") as status:
         yield status.update
+
+
+@contextmanager
+def _shown_in_a_cell() -> Iterator[Callable[[str], object]]:
+    """Give what shows a line below a cell, and takes it away at the end.
+
+    Rich wants widgets there, and what is written to standard error stays, on red ground, in
+    notebooks that are saved.
+    """
+    display = import_module("IPython.display").display
+    shown: list[Any] = []
+
+    def show(text: str) -> None:
+        line = f"<pre>{escape(text)}</pre>" if text else ""
+        data = {"text/plain": text, "text/html": line}
+        if shown:
+            shown[0].update(data, raw=True)
+        else:
+            shown.append(display(data, raw=True, display_id=True))
+
+    try:
+        yield show
+    finally:
+        if shown:
+            show("")

@@ -164,10 +164,12 @@ def figures_of(
 
 
 def _efforts(result: Result) -> list[str]:
-    """Return the columns of what drivers do, where that is known."""
+    """Return the columns of what drivers do, where that is known, without what is zero."""
     if not (isinstance(result, Motion) and result.force):
         return []
-    return [x for name in result.drivers for x in result.columns_of(name)]
+    known = {x: result.places[x].table for name in result.drivers for x in result.columns_of(name)}
+    sizes = {table: max(map(_largest, getattr(result, table).values())) for table in known.values()}
+    return [x for x, table in known.items() if _largest(result[x]) > NOISE * sizes[table]]
 
 
 def _panels(

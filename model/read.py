@@ -5,6 +5,7 @@ from __future__ import annotations
 import tomllib
 from collections.abc import Mapping
 from dataclasses import replace
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -62,13 +63,24 @@ def text_of(path: str | Path) -> str:
         line = data.count(b"\n", 0, error.start) + 1
         raise SceneError(f"is not UTF-8 text (at line {line})", file=file) from None
     except OSError as error:
-        raise SceneError(f"cannot be read: {error.strerror}", file=file) from error
+        raise SceneError(f"cannot be read: {error.strerror}{_near(path)}", file=file) from error
     except ValueError as error:
         raise SceneError(f"is not the name of a file: {error}", file=repr(file)) from error
     if len(data) > LARGEST_FILE:
         limit = LARGEST_FILE // 2**20
         raise SceneError(f"is too large: a scene file has at most {limit} MiB", file=file)
     return text
+
+
+def _near(path: str | Path) -> str:
+    """Return a question for the scene file of the folder whose name is nearest, where one is."""
+    path = Path(path)
+    try:
+        scenes = [] if path.exists() else [found.name for found in path.parent.glob("*.toml")]
+    except OSError:
+        return ""
+    near = get_close_matches(path.name, scenes, n=1)
+    return f"; did you mean {str(path.with_name(near[0]))!r}?" if near else ""
 
 
 def scene_from_toml(text: str, *, file: str = "") -> Scene:

@@ -19,7 +19,7 @@ from kousoku.model.validate_drivers import check_drivers
 from kousoku.model.validate_inputs import check_inputs
 from kousoku.model.validate_planar import check_planar
 from kousoku.model.validate_spatial import check_spatial
-from kousoku.model.validate_unused import check_unused
+from kousoku.model.validate_unused import check_unused, foreign_output
 
 if TYPE_CHECKING:
     from collections.abc import Collection
@@ -37,9 +37,6 @@ MOST_CLOSURE = 0.01
 
 LONGEST_TITLE = 120
 """Characters of the longest title, which becomes one line of generated text."""
-
-OF_LINKS, OF_BODIES = ("angles",), ("coordinates", "reactions", "energies")
-"""Outputs that only planar linkages have, and only bodies and joints."""
 
 
 def check(scene: Scene) -> tuple[str, ...]:
@@ -161,11 +158,9 @@ def _check_settings(scene: Scene, problems: Problems) -> None:
         problems.add(problem, "method.residual", breaks="method")
     if len(set(scene.outputs)) < len(scene.outputs):
         problems.add("an output stands there twice; leave one out", "outputs")
-    foreign = OF_LINKS if scene.is_spatial else OF_BODIES
     for index, output in enumerate(scene.outputs):
-        if output in foreign:
-            what = "bodies and joints" if scene.is_spatial else "a planar linkage"
-            problems.add(f"{output!r} is no output of {what}; leave it out", f"outputs[{index}]")
+        if problem := foreign_output(scene, output):
+            problems.add(problem, f"outputs[{index}]")
     title = scene.title
     unsafe = [mark for mark in ("\\", '"', "*/", "/*", "??/") if mark in title]
     if len(title) > LONGEST_TITLE or not title.isprintable() or unsafe:

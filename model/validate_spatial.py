@@ -117,7 +117,10 @@ def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> No
     kind = problems.check(key, (), _kind, joint, key)
     ends = [join("bodies", body) for body in joint.bodies or () if body != GROUND]
     problems.check(key, (), _check_two_bodies, joint, key)
-    problems.check(key, ends, _check_known_bodies, scene, joint, key)
+    for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other
+        own = f"{key}.bodies[{index}]"
+        uses = [join("bodies", body)] if body != GROUND else []
+        problems.check(key, uses, require_known, "body", body, scene.bodies, own, GROUND)
     if kind is None:
         return
     problems.check(key, (), _check_axes, joint, kind, key)
@@ -135,11 +138,6 @@ def _check_two_bodies(joint: Joint, key: str) -> None:
             f"connects {joint.bodies[0]} to itself; wanted two different bodies",
             key=f"{key}.bodies",
         )
-
-
-def _check_known_bodies(scene: Scene, joint: Joint, key: str) -> None:
-    for index, body in enumerate(joint.bodies or ()):
-        require_known("body", body, scene.bodies, f"{key}.bodies[{index}]", GROUND)
 
 
 def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -> None:

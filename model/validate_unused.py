@@ -25,6 +25,9 @@ SPRINGS = {
 OUTPUTS = ("positions", "velocities", "accelerations", "coordinates", "reactions", "energies")
 """All outputs of a scene of bodies."""
 
+OF_LINKAGES = ("positions", "velocities", "accelerations", "angles")
+"""All outputs of a planar linkage."""
+
 SOURCES = {"coordinates": ("coordinates",), "reactions": ("joints", "drivers")}
 """The tables that an output comes from."""
 
@@ -74,7 +77,7 @@ def _check_outputs(scene: Scene, problems: Problems) -> None:
 
 
 def output_problem(scene: Scene, output: str) -> str:
-    """Return what is wrong with an output of a scene of bodies: it knows none such, or has none.
+    """Return what is wrong with an output of a scene: it knows none such, or has none.
 
     Parameters
     ----------
@@ -88,12 +91,24 @@ def output_problem(scene: Scene, output: str) -> str:
     str
         Empty where nothing is.
     """
-    if output not in OUTPUTS:
-        return unknown(f"output {output[:40]!r}", output, OUTPUTS)
+    known = OUTPUTS if scene.is_spatial else OF_LINKAGES
+    if problem := foreign_output(scene, output):
+        return problem
+    if output not in known:
+        return unknown(f"output {output[:40]!r}", output, known)
     tables = SOURCES.get(output, ())
     if tables and not any(getattr(scene, table) for table in tables):
         return f"the scene has no {' and no '.join(tables)}; leave it out"
     return ""
+
+
+def foreign_output(scene: Scene, output: str) -> str:
+    """Return what is wrong with an output that scenes of the other sort have, else nothing."""
+    known, others = (OUTPUTS, OF_LINKAGES) if scene.is_spatial else (OF_LINKAGES, OUTPUTS)
+    if output in known or output not in others:
+        return ""
+    what = "bodies and joints" if scene.is_spatial else "a planar linkage"
+    return f"{output!r} is no output of {what}; leave it out"
 
 
 def _check_masses(scene: Scene, problems: Problems) -> None:

@@ -104,6 +104,9 @@ class DynamicsSolver:
     design: Design | None = None
     base: DynamicsSolver | None = None
 
+    def __repr__(self) -> str:
+        return f"<DynamicsSolver {self.name}: {len(self.q)} coordinates; in {self.target.name}>"
+
     @property
     def unit(self) -> float:
         """Unit of length of the scene [m]."""

@@ -43,6 +43,9 @@ class LinkageSolver(Linkage):
         super().__init__(library.manifest.package, module, library)
         self.library = library
 
+    def __repr__(self) -> str:
+        return f"<LinkageSolver {self.name}; in {self.target}>"
+
     def __reduce__(self) -> tuple[Any, ...]:
         return solver_of, (self.library,)
 

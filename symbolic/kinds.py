@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -107,7 +108,10 @@ def packages_of(name: str) -> tuple[str, ...]:
         for package in entry.packages:
             if plain == _plain(package):
                 return (package,)
-    raise DerivationError(f"unknown kind {name!r}; known are {', '.join(KINDS)}")
+    names = [*KINDS, *(alias for entry in KINDS.values() for alias in entry.aliases)]
+    near = get_close_matches(str(name), names, n=1)
+    hint = f"; did you mean {near[0]!r}?" if near else ""
+    raise DerivationError(f"unknown kind {name!r}; known are {', '.join(KINDS)}{hint}")
 
 
 def derive(name: str) -> Derivation:

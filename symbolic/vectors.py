@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import sympy
 from sympy import S
@@ -389,6 +389,16 @@ class Body:
     def point(self, name: str = "s") -> Vector:
         """Return r + A s′, a point fixed in the body, in frame O [m]."""
         return self.r + self.A @ self.fixed(name, "m")
+
+    if not TYPE_CHECKING:  # which tells what there is by itself
+
+        def __getattr__(self, name: str) -> NoReturn:
+            if name.startswith("_") or name == "name":
+                raise AttributeError(name)
+            raise AttributeError(
+                f"body {self.name} has no {name}: there are r, A, a_b, s_b, axis(name), point(name)"
+                " and fixed(name, unit); C is of positions, ω′ and δθ′ follow when it is derived"
+            )
 
 
 def body(name: str) -> Body:

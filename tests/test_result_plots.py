@@ -38,6 +38,8 @@ def test_what_was_asked_for_is_drawn_with_its_names_and_units(loop: Result) -> N
     assert labels(figure)[:3] == ["rocking [rad]", "rocking_dot [rad/s]", "motor: torque [N m]"]
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_ydata(), loop["rocking"])
     np.testing.assert_array_equal(figure.axes[0].lines[0].get_xdata(), loop.time)
+    (torque,) = figure.axes[2].lines  # about the axis of the motor; the others are zero
+    np.testing.assert_array_equal(torque.get_ydata(), loop["motor.mx"])
 
 
 def test_each_part_of_a_run_has_a_figure(loop: Result) -> None:

@@ -1,17 +1,20 @@
 """The command ``kousoku``: its sub-commands, and how errors become exit codes."""
 
 import io
+import os
 import sys
-from collections.abc import Callable, Sequence
-from typing import Annotated
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
 
 from kousoku import __version__
 from kousoku.cli.animate import animate
 from kousoku.cli.cache import cache
 from kousoku.cli.check import check
-from kousoku.cli.console import BAD_INPUT, INTERRUPTED
+from kousoku.cli.console import BAD_INPUT, INTERRUPTED, UNREAD
 from kousoku.cli.derive import derive
 from kousoku.cli.explain import explain
 from kousoku.cli.generate import generate
@@ -22,11 +25,39 @@ from kousoku.cli.schema import schema
 from kousoku.cli.simulate import simulate
 from kousoku.cli.solve import solve
 from kousoku.cli.verify import verify
-from kousoku.cli.wording import as_typed
+from kousoku.cli.wording import as_typed, refused
 from kousoku.model.errors import KousokuError
+
+
+@contextmanager
+def _until_unread() -> Iterator[None]:
+    """Leave where a reader has seen enough, as ``head`` does: no disagreement, which 1 would be."""
+    try:
+        yield
+        sys.stdout.flush()
+    except BrokenPipeError:
+        # What is left in the buffer would be written, in vain, when Python ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(UNREAD) from None
+
+
+class _Commands(TyperGroup):
+    def make_context(self, *arguments: Any, **extra: Any) -> Any:
+        with _until_unread():  # --help is printed here
+            return super().make_context(*arguments, **extra)
+
+    def invoke(self, ctx: Any) -> Any:
+        with _until_unread():
+            try:
+                return super().invoke(ctx)
+            except typer.BadParameter as error:
+                error.message = refused(error)
+                raise
+
 
 app = typer.Typer(
     name="kousoku",
+    cls=_Commands,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
@@ -51,7 +82,7 @@ def _kousoku(
     """Move mechanisms with closed loops; derive, emit and verify the equations that move them.
 
     Exit codes: 0 all is well, 1 emitted code or a proof disagrees with what was derived, 2 bad
-    input, 3 a motion that stopped or cannot be trusted, 130 Ctrl-C.
+    input, 3 a motion that stopped or cannot be trusted, 130 Ctrl-C, 141 a pipe that was closed.
     """
 
 

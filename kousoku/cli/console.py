@@ -19,8 +19,8 @@ from kousoku.symbolic import KINDS, packages_of
 #: Number of the format of what ``--json`` prints, see :mod:`kousoku.cli.answers`.
 FORMAT = 1
 #: Exit codes: emitted code disagrees with what was derived; bad input; a motion that stopped, or
-#: cannot be trusted; Ctrl-C.
-DISAGREEMENT, BAD_INPUT, STOPPED, INTERRUPTED = 1, 2, 3, 130
+#: cannot be trusted; Ctrl-C; a reader that closed its pipe, as shells count what SIGPIPE ends.
+DISAGREEMENT, BAD_INPUT, STOPPED, INTERRUPTED, UNREAD = 1, 2, 3, 130, 141
 
 
 class Target(StrEnum):

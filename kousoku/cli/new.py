@@ -30,7 +30,8 @@ def new(
         ),
     ],
     file: Annotated[
-        Path | None, typer.Argument(help="The file to write; named as the sort when left out.")
+        Path | None,
+        typer.Argument(help="The file to write; when left out the sort's, four_bar.toml."),
     ] = None,
     *,
     schema: Annotated[

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import re
+from difflib import get_close_matches
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typer import BadParameter
 
 #: What an argument of the door is called here, where that is not its own name.
 FLAGS = {"parameters": "--set"}
@@ -13,6 +18,9 @@ def flag(match: re.Match[str]) -> str:
     name = match[1]
     return FLAGS.get(name, f"--{name.replace('_', '-')}")
 
+
+#: What is wanted where the library of the command line finds that a text is none.
+NUMBERS = {"float_parsing": "number", "int_parsing": "whole number"}
 
 #: Words of messages for who writes Python, and what stands for them.
 WORDS = (
@@ -31,3 +39,21 @@ def as_typed(text: str) -> str:
     for pattern, words in WORDS:
         text = re.sub(pattern, words, text)
     return text
+
+
+def refused(error: BadParameter) -> str:
+    """Say what is wrong with an argument in words of the command line, not of its library.
+
+    An error of which the library keeps no details, as older ones do, keeps its words.
+    """
+    details = getattr(error.__cause__, "errors", None)
+    first = details()[0] if details else {}
+    text, number = repr(first.get("input")), NUMBERS.get(first.get("type", ""))
+    if number:
+        return f"{text} is no {number}."
+    if first.get("type") == "greater_than_equal":
+        return f"{text}; wanted at least {first['ctx']['ge']}."
+    message = error.message.removeprefix("Value error, ")
+    choices = re.findall("'(.+?)'", message.partition(" is not one of ")[2])
+    near = get_close_matches(str(first.get("input")), choices, n=1)
+    return f"{message} Did you mean {near[0]!r}?" if near else message

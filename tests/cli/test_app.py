@@ -96,6 +96,27 @@ def test_an_unknown_kind_is_one_message_that_lists_the_known_ones(
     code, out, err = run("derive", "n9")
     assert (code, out) == (2, "")
     assert err.count("\n") == 1 and "n9" in err and "n2" in err
+    assert "did you mean 'distance'?" in run("derive", "distanc")[2]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("simulate", "x.toml", "--end", "1,5"), "'--end': '1,5' is no number."),
+        (("simulate", "x.toml", "--samples", "2.5"), "'--samples': '2.5' is no whole number."),
+        (("simulate", "x.toml", "--target", "fortran"), "'--target': 'fortran' is not one of"),
+        (("simulate", "x.toml", "--output", "energy"), "Did you mean 'energies'?"),
+        (("new", "pendlum"), "Did you mean 'pendulum'?"),
+        (("solve", "x.toml", "--divisions", "0"), "'--divisions': '0'; wanted at least 1."),
+    ],
+)
+def test_an_argument_that_is_refused_is_named_and_so_is_what_is_wanted(
+    run: Run, arguments: tuple[str, ...], told: str
+) -> None:
+    code, out, err = run(*arguments)
+    assert (code, out) == (2, "")
+    assert told in err
+    assert "Value error" not in err and "Input should" not in err
 
 
 @pytest.mark.parametrize("arguments", [("--version",), ("--help",), ("list",)])

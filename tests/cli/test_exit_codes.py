@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -62,7 +65,13 @@ def test_every_command_is_in_these_tests() -> None:
 
 def test_exit_codes_are_told(run: Run) -> None:
     told = " ".join(run("--help")[1].split())
-    codes = ("0 all is well", "1 emitted", "2 bad input", "130 Ctrl-C")
+    codes = (
+        "0 all is well",
+        "1 emitted",
+        "2 bad input",
+        "130 Ctrl-C",
+        "141 a pipe that was closed",
+    )
     assert all(code in told for code in codes)
     assert "3 a motion that stopped or cannot be trusted" in told
 
@@ -89,6 +98,17 @@ def test_an_interrupt_is_130(run: Run, monkeypatch: pytest.MonkeyPatch, command:
     code, out, err = run(command, *good)
     assert (code, out) == (130, "")
     assert "Traceback" not in err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes end in other ways there")
+@pytest.mark.parametrize("arguments", [["list"], ["schema"], ["--help"], ["simulate", "--help"]])
+def test_a_reader_that_has_seen_enough_is_141_and_no_disagreement(arguments: list[str]) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "kousoku", *arguments]
+    done = subprocess.run(command, stdout=writing, stderr=subprocess.PIPE, text=True, check=False)
+    os.close(writing)
+    assert (done.returncode, done.stderr) == (141, "")
 
 
 @pytest.mark.parametrize(

@@ -264,6 +264,20 @@ def test_an_output_of_what_there_is_none_of_is_refused(run: Run, output: str, sa
     assert f"outputs: {output}: the scene has {says}; leave it out" in err
 
 
+@pytest.mark.parametrize("output", ["energies", "reactions"])
+def test_outputs_of_bodies_are_refused_for_linkages_and_theirs_are_there(
+    run: Run, output: str
+) -> None:
+    lever = ROOT / "scenes" / "lever_crank.toml"
+    linkage = ("simulate", lever, "--end", 1, "--samples", 2, "--target", "numpy")
+    code, out, err = run(*linkage, "--output", output)
+    assert (code, out) == (2, "")
+    assert f"outputs: {output}: '{output}' is no output of a planar linkage; leave it out" in err
+    code, out, _ = run(*linkage, "--output", "angles")
+    assert code == 0
+    assert out.splitlines()[1].split()[-6::2] == ["l1.angle", "l2.angle", "l3.angle"]
+
+
 def test_run_that_is_not_trusted_exits_with_3_in_one_line(run: Run) -> None:
     code, out, err = run("simulate", PENDULUM, "--end", 2, "--step", 0.2)
     assert code == 3

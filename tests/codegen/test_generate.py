@@ -176,6 +176,29 @@ def test_a_difference_names_the_runtime_file_that_changed(
     assert check_tree(tmp_path / "n1", written)[0].endswith("; changed: runtime/batch_numpy.py")
 
 
+def test_a_long_line_is_shown_from_where_it_differs(tmp_path: Path) -> None:
+    tree = tree_with(a_c="start, " * 30 + "here, " + "end, " * 30 + "\n")
+    write_tree(tmp_path, tree)
+    (tmp_path / "a.c").write_bytes(tree["a.c"].replace("here", "there").encode())
+    (differs,) = check_tree(tmp_path, tree)
+    old, new = differs.partition("line 1 on: ")[2].partition("; ")[0].split(" instead of ")
+    assert (old[:3], new[:3]) == ("'… ", "'… ")
+    assert "start, there, end" in old
+    assert "start, here, end" in new
+
+
+def test_what_differs_is_shown_rather_than_a_digest(tmp_path: Path) -> None:
+    one, other = "0d64ff41541dfdbe", "87eeb8a25595d5e7"
+    tree = tree_with(a_c=f'return "{one}";\n1.23456789012345678e-05\n')
+    write_tree(tmp_path, tree)
+    (tmp_path / "a.c").write_text(f'return "{other}";\n1.23456789012345679e-05\n')
+    (differs,) = check_tree(tmp_path, tree)
+    assert "from line 2 on: '1.23456789012345679e-05' instead of '1.23456789012345678" in differs
+    (tmp_path / "a.c").write_text(f'return "{other}";\n1.23456789012345678e-05\n')
+    (differs,) = check_tree(tmp_path, tree)
+    assert f"from line 1 on: 'return \"{other}\";' instead of " in differs
+
+
 def test_what_is_kept_compressed_counts_as_it_is_before(tmp_path: Path) -> None:
     tree = tree_with(a_json_gz="one\n")
     write_tree(tmp_path, tree)

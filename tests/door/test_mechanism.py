@@ -92,6 +92,8 @@ def public_objects() -> dict[str, Any]:
         **{"run": going, "saved": going.save(), "matrices": loop.matrices(*run.state(1))},
         **{"evaluation": loop.evaluate(*run.state(1)), "explanation": ks.explain(loop)},
         **{"derivation": ks.derive("n1"), "kinds": ks.kinds, "catalog": ks.catalog()},
+        **{"solver": loop.solver, "solver of a linkage": lever.solver, "files": loop.files},
+        **{"explanation of a linkage": ks.explain(lever)},
         "report": ks.verify(SCENES.parent / "generated" / "pendulum", target="numpy"),
     }
 
@@ -109,6 +111,13 @@ def test_nobody_changes_what_others_read(loop: ks.Mechanism) -> None:
     for values in (run["crank_angle"], run.body("crank").position, run.time, run.joint("a").force):
         with pytest.raises(ValueError, match="read-only"):
             values[0] = 9.0
+
+
+def test_a_column_that_is_read_as_an_attribute_is_shown_the_way(loop: ks.Mechanism) -> None:
+    run: Any = loop.simulate(0.1, samples=3)
+    with pytest.raises(AttributeError, match=r"'crank_angle'; it is a column: run\['crank_angle'"):
+        _ = run.crank_angle
+    assert not hasattr(pickle.loads(pickle.dumps(run)), "nothing")
 
 
 def test_kernels_of_a_kind_pickle() -> None:

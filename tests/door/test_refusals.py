@@ -41,6 +41,9 @@ def run() -> ks.Result:
         (lambda run: run.position[["rod"]], r"no position of bodies, none of \['rod'\]"),
         (lambda run: run.position["rod"], "no position of bodies, none of 'rod'"),
         (lambda run: run.parameters["length"], "no parameter, none of 'length': there are mass"),
+        (lambda run: run.parameters["mas"], "did you mean 'mass'"),
+        (lambda run: run.events["lands"], "loop_free: it has no events"),
+        (lambda run: run.ledger.works["motor"], "^none of 'motor': there are none$"),
         (lambda run: ks.catalog()["joints"]["revolut"], "did you mean 'revolute'"),
         (lambda run: load(N1, target="numpy")["rate"], "n1 has no kernel 'rate'"),
     ],
@@ -119,6 +122,9 @@ def test_kernels_are_those_of_a_kind_or_of_a_folder() -> None:
         ks.kernels("nowhere/n1")
     with pytest.raises(ks.KousokuError, match="is not a generated package"):
         ks.kernels(str(SCENES))
+    wrong: Any = 3
+    with pytest.raises(ks.KousokuError, match=r"^3 is no derivation; wanted what derive returned"):
+        ks.kernels(wrong)
 
 
 def test_a_target_that_there_is_not_is_refused() -> None:
@@ -151,3 +157,9 @@ def test_what_follows_from_another_coordinate_names_no_driver() -> None:
     loop = ks.load(SCENES / "loop_free.toml", target="numpy")
     with pytest.raises(ks.SolveError, match="it follows from the rest"):
         loop.simulate(1, initial={"crank_angle": 0.5, "rocking": 1.0})
+
+
+def test_an_event_that_there_is_not_names_those_that_there_are() -> None:
+    ball = ks.load(SCENES / "bouncing_ball.toml", target="numpy")
+    with pytest.raises(KeyError, match=r"none of 'land': there are lands, .* 'lands'"):
+        ball.simulate(1.0, samples=2).events["land"]

@@ -325,6 +325,16 @@ def test_a_name_that_is_nearly_that_of_a_broken_element_is_found(table: str) -> 
         assert problems[1:] in ([], ["unknown body 'crnk'; did you mean 'crank'?"])
 
 
+def test_a_broken_body_hides_no_body_that_is_not_there() -> None:
+    bodies = {"bar": {"position": [0, 0]}}
+    joints = {"a": {"type": "ball", "bodies": ["groun", "bar"], "at": [0, 0, 0]}}
+    tree = {"name": "x", "unit": "m", "bodies": bodies, "joints": joints}
+    with pytest.raises(SceneError) as caught:
+        scene_from_dict(tree)
+    _, told = (one.problem for one in caught.value.problems)
+    assert told == "unknown body 'groun'; did you mean 'ground'?"
+
+
 def test_the_names_of_broken_elements_are_listed() -> None:
     nodes = {"A": {"at": [0, 0], "fixed": True}, "B": {"at": [0]}}
     tree = {"name": "x", "unit": "m", "nodes": nodes, "links": {"l": {"nodes": ["A", "Q"]}}}

@@ -70,6 +70,14 @@ def test_a_file_that_is_not_there_is_named() -> None:
         read_scene("nowhere.toml")
 
 
+def test_a_file_of_a_similar_name_is_told(tmp_path: Path) -> None:
+    (tmp_path / "four_bar.toml").write_text("", encoding="utf-8")
+    for name in ("four-bar.toml", "four_bar"):
+        with pytest.raises(SceneError, match=r"No such file or directory; did you mean") as caught:
+            read_scene(tmp_path / name)
+        assert str(caught.value).endswith(f"{str(tmp_path / 'four_bar.toml')!r}?")
+
+
 def test_a_folder_is_no_scene(tmp_path: Path) -> None:
     with pytest.raises(SceneError, match="cannot be read: "):
         read_scene(tmp_path)

@@ -41,7 +41,7 @@ def shown(notebook: Any) -> list[list[tuple[str, str]]]:
             for media, text in sorted(output.data.items()):
                 if media.startswith("image/"):
                     seen.append((media, ""))
-                elif media in COMPARED and not has_picture:
+                elif media in COMPARED and not has_picture and text:
                     seen.append((media, text))
         cells.append([("stdout", "".join(printed)), *seen])
     return cells
@@ -57,8 +57,13 @@ def clean(notebook: Any) -> None:
         cell.metadata = {}
         cell["id"] = f"cell-{number}"
         if cell.cell_type == "code":
-            # What goes to standard error tells about this machine, such as what was compiled.
-            kept = [output for output in cell.outputs if output.get("name") != "stderr"]
+            # What goes to standard error tells about this machine, and what is empty has told what
+            # was compiled.
+            kept = [
+                output
+                for output in cell.outputs
+                if output.get("name") != "stderr" and any(output.get("data", {"": "x"}).values())
+            ]
             cell.outputs = joined(kept)
 
 
@@ -92,6 +97,32 @@ def test_notebook_shows_what_is_committed(
         path.write_text(nbformat.writes(notebook) + "\n", encoding="utf-8", newline="\n")
         return
     assert shown(notebook) == shown(committed)
+
+
+def test_progress_leaves_nothing_to_be_seen_in_a_cell() -> None:
+    source = """from kousoku.progress import told
+with told() as tell:
+    tell("generating <loop>")
+    tell("compiling <loop>")
+"""
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(source)])
+    lines: list[str] = []
+
+    client = nbclient.NotebookClient(notebook, timeout=300)
+    process = client.process_message
+
+    def listen(message: Any, *arguments: Any) -> Any:
+        lines.append(message["content"].get("data", {}).get("text/html", ""))
+        return process(message, *arguments)
+
+    client.process_message = listen
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # those of Jupyter's own event loop
+        client.execute()
+    told = ["<pre>generating &lt;loop&gt;</pre>", "<pre>compiling &lt;loop&gt;</pre>"]
+    assert [line for line in lines if line] == told
+    (output,) = notebook.cells[0].outputs
+    assert output.data == {"text/plain": "", "text/html": ""}
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -23,6 +23,7 @@ SHIPPED_SUFFIXES = {
     "symbolic": (".py",),
     "kousoku": (".py", ".typed", ".css", ".html", ".js"),
 }
+IGNORED = shutil.ignore_patterns(".*cache", ".git", ".venv", "build", "dist", "*.egg-info")
 
 
 class Distributions(NamedTuple):
@@ -37,8 +38,7 @@ def distributions(tmp_path_factory: pytest.TempPathFactory) -> Distributions:
     """Build an sdist and, from nothing but the sdist, a wheel."""
     folder = tmp_path_factory.mktemp("distributions")
     tree = folder / "tree"
-    ignored = shutil.ignore_patterns(".*cache", ".git", ".venv", "build", "dist", "*.egg-info")
-    shutil.copytree(ROOT, tree, symlinks=True, ignore=ignored)
+    shutil.copytree(ROOT, tree, symlinks=True, ignore=IGNORED)
     build = "import sys; from setuptools import build_meta as b; b.build_{}(sys.argv[1])"
     run = [sys.executable, "-W", "ignore", "-c"]
     subprocess.run([*run, build.format("sdist"), folder], cwd=tree, check=True, capture_output=True)
@@ -85,6 +85,7 @@ def test_the_wheel_holds_nothing_else(distributions: Distributions) -> None:
         "pyproject.toml",
         "README.md",
         "Makefile",
+        "build_backend.py",
         "tasks.py",
         "scenes/lever_crank.toml",
         "tests/conftest.py",
@@ -92,6 +93,29 @@ def test_the_wheel_holds_nothing_else(distributions: Distributions) -> None:
 )
 def test_the_sdist_is_complete(distributions: Distributions, name: str) -> None:
     assert name in distributions.sdist
+
+
+@pytest.mark.parametrize("has_links", [True, False])
+def test_type_checkers_follow_an_editable_install(tmp_path: Path, has_links: bool) -> None:
+    """It is found by a path, not by a finder that runs, in a checkout with links and without."""
+    tree, site = tmp_path / "tree", tmp_path / "site"
+    shutil.copytree(ROOT, tree, symlinks=True, ignore=IGNORED)
+    for link in [path for path in (tree / "kousoku").iterdir() if path.is_symlink()]:
+        if not has_links:
+            target = link.readlink().as_posix()
+            link.unlink()
+            link.write_text(target)
+    build = "import sys, build_backend as b; b.build_editable(sys.argv[1])"
+    run = [sys.executable, "-W", "ignore", "-c", build, str(tmp_path)]
+    subprocess.run(run, cwd=tree, check=True, capture_output=True)
+    (wheel,) = tmp_path.glob("*.whl")
+    with zipfile.ZipFile(wheel) as archive:
+        archive.extractall(site)
+    assert not list(site.rglob("*.py"))
+    (pth,) = site.glob("*.pth")
+    followed = Path(pth.read_text().strip()) / "kousoku"
+    assert (followed / "py.typed").is_file()
+    assert (followed / "model" / "read.py").is_file()
 
 
 #: Refuses all that only deriving, emitting and the command line need.

@@ -129,6 +129,7 @@ def test_the_last_state_alone_makes_no_tables(
         (lambda run: run["bar.ax"], 'arm: no acceleration of bodies: generated without "accel'),
         (lambda run: run["energy.total"], 'arm: no energ.*: generated without "energies"'),
         (lambda run: run["swing"], 'generated without "coordinates"'),
+        (lambda run: run.swing, "Motion has no attribute 'swing'$"),
     ],
 )
 def test_what_is_not_there_is_refused_in_one_line(bare: Any, ask: Any, message: str) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from fractions import Fraction
 from typing import Any, cast
 
@@ -124,6 +125,11 @@ def test_numbers_may_be_multiplied() -> None:
         ),
         (lambda: derive("own", C=[D, COSINE]), "C holds .* in m, cos_θ in -; wanted"),
         (lambda: derive("own", C=D * BI.axis().dot(BJ.axis())), "with a factor that varies"),
+        (lambda: derive("own", C=COSINE), "own: row 0 of C constrains nothing"),
+        (
+            lambda: derive("own", C=[BI.axis().dot(BJ.axis()), BI.axis().dot(BI.axis("b"))]),
+            "own: row 1 of C constrains nothing: its row of C_q is zero",
+        ),
     ],
 )
 def test_a_mistake_gets_one_clear_message(state: Any, message: str) -> None:
@@ -135,6 +141,13 @@ def test_a_mistake_gets_one_clear_message(state: Any, message: str) -> None:
 def test_a_component_that_is_not_there_is_no_index() -> None:
     with pytest.raises(IndexError, match="components 0, 1 and 2; there is no 3"):
         _ = D[3]
+
+
+def test_what_a_body_has_not_is_told_with_what_it_has() -> None:
+    with pytest.raises(AttributeError, match=r"body j has no omega_b: there are r, A, .* ω′ and"):
+        _ = BJ.omega_b
+    assert pickle.loads(pickle.dumps(BJ)) == BJ
+    assert not hasattr(BJ, "__deepcopy__")
 
 
 def test_vectors_show_as_formulas() -> None:
