@@ -120,8 +120,12 @@ class Named(Mapping[str, Value]):
     def __getitem__(self, name: str) -> Value:
         if isinstance(name, str) and name in self._values:
             return self._values[name]
-        what = f"{self._missing}, none of {shown(name)}: there are {listed([*self])}"
-        raise missing(self._advice or what)
+        if self._advice and not self._values:
+            raise missing(self._advice)
+        known, what = [*self], f"{self._missing}, " if self._missing else ""
+        raise missing(
+            f"{what}none of {shown(name)}: there are {listed(known) or 'none'}{_near(name, known)}"
+        )
 
     def __iter__(self) -> Iterator[str]:
         return iter(self._values)

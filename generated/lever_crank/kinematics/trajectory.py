@@ -255,11 +255,13 @@ class Trajectory(Result):
         return tuple(found)
 
     def main_columns(self, of: str | None = None) -> list[str]:
-        """Return the columns of a node, of the last one that moves unless it is named."""
+        """Return the columns of a node, or of the last one that moves and angles of links."""
         parts = [[x for x in self.places if x.startswith(f"{node}.")] for node in self.positions]
         if of is None:
             own = [one for one in parts if self._moving(one)]
-            return [*self.places][: len(self.inputs)] + (own or parts)[-1]
+            turning = [x for x, it in self.places.items() if it.table == "angles"]
+            links = [x for x in turning if self._moving([x])]
+            return [*self.places][: len(self.inputs)] + (own or parts)[-1] + links
         return [x for x in self.places if x.startswith(f"{of}.")]
 
     def summary(self) -> dict[str, Any]:

@@ -434,7 +434,9 @@ class Motion(Result):
     def __getattr__(self, name: str) -> Any:
         """Return a table, made of the rows when it is first read."""
         if name.startswith("_") or name not in UNITS:
-            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}")
+            is_column = "layout" in vars(self) and name in self.places
+            hint = f"; it is a column: run[{name!r}]" if is_column else ""
+            raise AttributeError(f"{type(self).__name__} has no attribute {name!r}{hint}")
         if name not in self._tables:
             self._make(name)
         values = self._tables[name]
