@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal, overload
 
 from kousoku.loading import Given, naming, solver_folder
 from kousoku.mechanism import Mechanism
-from kousoku.model.errors import LoadError
+from kousoku.model.errors import DerivationError, LoadError
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
-    from pathlib import Path
     from typing import Any
 
     from kousoku.codegen.dynamics.explanation.explain import Explanation
@@ -85,7 +85,7 @@ def verify(
 
     Parameters
     ----------
-    what : Mechanism, Derivation, Library, or path of a generated folder or of a scene file
+    what : Mechanism, Derivation, Library, name of a kind, or path of a folder or of a scene file
         Of a mechanism the solver is generated again with its reference values, which takes about a
         second for ten bodies; of a derivation of one's own the kernels are generated.
     target : {"auto", "c", "numpy"}
@@ -109,6 +109,10 @@ def verify(
         from kousoku.deriving import kernels
 
         what = kernels(what, target=target)
+    if isinstance(what, str) and not Path(what).exists() and _is_kind(what):
+        from kousoku.deriving import kernels
+
+        what = kernels(what, target=target)
     if isinstance(what, Mechanism):
         with solver_folder(Given.of(what.scene), what.outputs, references=True) as folder:
             return verified(folder, target=target)
@@ -117,7 +121,16 @@ def verify(
             return verified(folder, target=target)
     if not isinstance(what, Library) and not (folder_of(what) / MANIFEST).is_file():
         raise LoadError(
-            f"{shown(str(what))} is no generated folder, which has a {MANIFEST}; wanted one, or a"
-            " scene file, *.toml"
+            f"{shown(str(what))} is no generated folder, which has a {MANIFEST}; wanted one, the"
+            " name of a kind, or a scene file, *.toml"
         )
     return verified(what, target=target)
+
+
+def _is_kind(name: str) -> bool:
+    from kousoku.symbolic import packages_of
+
+    try:
+        return bool(packages_of(name))
+    except DerivationError:
+        return False

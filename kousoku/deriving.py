@@ -62,17 +62,25 @@ def derive(
 
     require_own_name(name)
 
-    derivation = derive_constraint(constraint_of(name, C, title=title, source=source))
+    constraint = constraint_of(name, C, title=title, source=source)
+    for row, value in enumerate(constraint.components):
+        _require_varies(name, row, value.free_symbols)
+    derivation = derive_constraint(constraint)
     for row, parts in enumerate(derivation.C_q.tolist()):
-        if not any(parts):
-            from kousoku.model.errors import DerivationError
-
-            raise DerivationError(
-                f"{name}: row {row} of C constrains nothing: its row of C_q is zero wherever the"
-                " bodies are; wanted vectors of body('i') or body('j') that vary against each"
-                " other, or against the ground"
-            )
+        _require_varies(name, row, any(parts))
     return derivation
+
+
+def _require_varies(name: str, row: int, found: object) -> None:
+    """Refuse a row of an own constraint in which nothing is found that varies."""
+    from kousoku.model.errors import DerivationError
+
+    if not found:
+        raise DerivationError(
+            f"{name}: row {row} of C constrains nothing: its row of C_q is zero wherever the"
+            " bodies are; wanted vectors of body('i') or body('j') that vary against each"
+            " other, or against the ground"
+        )
 
 
 def body(name: Literal["i", "j"]) -> Body:

@@ -45,7 +45,10 @@ def verify(
 ) -> None:
     """Check that emitted code computes what was derived, within 4 units of rounding."""
     from kousoku.runtime.report import LIMIT
+    from kousoku.runtime.toolchain import find_toolchain
 
+    if target is Target.C:
+        find_toolchain()  # without one nothing disagrees: there is nothing to check
     with ExitStack() as stack:
         folders = [folder for name in names or [""] for folder in _folders(name, stack)]
         reports = verify_all(folders, target.value)

@@ -128,6 +128,15 @@ def test_a_motion_that_stopped_is_3(run: Run, command: tuple[Any, ...]) -> None:
     assert f"kousoku: {command[1]}: " in err
 
 
+def test_c_that_cannot_be_checked_is_2_and_no_disagreement(
+    run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("KOUSOKU_CC", "none")
+    code, out, err = run("verify", "n1", "--target", "c")
+    assert (code, out) == (2, "")
+    assert err == "kousoku: KOUSOKU_CC=none switches the C compiler off\n"
+
+
 def test_a_disagreement_is_1(run: Run, folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("generate", "n1", "--check", "--out", folder)[0] == 1
     run("generate", "n1", "--out", folder)

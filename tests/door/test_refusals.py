@@ -159,6 +159,11 @@ def test_what_follows_from_another_coordinate_names_no_driver() -> None:
         loop.simulate(1, initial={"crank_angle": 0.5, "rocking": 1.0})
 
 
+def test_a_kind_is_verified_by_its_name() -> None:
+    report = ks.verify("dot-1", target="numpy")
+    assert report.ok and report.package == "n1"
+
+
 def test_an_event_that_there_is_not_names_those_that_there_are() -> None:
     ball = ks.load(SCENES / "bouncing_ball.toml", target="numpy")
     with pytest.raises(KeyError, match=r"none of 'land': there are lands, .* 'lands'"):

@@ -126,6 +126,7 @@ def test_numbers_may_be_multiplied() -> None:
         (lambda: derive("own", C=[D, COSINE]), "C holds .* in m, cos_θ in -; wanted"),
         (lambda: derive("own", C=D * BI.axis().dot(BJ.axis())), "with a factor that varies"),
         (lambda: derive("own", C=COSINE), "own: row 0 of C constrains nothing"),
+        (lambda: derive("own", C=(D - D).dot(BI.axis())), "own: row 0 of C constrains nothing"),
         (
             lambda: derive("own", C=[BI.axis().dot(BJ.axis()), BI.axis().dot(BI.axis("b"))]),
             "own: row 1 of C constrains nothing: its row of C_q is zero",
