@@ -14,7 +14,18 @@ from kousoku.model.derivative import derivative
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
-from kousoku.model.terms import ONE, Apply, Function, Number, add, apply, names_of, neg, ordered
+from kousoku.model.polynomials import even_power, is_never_zero, square_part
+from kousoku.model.terms import (
+    ONE,
+    Apply,
+    Function,
+    Number,
+    add,
+    apply,
+    names_of,
+    neg,
+    ordered,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
@@ -166,23 +177,13 @@ def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
     if not isinstance(part, Apply) or part.function not in {Function.SQRT, Function.POW}:
         return None
-    inside, exponent = part.args[0], Number(Fraction(1, 2))
-    if part.function is Function.POW:
-        if not isinstance(part.args[1], Number) or part.args[1].value.denominator == 1:
-            return None
-        exponent = part.args[1]
-    if not isinstance(inside, Apply):
+    exponent = Number(Fraction(1, 2)) if part.function is Function.SQRT else part.args[1]
+    if not isinstance(exponent, Number) or exponent.value.denominator == 1:
         return None
-    a, *others = inside.args
-    power = Fraction(2)
-    if inside.function is Function.POW:
-        (count,) = others
-        if not isinstance(count, Number) or count.value.denominator > 1 or count.value % 2:
-            return None
-        power = count.value
-    elif inside.function is not Function.MUL or others != [a]:
+    found = even_power(part.args[0])
+    if found is None or found[1] * exponent.value % 2 == 0:
         return None
-    return None if power * exponent.value % 2 == 0 else (a, power * exponent.value)
+    return found[0], found[1] * exponent.value
 
 
 def _places_of(law: Expression) -> Iterator[Expression]:
@@ -190,8 +191,14 @@ def _places_of(law: Expression) -> Iterator[Expression]:
     yield from switching_functions(law)
     for part in ordered(law):
         place = _place_of(part)
-        if place is not None and may_be_zero(place):
-            yield place
+        if place is not None:
+            yield from filter(may_be_zero, _crossed(place))
+
+
+def _crossed(place: Expression) -> tuple[Expression, ...]:
+    """Return functions that change sign where one is zero: 1 - 2*t + t^2 only touches zero."""
+    squares = square_part(place)
+    return (place,) if squares is None else (squares.rest, *(a for a, _ in squares.powers))
 
 
 def _place_of(part: Expression) -> Expression | None:
@@ -219,7 +226,10 @@ def _place_of(part: Expression) -> Expression | None:
 
 
 def may_be_zero(expression: Expression) -> bool:
-    """Return whether a formula may be zero, as far as the ranges of its functions tell."""
+    """Return whether a formula may be zero, as far as the ranges of its functions tell.
+
+    Of polynomials in one variable it is known.
+    """
     least, most = -inf, inf
     known: dict[int, tuple[float, float]] = {}
     for part in ordered(expression):
@@ -229,7 +239,7 @@ def may_be_zero(expression: Expression) -> bool:
         elif isinstance(part, Apply):
             least, most = _range(part, [known[id(arg)] for arg in part.args])
         known[id(part)] = least, most
-    return least <= 0.0 <= most
+    return least <= 0.0 <= most and not is_never_zero(expression)
 
 
 def _range(part: Apply, args: Sequence[tuple[float, float]]) -> tuple[float, float]:

@@ -579,3 +579,29 @@ def test_a_sign_that_changes_by_a_jump_or_through_infinity_is_no_event(
     run = solver_of(EVEN + events, target).simulate(10.0, samples=3, **way)
     for k, (when, times) in enumerate(wanted.items()):
         assert run.events[f"e{k}"].time == pytest.approx(times, rel=1e-13), when
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+def test_a_root_that_is_written_out_is_met_as_the_absolute_value(
+    solver_of: Callable[..., Any], way: dict[str, Any]
+) -> None:
+    laws = ("abs(x - at)", "sqrt(x^2 - 2*at*x + at^2)", "(9*x^2 - 18*at*x + 9*at^2)^(1/2)/3")
+    runs = []
+    for target in ("c", "numpy"):
+        for law in laws:
+            solver = solver_of(HILL.replace("LAW", f"force*{law} + 0*width"), target)
+            run = solver.begin(
+                np.linspace(0.0, 5.0, 3), parameters={"at": 1.25, "force": 1.0}, **way
+            )
+            motion = run.finish()
+            assert motion.ledger.trust.is_trusted
+            assert motion.ledger.unresolved == 0
+            runs.append((run.save(), motion))
+    for first, second in zip(runs[:3], runs[3:], strict=True):
+        assert np.array_equal(first[0].rows, second[0].rows)
+        assert np.array_equal(first[0].state, second[0].state)
+    absolute, *roots = (motion for _, motion in runs[:3])
+    for one in roots:
+        np.testing.assert_allclose(one.rows, absolute.rows, rtol=0.0, atol=1e-8)
+        assert one.ledger.steps < 200

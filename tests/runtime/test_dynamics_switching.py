@@ -261,6 +261,7 @@ def blend(x: str) -> str:
         ("t + 1e-4*asin(sin(t))", 0.5 * math.pi),
         ("t + 1e-9*atan2(sin(t), cos(t))", math.pi),
         ("t + 1e-9*(t - 5.00123)/sqrt((t - 5.00123)^2*(2 + sin(t)))", 5.00123),
+        ("t + 1e-9*atan(1/(t^2 - 4*t + 4))", 2.0),
         (blend("min(max(t - 1, 0), 1)"), 0.0),
         ("t + atan2(sin(t), 2 + cos(t)) + sqrt(1 + t) + log(1 + t) + 1/(2 + sin(t))", 0.0),
         ("t + sin(t)/sqrt(t^2 + 1e-3) + acos(0.9*sin(t)) + ((t - 3)^2)^(3/2)", 0.0),
