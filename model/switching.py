@@ -79,7 +79,7 @@ class Seen:
         What those below depend on beside time and parameters.
     crossings : tuple of Expression
         The formulas of events, then functions of the state that are zero where a formula has a kink
-        or a jump.
+        or a jump, or one of an event gets or loses its value.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
     jumps : tuple of bool
@@ -117,7 +117,8 @@ def seen_of(system: System) -> Seen:
         return tuple(one for one, own in used if TIME in own and not own & of_state)
 
     varying = partial(varying_parts, varying={TIME, *of_state})
-    crossings = (*events, *found(switching_functions, is_state=True))
+    edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
+    crossings = (*events, *found(switching_functions, is_state=True), *edges)
     narrow = found(varying, is_state=True)
     laws = [
         parse_expression(one.law, names, longest=len(one.law))
@@ -173,6 +174,30 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
             yield root[0]
 
 
+def _edges_of(formula: Expression) -> Iterator[Expression]:
+    """Yield what is negative where a root, a logarithm or an arc sine has no value."""
+    for part in ordered(formula):
+        if not isinstance(part, Apply):
+            continue
+        a, edge = part.args[0], None
+        if part.function in {Function.SQRT, Function.LOG}:
+            edge = a
+        elif part.function is Function.POW:
+            exponent = part.args[1]
+            is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
+            edge = None if is_whole else a
+        elif part.function in {Function.ASIN, Function.ACOS}:
+            least, most = range_of(a)
+            edge = None if -1.0 <= least <= most <= 1.0 else _inside(a)
+        if edge is not None and range_of(edge)[0] < 0.0:
+            yield edge
+
+
+def _inside(a: Expression) -> Expression:
+    """Return what is positive where a number has an arc sine."""
+    return add(ONE, neg(apply(Function.ABS, a)))
+
+
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
     if not isinstance(part, Apply) or part.function not in {Function.SQRT, Function.POW}:
@@ -219,7 +244,7 @@ def _place_of(part: Expression) -> Expression | None:
         case Function.TAN:
             return apply(Function.COS, a)
         case Function.ASIN | Function.ACOS:
-            return add(ONE, neg(apply(Function.ABS, a)))
+            return _inside(a)
         case Function.ATAN2:
             return apply(Function.MAX, apply(Function.ABS, a), b)
     return None
@@ -230,6 +255,12 @@ def may_be_zero(expression: Expression) -> bool:
 
     Of polynomials in one variable it is known.
     """
+    least, most = range_of(expression)
+    return least <= 0.0 <= most and not is_never_zero(expression)
+
+
+def range_of(expression: Expression) -> tuple[float, float]:
+    """Return the least and the most that a formula may be, as the ranges of its functions tell."""
     least, most = -inf, inf
     known: dict[int, tuple[float, float]] = {}
     for part in ordered(expression):
@@ -239,7 +270,7 @@ def may_be_zero(expression: Expression) -> bool:
         elif isinstance(part, Apply):
             least, most = _range(part, [known[id(arg)] for arg in part.args])
         known[id(part)] = least, most
-    return least <= 0.0 <= most and not is_never_zero(expression)
+    return least, most
 
 
 def _range(part: Apply, args: Sequence[tuple[float, float]]) -> tuple[float, float]:

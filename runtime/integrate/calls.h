@@ -47,6 +47,8 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
     }
     if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
+    s->event = first_without_value(s, work);
+    if (s->event > 0.0) return NO_VALUE;
     s->key = KEY;
     return GOOD;
 }

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .motion import Motion
+    from .motion import Layout, Motion
 
     Array = npt.NDArray[np.float64]
 
@@ -28,6 +28,26 @@ class Told(NamedTuple):
 
     counts: tuple[int, ...]
     rows: Array
+
+
+def without_value(layout: Layout, event: float, where: str) -> str:
+    """Return a message: which formula of an event has no value, and what to do.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of the scene.
+    event : float
+        The number in the state of the run, counted from 1.
+    where : str
+        Where it has none.
+    """
+    (name, _), when = layout.events[int(event) - 1], layout.whens[int(event) - 1]
+    return (
+        f"events.{name}: {when} has no finite value {where}; write it so that it has one, as"
+        " sqrt(max(x, 0)) in place of sqrt(x) and x - 1 of log(x), start elsewhere, or let an event"
+        ' with action = "stop" end the run before'
+    )
 
 
 def add_row(rows: list[Array], event: float, row: Array) -> None:

@@ -433,3 +433,14 @@ print(json.dumps([motion.told.rows.tolist(), motion.rows.tolist(), motion.stoppe
     assert [row[0] for row in whole] == [0.0, 2.0]
     assert wanted.events["ground"].time == pytest.approx([1.0], abs=1e-14)
     assert wanted.events["top"].time == pytest.approx([0.3], abs=1e-14)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_says_where_an_event_has_no_value(tmp_path: Path) -> None:
+    text = (ROOT / "scenes" / "bouncing_ball.toml").read_text(encoding="utf-8")
+    for name, when in (("starts", "log(z - 50)"), ("stops", "sqrt(z)")):
+        scene = scene_from_toml(f'{text}[events.lost]\nwhen = "{when}"\n')
+        write_tree(tmp_path / name, generate_dynamics(scene))
+        got = run(f"import {name}\n{name}.simulate(2.0, samples=2)", tmp_path)
+        assert f"events.lost: {when} has no finite value " in got.stderr
+        assert ("StoppedError" in got.stderr) == (name == "stops")

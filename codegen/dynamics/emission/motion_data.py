@@ -109,6 +109,7 @@ def motion_data(
         "duration": about.duration,
         "jumps": list(about.jumps),
         "events": [[one.name, one.action] for one in system.events],
+        "whens": [one.when for one in system.events],
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
 
