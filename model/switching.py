@@ -85,7 +85,9 @@ class Seen:
     jumps : tuple of bool
         Of each event whether its formula may jump, also through infinity.
     laws : tuple of Expression
-        Those of drivers that switch or may break, with two derivatives, which must not jump there.
+        Those of drivers that are no polynomials, with two derivatives, which must not jump.
+    led : tuple of str
+        Which driver each of these laws, of three expressions, is of.
     """
 
     switches: tuple[Expression, ...]
@@ -95,6 +97,7 @@ class Seen:
     narrow: tuple[Expression, ...]
     jumps: tuple[bool, ...] = ()
     laws: tuple[Expression, ...] = ()
+    led: tuple[str, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -120,12 +123,12 @@ def seen_of(system: System) -> Seen:
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
     narrow = found(varying, is_state=True)
-    laws = [
-        parse_expression(one.law, names, longest=len(one.law))
-        for one in system.constraints
-        if one.law
-    ]
+    laws: dict[Expression, str] = {}
+    for one in system.constraints:
+        if one.law:
+            laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
     breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
+    followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
     switches = (*found(switching_functions, is_state=False), *chain(*breaks.values()))
     read = set(chain.from_iterable(map(names_of, (*crossings, *narrow))))
     return Seen(
@@ -135,7 +138,8 @@ def seen_of(system: System) -> Seen:
         crossings,
         narrow,
         tuple(any(map(_may_jump, ordered(one))) for one in events),
-        tuple(chain.from_iterable(_with_rates(one) for one, places in breaks.items() if places)),
+        tuple(chain.from_iterable(map(_with_rates, followed))),
+        tuple(laws[one] for one in followed),
     )
 
 

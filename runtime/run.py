@@ -15,7 +15,7 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.events import Told, add_row, without_value
+from kousoku.runtime.integrate.events import Told, add_row, bends, without_value
 from kousoku.runtime.integrate.given import (
     require_numbers,
     require_room,
@@ -69,7 +69,7 @@ NO_FURTHER = (
     " determined from here on"
 )
 #: Numbers of the state that are read often.
-PLACES = ("time", "next_row", "steps", "event")
+PLACES = ("time", "next_row", "steps", "event", "bent", "limit", "behind")
 #: Rows of a call, and steps of the first one.
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
@@ -415,6 +415,10 @@ class Run:
     def _stop(self) -> str:
         if self._status == Status.NO_VALUE:
             return f"{self.solver.name}: at t = {self.time:.9g} s: {self._lost('from here on')}"
+        if self._status == Status.BENDS:
+            bent = [self.state.item(self._places[name]) for name in ("bent", "limit", "behind")]
+            why = bends(self.solver.layout, *bent)
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
         if self._status == Status.NOT_CLOSED:
             joints = not_closed(self.solver, self._memory.work, CLEARLY)
             time = f"before t = {self.times[self.written]:.9g} s"

@@ -127,6 +127,8 @@ class Layout:
         Name and action of each event.
     whens : tuple of str
         Their formulas.
+    led : tuple of str
+        Drivers whose laws are no polynomials.
     given : tuple of GivenStart
         Where the scene has its bodies and how they move, where parameters may change its start.
     """
@@ -149,6 +151,7 @@ class Layout:
     jumps: tuple[str, ...] = ()
     events: tuple[tuple[str, str], ...] = ()
     whens: tuple[str, ...] = ()
+    led: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     given: tuple[GivenStart, ...] = ()
 
@@ -180,6 +183,7 @@ class Layout:
             jumps=tuple(data["jumps"]),
             events=tuple((name, action) for name, action in data["events"]),
             whens=tuple(data["whens"]),
+            led=tuple(data["led"]),
             given=tuple(map(GivenStart.from_data, data.get("given", ()))),
         )
 

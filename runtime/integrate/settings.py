@@ -67,7 +67,7 @@ class Status(IntEnum):
     ``EVENT`` and ``STOPPED``: an event is at the time that was reached. Its row stands behind those
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
-    run came.
+    run came. ``BENDS``: the law of a driver bends or jumps where the run came.
     """
 
     GOOD = 0
@@ -82,3 +82,4 @@ class Status(IntEnum):
     WRONG_STATE = -5
     NOT_CLOSED = -6
     NO_VALUE = -7
+    BENDS = -8

@@ -94,7 +94,7 @@ class Solver:
         s.key = -self.scene.key  # not started
         s.time = s.time_before = s.least_pivot_ratio_time = time
         s.error = 1e-4
-        if self.scene.has_switches:
+        if self.scene.has_switches or self.scene.has_laws:
             s.limit = s.behind = time
         if work.all is not None:
             note_usual_ratio(work.all, work, s)
@@ -235,11 +235,11 @@ class Solver:
         """Make one step towards the time that is asked for."""
         status, target = Status.GOOD, end
         s.method = 1.0 + settings.method
-        if self.scene.has_switches:
+        if self.scene.has_switches or self.scene.has_laws:
             status = meet_switches(end, s, work)
             if status != Status.GOOD or asked <= s.time:
                 return status
-            target = s.limit
+            target = smaller(s.limit, end)
         if self.scene.is_driven and settings.method == len(METHODS):
             h = settings.largest_step
             if s.step_size > 0.0:
