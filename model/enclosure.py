@@ -182,7 +182,7 @@ def _angle(y: Bounds, x: Bounds) -> Bounds:
     halves = [div(add(a.most, neg(a.least)), number(2)) for a in (y, x)]
     r, d = (apply(Function.SQRT, add(mul(a, a), mul(b, b))) for a, b in (halves, middle))
     value = apply(Function.ATAN2, *middle)
-    change = mul(number(2), apply(Function.ASIN, _least(ONE, div(r, d))))
+    change = mul(number(2), apply(Function.ASIN, _least(div(r, d), ONE)))
     least, most = add(value, neg(change)), add(value, change)
     pi, turn = Number(PI), Number(2 * PI)
 

@@ -361,7 +361,8 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             }
             if (look->is_kept && valued <= soon) return end;
             look->lost = 0;
-            is_lost = end == look->cut && end - valued <= SMALL * look->h;
+            /* at the end, where it was cut for that, or by rounding */
+            is_lost = end - valued <= (end == look->cut ? SMALL * look->h : ONWARD * tiny);
             if (!is_lost) {
                 memset(look->crosses, 0, sizeof look->crosses);
                 return smaller(larger(valued, nearest), end);

@@ -410,7 +410,8 @@ def seen_end(end: float, look: Look) -> float:
             if look.is_kept and valued <= soon:
                 return end
             look.lost = 0
-            if not (end == look.cut and end - valued <= SMALL * look.h):
+            # at the end, where it was cut for that, or by rounding
+            if not end - valued <= (SMALL * look.h if end == look.cut else ONWARD * tiny):
                 look.crosses[:] = False
                 return smaller(larger(valued, nearest), end)
             is_lost = ~has_value(b)[:n]  # it ends where that has no value

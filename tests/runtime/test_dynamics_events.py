@@ -679,6 +679,8 @@ wave = { when = "sin(x - 5)/(x - 5) - 0.5" }
 there = { when = "x - 5" }
 touches = { when = "sqrt(1 - cos(x + 0.1)) - 0.5" }
 edge = { when = "sqrt(x) - 1 + 0*(at + width + force)" }
+corner = { when = "atan2(x, t) - 2" }
+last = { when = "sqrt(49 - (x - 3)^2) - 6.5" }
 """
     run = solver_of(EVEN + events, target).simulate(10.0, samples=3, most_steps=300)
     half = 1.8954942670339809  # sin(x) = x/2
@@ -686,6 +688,8 @@ edge = { when = "sqrt(x) - 1 + 0*(at + width + force)" }
     wanted = [math.acos(0.75), 2.0 * math.pi - math.acos(0.75), 2.0 * math.pi + math.acos(0.75)]
     assert run.events["touches"].time + 0.1 == pytest.approx(wanted, rel=1e-12)
     assert run.events["edge"].time == pytest.approx([1.0], rel=1e-12)
+    far = math.sqrt(49.0 - 6.5**2)
+    assert run.events["last"].time == pytest.approx([3.0 - far, 3.0 + far], rel=1e-12)
 
 
 @pytest.mark.usefixtures("numpy_solver")
