@@ -155,8 +155,8 @@ def _power(a: Bounds, b: Bounds) -> Bounds:
         logarithm = Bounds(apply(Function.LOG, a.least), apply(Function.LOG, a.most))
         return _applied(Function.EXP, [_product(b, logarithm)])
     size = number(abs(exponent.value))
-    if exponent.value.denominator > 1:  # of a positive number only
-        a = Bounds(_most(a.least, ZERO), _most(a.most, ZERO))
+    if exponent.value.denominator > 1:  # of a positive number only: others have no power
+        a = Bounds(_most(a.least, _least(a.most, ZERO)), a.most)
     elif exponent.value.numerator % 2 == 0:
         a = _magnitude(a)
     found = Bounds(power(a.least, size), power(a.most, size))
@@ -182,7 +182,7 @@ def _angle(y: Bounds, x: Bounds) -> Bounds:
     halves = [div(add(a.most, neg(a.least)), number(2)) for a in (y, x)]
     r, d = (apply(Function.SQRT, add(mul(a, a), mul(b, b))) for a, b in (halves, middle))
     value = apply(Function.ATAN2, *middle)
-    change = mul(number(2), apply(Function.ASIN, _least(ONE, div(r, d))))
+    change = mul(number(2), apply(Function.ASIN, _least(div(r, d), ONE)))
     least, most = add(value, neg(change)), add(value, change)
     pi, turn = Number(PI), Number(2 * PI)
 

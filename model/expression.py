@@ -11,7 +11,8 @@
 A power binds more tightly than a sign before it, and from right to left. A name is an identifier,
 or several with dots between them. A number that ``deg`` follows is that many degrees, and ``deg``
 alone is one: pi/180. A number of degrees is no divisor and is raised to no power without
-parentheses, where it could be read in two ways.
+parentheses, where it could be read in two ways. A square that is written out in a root is read as
+one: ``sqrt(x^2 - 2*x + 1)`` as ``sqrt((x - 1)^2)``.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from typing import TYPE_CHECKING
 from kousoku.model.angles import DEGREE, PI
 from kousoku.model.decode import LARGEST, unknown
 from kousoku.model.errors import ExpressionError
+from kousoku.model.polynomials import with_squares_apart
 from kousoku.model.terms import (
     ZERO,
     Apply,
@@ -181,7 +183,7 @@ class _Parser:
             raise self.error("a negative number to a power that is not whole", start)
         if base == ZERO and not (isinstance(exponent, Number) and exponent.value >= 0):
             raise self.error("zero to a power that is not a positive number", start)
-        return self.settled(power(base, exponent), start)
+        return self.settled(with_squares_apart(power(base, exponent)), start)
 
     def atom(self) -> Expression:
         start = self.start
@@ -243,7 +245,7 @@ class _Parser:
             raise self.error(f"{token} of {len(args)} arguments; wanted {wanted}", start)
         function = Function(token)
         if count == 1:
-            return self.settled(apply(function, *args), start)
+            return self.settled(with_squares_apart(apply(function, *args)), start)
         value = args[0]
         for arg in args[1:]:
             value = self.settled(apply(function, value, arg), start)

@@ -14,7 +14,18 @@ from kousoku.model.derivative import derivative
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
-from kousoku.model.terms import ONE, Apply, Function, Number, add, apply, names_of, neg, ordered
+from kousoku.model.polynomials import even_power, is_never_zero, square_part
+from kousoku.model.terms import (
+    ONE,
+    Apply,
+    Function,
+    Number,
+    add,
+    apply,
+    names_of,
+    neg,
+    ordered,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence
@@ -68,13 +79,15 @@ class Seen:
         What those below depend on beside time and parameters.
     crossings : tuple of Expression
         The formulas of events, then functions of the state that are zero where a formula has a kink
-        or a jump.
+        or a jump, or one of an event gets or loses its value.
     narrow : tuple of Expression
         Smooth parts that vary with the state beyond polynomials.
     jumps : tuple of bool
         Of each event whether its formula may jump, also through infinity.
     laws : tuple of Expression
-        Those of drivers that switch or may break, with two derivatives, which must not jump there.
+        Those of drivers that are no polynomials, with two derivatives, which must not jump.
+    led : tuple of str
+        Which driver each of these laws, of three expressions, is of.
     """
 
     switches: tuple[Expression, ...]
@@ -84,6 +97,7 @@ class Seen:
     narrow: tuple[Expression, ...]
     jumps: tuple[bool, ...] = ()
     laws: tuple[Expression, ...] = ()
+    led: tuple[str, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -106,14 +120,15 @@ def seen_of(system: System) -> Seen:
         return tuple(one for one, own in used if TIME in own and not own & of_state)
 
     varying = partial(varying_parts, varying={TIME, *of_state})
-    crossings = (*events, *found(switching_functions, is_state=True))
+    edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
+    crossings = (*events, *found(switching_functions, is_state=True), *edges)
     narrow = found(varying, is_state=True)
-    laws = [
-        parse_expression(one.law, names, longest=len(one.law))
-        for one in system.constraints
-        if one.law
-    ]
+    laws: dict[Expression, str] = {}
+    for one in system.constraints:
+        if one.law:
+            laws.setdefault(parse_expression(one.law, names, longest=len(one.law)), one.joint)
     breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
+    followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
     switches = (*found(switching_functions, is_state=False), *chain(*breaks.values()))
     read = set(chain.from_iterable(map(names_of, (*crossings, *narrow))))
     return Seen(
@@ -123,7 +138,8 @@ def seen_of(system: System) -> Seen:
         crossings,
         narrow,
         tuple(any(map(_may_jump, ordered(one))) for one in events),
-        tuple(chain.from_iterable(_with_rates(one) for one, places in breaks.items() if places)),
+        tuple(chain.from_iterable(map(_with_rates, followed))),
+        tuple(laws[one] for one in followed),
     )
 
 
@@ -162,27 +178,41 @@ def switching_functions(formula: Expression) -> Iterator[Expression]:
             yield root[0]
 
 
+def _edges_of(formula: Expression) -> Iterator[Expression]:
+    """Yield what is negative where a root, a logarithm or an arc sine has no value."""
+    for part in ordered(formula):
+        if not isinstance(part, Apply):
+            continue
+        a, edge = part.args[0], None
+        if part.function in {Function.SQRT, Function.LOG}:
+            edge = a
+        elif part.function is Function.POW:
+            exponent = part.args[1]
+            is_whole = isinstance(exponent, Number) and exponent.value.denominator == 1
+            edge = None if is_whole else a
+        elif part.function in {Function.ASIN, Function.ACOS}:
+            least, most = range_of(a)
+            edge = None if -1.0 <= least <= most <= 1.0 else _inside(a)
+        if edge is not None and range_of(edge)[0] < 0.0:
+            yield edge
+
+
+def _inside(a: Expression) -> Expression:
+    """Return what is positive where a number has an arc sine."""
+    return add(ONE, neg(apply(Function.ABS, a)))
+
+
 def even_root(part: Expression) -> tuple[Expression, Fraction] | None:
     """Return a and b of a root of an even power of a, which is abs(a) to the power b."""
     if not isinstance(part, Apply) or part.function not in {Function.SQRT, Function.POW}:
         return None
-    inside, exponent = part.args[0], Number(Fraction(1, 2))
-    if part.function is Function.POW:
-        if not isinstance(part.args[1], Number) or part.args[1].value.denominator == 1:
-            return None
-        exponent = part.args[1]
-    if not isinstance(inside, Apply):
+    exponent = Number(Fraction(1, 2)) if part.function is Function.SQRT else part.args[1]
+    if not isinstance(exponent, Number) or exponent.value.denominator == 1:
         return None
-    a, *others = inside.args
-    power = Fraction(2)
-    if inside.function is Function.POW:
-        (count,) = others
-        if not isinstance(count, Number) or count.value.denominator > 1 or count.value % 2:
-            return None
-        power = count.value
-    elif inside.function is not Function.MUL or others != [a]:
+    found = even_power(part.args[0])
+    if found is None or found[1] * exponent.value % 2 == 0:
         return None
-    return None if power * exponent.value % 2 == 0 else (a, power * exponent.value)
+    return found[0], found[1] * exponent.value
 
 
 def _places_of(law: Expression) -> Iterator[Expression]:
@@ -190,8 +220,14 @@ def _places_of(law: Expression) -> Iterator[Expression]:
     yield from switching_functions(law)
     for part in ordered(law):
         place = _place_of(part)
-        if place is not None and may_be_zero(place):
-            yield place
+        if place is not None:
+            yield from filter(may_be_zero, _crossed(place))
+
+
+def _crossed(place: Expression) -> tuple[Expression, ...]:
+    """Return functions that change sign where one is zero: 1 - 2*t + t^2 only touches zero."""
+    squares = square_part(place)
+    return (place,) if squares is None else (squares.rest, *(a for a, _ in squares.powers))
 
 
 def _place_of(part: Expression) -> Expression | None:
@@ -212,14 +248,23 @@ def _place_of(part: Expression) -> Expression | None:
         case Function.TAN:
             return apply(Function.COS, a)
         case Function.ASIN | Function.ACOS:
-            return add(ONE, neg(apply(Function.ABS, a)))
+            return _inside(a)
         case Function.ATAN2:
             return apply(Function.MAX, apply(Function.ABS, a), b)
     return None
 
 
 def may_be_zero(expression: Expression) -> bool:
-    """Return whether a formula may be zero, as far as the ranges of its functions tell."""
+    """Return whether a formula may be zero, as far as the ranges of its functions tell.
+
+    Of polynomials in one variable it is known.
+    """
+    least, most = range_of(expression)
+    return least <= 0.0 <= most and not is_never_zero(expression)
+
+
+def range_of(expression: Expression) -> tuple[float, float]:
+    """Return the least and the most that a formula may be, as the ranges of its functions tell."""
     least, most = -inf, inf
     known: dict[int, tuple[float, float]] = {}
     for part in ordered(expression):
@@ -229,7 +274,7 @@ def may_be_zero(expression: Expression) -> bool:
         elif isinstance(part, Apply):
             least, most = _range(part, [known[id(arg)] for arg in part.args])
         known[id(part)] = least, most
-    return least <= 0.0 <= most
+    return least, most
 
 
 def _range(part: Apply, args: Sequence[tuple[float, float]]) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.events import Told, add_row
+from kousoku.runtime.integrate.events import Told, add_row, bends, without_value
 from kousoku.runtime.integrate.given import (
     require_numbers,
     require_room,
@@ -57,6 +57,8 @@ MESSAGES: dict[int, str] = {
 }
 #: What a note says where bodies have no freedom.
 STILL = "nothing can move"
+#: Bodies are where they fit, though events may have no value there.
+PLACED = (Status.GOOD, Status.NO_VALUE)
 #: What a run that is not over goes on after.
 GOES_ON = (Status.BUFFER_FULL, Status.PAUSED, Status.EVENT)
 #: What an event returned with.
@@ -67,7 +69,7 @@ NO_FURTHER = (
     " determined from here on"
 )
 #: Numbers of the state that are read often.
-PLACES = ("time", "next_row", "steps", "event")
+PLACES = ("time", "next_row", "steps", "event", "bent", "limit", "behind")
 #: Rows of a call, and steps of the first one.
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
@@ -221,7 +223,7 @@ class Run:
         begin = perf_counter()
         status = self._begin()
         y = self.solver.state["y"].view(self.state)
-        if status == Status.GOOD and self._is_as_given:
+        if status in PLACED and self._is_as_given:
             self._q[:], self._v[:], layout, changes = given_start(
                 self._there.layout, self._evaluate(), y, is_told=not self.options.initial.q0
             )
@@ -231,14 +233,20 @@ class Run:
                 require_unmoved(self._there)
             self._is_as_given = False
             status = self._begin()
-        if status == Status.GOOD and self._is_elsewhere:
+        if status in PLACED and self._is_elsewhere:
             self._q[:], self._v[:] = self._led(y)
             self._is_elsewhere = False  # to start over leads nowhere again
             status = self._begin()
         self.seconds["start"] = perf_counter() - begin
+        if status == Status.NO_VALUE:
+            raise SolveError(f"{self.solver.name}: {self._lost('where the run starts')}")
         if status != Status.GOOD:
             where = "" if status == Status.NOT_CLOSED else self._where(self._gaps(y))
             raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{self._still()}")
+
+    def _lost(self, where: str) -> str:
+        """Say which event has no value."""
+        return without_value(self.solver.layout, self.state.item(self._places["event"]), where)
 
     def _still(self) -> str:
         """Return the note that nothing can move, where that is so."""
@@ -405,6 +413,12 @@ class Run:
         )
 
     def _stop(self) -> str:
+        if self._status == Status.NO_VALUE:
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {self._lost('from here on')}"
+        if self._status == Status.BENDS:
+            bent = [self.state.item(self._places[name]) for name in ("bent", "limit", "behind")]
+            why = bends(self.solver.layout, *bent)
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
         if self._status == Status.NOT_CLOSED:
             joints = not_closed(self.solver, self._memory.work, CLEARLY)
             time = f"before t = {self.times[self.written]:.9g} s"

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     Array = npt.NDArray[np.float64]
 
 #: Numbers of a state that count something: those of the ledger, and others.
-COUNTED = (*COUNTS, "next_row", "event", "short_steps", "not_finite")
+COUNTED = (*COUNTS, "next_row", "event", "bent", "short_steps", "not_finite")
 #: What a step goes on from.
 FINITE = (
     *("time", "time_before", "step_size", "y", "low", "f", "y_before", "dense"),

@@ -15,6 +15,11 @@ NO_VALUE = (
     "has no finite value where the scene starts, as x/abs(x) where x is 0; take x/sqrt(x^2 + 1e-6),"
     " or start elsewhere"
 )
+#: The same of the formula of an event.
+NOT_SEEN = (
+    "has no finite value where the scene starts; write it so that it has one, as sqrt(max(x, 0)) in"
+    " place of sqrt(x) and x - 1 of log(x), or start elsewhere"
+)
 
 
 def check(
@@ -94,7 +99,7 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
         return _counted(scene, {"links": "link", "sliders": "slider", "inputs": "input"}), (
             checked_again(scene)
         )
-    from kousoku.codegen.dynamics.checking.start import forces_without_value
+    from kousoku.codegen.dynamics.checking.start import events_without_value, forces_without_value
     from kousoku.codegen.dynamics.generate import composed
     from kousoku.model.about import notes_of_dry_friction
     from kousoku.model.formulas import used_parameters
@@ -102,6 +107,10 @@ def _looked_at(scene: Any) -> tuple[str, tuple[str, ...]]:
     made = composed(scene, scene.outputs)
     if names := forces_without_value(made.written):
         raise SceneError.of([Problem(NO_VALUE, join("forces", name)) for name in names])
+    if events := events_without_value(made.program, made.system):
+        raise SceneError.of(
+            [Problem(f"{when} {NOT_SEEN}", f"{join('events', name)}.when") for name, when in events]
+        )
     degrees = f"{made.degrees} degree{'s' * (made.degrees != 1)} of freedom"
     tables = {"bodies": "body", "joints": "joint", "drivers": "driver"}
     tables |= {"inputs": "input", "forces": "force", "events": "event"}

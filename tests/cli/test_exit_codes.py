@@ -146,3 +146,21 @@ def test_a_disagreement_is_1(run: Run, folder: Path, monkeypatch: pytest.MonkeyP
     wrong = replace(kousoku.ledger.find("7.19"), verdict="notation")
     monkeypatch.setattr(kousoku.ledger, "find", lambda _: wrong)
     assert run("ledger", "7.19")[0] == 1
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_events_without_a_value_are_refused_and_stop_a_motion(run: Run, folder: Path) -> None:
+    scene = (ROOT / "scenes" / "bouncing_ball.toml").read_text(encoding="utf-8")
+    scene += '[events.lost]\nwhen = "WHEN"\n'
+    for when, code, words in (
+        ("log(z - 50)", 2, "has no finite value where the run starts"),
+        ("sqrt(z)", 3, "has no finite value from here on"),
+    ):
+        (folder / "lost.toml").write_text(scene.replace("WHEN", when), encoding="utf-8")
+        got, _, err = run("simulate", "lost.toml", "--samples", 2, *IN_NUMPY)
+        assert got == code
+        assert f"events.lost: {when} {words}" in " ".join(err.split())
+        got, out, _ = run("check", "lost.toml")
+        assert got == (2 if code == 2 else 0)
+        is_told = f"events.lost.when: {when} has no finite value where the scene starts" in out
+        assert is_told == (code == 2)

@@ -433,3 +433,28 @@ print(json.dumps([motion.told.rows.tolist(), motion.rows.tolist(), motion.stoppe
     assert [row[0] for row in whole] == [0.0, 2.0]
     assert wanted.events["ground"].time == pytest.approx([1.0], abs=1e-14)
     assert wanted.events["top"].time == pytest.approx([0.3], abs=1e-14)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_says_where_an_event_has_no_value(tmp_path: Path) -> None:
+    text = (ROOT / "scenes" / "bouncing_ball.toml").read_text(encoding="utf-8")
+    for name, when in (("starts", "log(z - 50)"), ("stops", "sqrt(z)")):
+        scene = scene_from_toml(f'{text}[events.lost]\nwhen = "{when}"\n')
+        write_tree(tmp_path / name, generate_dynamics(scene))
+        got = run(f"import {name}\n{name}.simulate(2.0, samples=2)", tmp_path)
+        assert f"events.lost: {when} has no finite value " in got.stderr
+        assert ("StoppedError" in got.stderr) == (name == "stops")
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_copied_folder_of_bodies_says_which_driver_bends(tmp_path: Path) -> None:
+    scene = scene_from_toml(
+        'name = "bent"\nunit = "m"\n[bodies]\nshaft = { position = [0, 0, 0] }\n[joints]\n'
+        'axle = { type = "revolute", bodies = ["ground", "shaft"], at = [0, 0, 0], axis = [0, 0, 1]'
+        ' }\n[coordinates]\nturn = { joint = "axle" }\n[drivers]\nmotor = { coordinate = "turn",'
+        ' value = "sqrt((t - 0.5)^2 + 1e-30)" }\n'
+    )
+    write_tree(tmp_path / "bent", generate_dynamics(scene))
+    got = run("import bent\nbent.simulate(2.0, samples=2)", tmp_path)
+    assert "StoppedError: bent: no step can be taken: the law of drivers.motor bends" in got.stderr
+    assert "at t = 0.5 s" in got.stderr

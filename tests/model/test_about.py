@@ -104,3 +104,23 @@ def test_an_event_that_may_jump_is_told(when: str, *, is_told: bool) -> None:
     }
     notes = About.of(scene_from_dict(scene)).notes
     assert [note.split(" over")[0] for note in notes] == ["events.hit may jump"] * is_told
+
+
+@pytest.mark.parametrize(
+    ("force", "is_told"),
+    [
+        ("1e-9*tan(s)", True),
+        ("-tan(s_dot + p)*s", True),
+        ("tan(t)", True),
+        ("tan(p)*s", False),
+        ("tan(1.5*sin(s))", False),
+        ("tan(1.6*sin(s))", True),
+        ("sin(s)/(2 + cos(s))", False),
+    ],
+)
+def test_a_force_that_may_be_led_through_infinity_is_told(force: str, *, is_told: bool) -> None:
+    tree = pair([1, 0, 0])
+    tree |= {"coordinates": {"s": {"joint": "a"}}, "parameters": {"p": 0.1}}
+    tree["forces"] = {"spring": {"type": "along", "coordinate": "s", "force": force}}
+    notes = About.of(scene_from_dict(tree)).notes
+    assert [note.split(" where")[0] for note in notes] == ["forces.spring is infinite"] * is_told

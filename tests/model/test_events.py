@@ -83,6 +83,9 @@ def test_a_linkage_of_nodes_has_no_events(bead: Tree) -> None:
         ("x/at + sin(at)*x", 0, 0),
         ("min(t - 1, x)*at", 1, 0),
         ("-sqrt(x^2)", 1, 1),
+        ("-sqrt(x^2 - 2*at*x + at^2)", 1, 1),
+        ("-sqrt(x^2 + 2*x*x_dot + x_dot^2)", 1, 1),
+        ("-sqrt(x^2 - 2*x + 2)", 0, 1),
         ("x_dot*(x*x)^(1/2) + (x^2)^(3/2)", 1, 2),
     ],
 )

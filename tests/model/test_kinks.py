@@ -33,6 +33,12 @@ def blend(x: str) -> str:
         "((t - T)^2)^1.25",
         "((2 + sin(t))^2)^0.75",
         "h*sqrt((t - T)^2)*(t - T)^2",
+        "(t^2 - 2*t + 1)*sqrt(t^2 - 2*t + 1)",
+        "(t^4 - 4*t^3 + 6*t^2 - 4*t + 1)^(1/2)",
+        "(t^4 - 4*t^3 + 6*t^2 - 4*t + 1)^0.75",
+        "sqrt(2)*abs(t - 1) - sqrt(2*t^2 - 4*t + 2) + t",
+        "sqrt(t^4 - 2*t^3 + 3*t^2 - 2*t + 1)",  # of t² - t + 1, which is never zero
+        "sqrt((t + 1)^3)*h + sqrt(t^2 - 2*t + 1.0001)",
     ],
 )
 def test_two_derivatives_go_through(formula: str) -> None:
@@ -53,6 +59,14 @@ def test_two_derivatives_go_through(formula: str) -> None:
         ("((t - 1)^6)^(1/6)", "pow"),
         ("((t - T)^2)^0.75", "pow"),
         ("h*((t - T)^4)^(1/3)", "pow"),
+        ("sqrt(t^2 - 2*t + 1)", "sqrt"),
+        ("h + sqrt(T^2 + t*t - 2*T*t)", "sqrt"),
+        ("sqrt(2*t^2 - 0.4*t + 0.02)", "sqrt"),
+        ("sqrt((1 + t^2)*(t^2 - 2*t + 1)/h)", "sqrt"),
+        ("sqrt(h^2*t^2 - 2*h*t + 1)", "sqrt"),
+        ("sqrt(sin(t)^2 - sin(t) + 0.25)", "sqrt"),
+        ("(t^4 - 4*t^3 + 6*t^2 - 4*t + 1)^0.25", "pow"),
+        ("(t^2 - 2*t + 1)^0.75", "pow"),
         ("abs(t - T)^1.5", "abs"),
         ("min(t^2, 1)", "min"),
         (blend("min(t, T)"), "min"),

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.model.errors import MotionError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Status
@@ -579,3 +580,145 @@ def test_a_sign_that_changes_by_a_jump_or_through_infinity_is_no_event(
     run = solver_of(EVEN + events, target).simulate(10.0, samples=3, **way)
     for k, (when, times) in enumerate(wanted.items()):
         assert run.events[f"e{k}"].time == pytest.approx(times, rel=1e-13), when
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("way", WAYS[:2], ids=str)
+def test_a_root_that_is_written_out_is_met_as_the_absolute_value(
+    solver_of: Callable[..., Any], way: dict[str, Any]
+) -> None:
+    laws = ("abs(x - at)", "sqrt(x^2 - 2*at*x + at^2)", "(9*x^2 - 18*at*x + 9*at^2)^(1/2)/3")
+    runs = []
+    for target in ("c", "numpy"):
+        for law in laws:
+            solver = solver_of(HILL.replace("LAW", f"force*{law} + 0*width"), target)
+            run = solver.begin(
+                np.linspace(0.0, 5.0, 3), parameters={"at": 1.25, "force": 1.0}, **way
+            )
+            motion = run.finish()
+            assert motion.ledger.trust.is_trusted
+            assert motion.ledger.unresolved == 0
+            runs.append((run.save(), motion))
+    for first, second in zip(runs[:3], runs[3:], strict=True):
+        assert np.array_equal(first[0].rows, second[0].rows)
+        assert np.array_equal(first[0].state, second[0].state)
+    absolute, *roots = (motion for _, motion in runs[:3])
+    for one in roots:
+        np.testing.assert_allclose(one.rows, absolute.rows, rtol=0.0, atol=1e-8)
+        assert one.ledger.steps < 200
+
+
+#: Formulas, and the time from which they have no value, 0 where they have none at the start.
+LOST = {
+    "(x - x)/(x_dot - 1)": 0.0,
+    "x/(t - t)": 0.0,
+    "sqrt(x - 5)": 0.0,
+    "asin(x - 5)": 0.0,
+    "log(x - 5)": 0.0,
+    "1/x": 0.0,
+    "sqrt(5 - x)": 5.0,
+    "asin(x/4) - 0.3": 4.0,
+    "log(7 - t) + 0*x": 7.0,
+    "acos(t/6)": 6.0,
+    "sqrt((x - 3)*(x - 3.2)) - 1": 3.0,
+    "x_dot*(7.5 - x)^0.7": 7.5,
+    "x*sqrt((x - 3)*(x - 3.0002)) - 1": 3.0,
+}
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("when", LOST)
+def test_a_run_does_not_go_on_where_an_event_has_no_value(
+    solver_of: Callable[..., Any], when: str, target: str
+) -> None:
+    text = EVEN + f'other = {{ when = "x - 2" }}\nlost = {{ when = "{when}" }}'
+    solver = solver_of(text + '\nno = { when = "x - 20 + 0*(at + width + force)" }', target)
+    for way in (*WAYS[:2], {"step": 0.7}) if target == "c" else WAYS[:1]:
+        if not LOST[when]:
+            with pytest.raises(SolveError, match=r"events\.lost: .* has no finite value where the"):
+                solver.simulate(10.0, samples=3, most_steps=200, **way)
+            continue
+        with pytest.raises(MotionError, match=r"events\.lost: .* has no finite value from") as stop:
+            solver.simulate(10.0, samples=101, most_steps=200, **way)
+        assert re.escape(when) in re.escape(str(stop.value))
+        run = stop.value.result
+        assert run.time[-1] == pytest.approx(math.floor(10.0 * LOST[when]) / 10.0, abs=0.1001)
+        reached = float(str(stop.value).split("at t = ")[1].split(" s:")[0])
+        assert reached == pytest.approx(LOST[when], abs=1e-8)
+        assert run.events["other"].count == 1
+        # before that it has one
+        assert solver.simulate(0.99 * LOST[when], samples=3, **way).ledger.trust.is_trusted
+
+
+@pytest.mark.usefixtures("numpy_solver")
+def test_both_targets_stop_where_an_event_has_no_value_with_the_same_bits(
+    solver_of: Callable[..., Any],
+) -> None:
+    text = SWING.replace("[events]", '[events]\nlost = { when = "sqrt(level - x) - 3" }')
+    for way in (*WAYS[:2], {"step": 0.31}):
+        runs = []
+        for target in ("c", "numpy"):
+            run = solver_of(text, target=target).begin(np.linspace(0.0, 8.0, 7), **way)
+            with pytest.raises(MotionError, match=r"events\.lost"):
+                run.finish()
+            runs.append(run)
+        first, second = (run.save() for run in runs)
+        assert runs[0].time == pytest.approx(math.asin(0.9), abs=1e-6 if "step" not in way else 0.1)
+        assert np.array_equal(first.rows, second.rows)
+        assert np.array_equal(first.state, second.state)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_events_go_on_beside_a_single_instant_without_a_value(
+    solver_of: Callable[..., Any], target: str
+) -> None:
+    events = """
+wave = { when = "sin(x - 5)/(x - 5) - 0.5" }
+there = { when = "x - 5" }
+touches = { when = "sqrt(1 - cos(x + 0.1)) - 0.5" }
+edge = { when = "sqrt(x) - 1 + 0*(at + width + force)" }
+corner = { when = "atan2(x, t) - 2" }
+last = { when = "sqrt(49 - (x - 3)^2) - 6.5" }
+"""
+    run = solver_of(EVEN + events, target).simulate(10.0, samples=3, most_steps=300)
+    half = 1.8954942670339809  # sin(x) = x/2
+    assert run.events["wave"].time == pytest.approx([5.0 - half, 5.0 + half], rel=1e-12)
+    wanted = [math.acos(0.75), 2.0 * math.pi - math.acos(0.75), 2.0 * math.pi + math.acos(0.75)]
+    assert run.events["touches"].time + 0.1 == pytest.approx(wanted, rel=1e-12)
+    assert run.events["edge"].time == pytest.approx([1.0], rel=1e-12)
+    far = math.sqrt(49.0 - 6.5**2)
+    assert run.events["last"].time == pytest.approx([3.0 - far, 3.0 + far], rel=1e-12)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_an_event_ends_a_run_where_another_loses_its_value(
+    solver_of: Callable[..., Any], target: str
+) -> None:
+    events = 'lost = { when = "sqrt(5 - x) + 0*(at + width + force)" }\n'
+    events += 'end = { when = "x - 5", action = "stop" }'
+    for way in WAYS[:2]:
+        run = solver_of(EVEN + events, target).simulate(10.0, samples=3, most_steps=200, **way)
+        assert run.stopped_by == "end"
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_drivers_lead_to_where_an_event_has_no_value(
+    solver_of: Callable[..., Any], target: str
+) -> None:
+    text = SHAFT.format(law="t", load="0") + '[events]\nlost = { when = "log(3 - turn)" }\n'
+    with pytest.raises(MotionError, match=r"at t = 3 s: events\.lost"):
+        solver_of(text, target).simulate(5.0, samples=2, most_steps=500)
+
+
+def test_initial_values_lead_away_from_where_an_event_has_no_value(
+    solver_of: Callable[..., Any],
+) -> None:
+    solver = solver_of(SWING.replace("[events]", '[events]\ndeep = { when = "log(x) + 1" }'))
+    with pytest.raises(SolveError, match=r"events\.deep"):
+        solver.simulate(0.1, samples=2)
+    run = solver.simulate(0.1, samples=2, initial={"x": 0.5})
+    assert run.ledger.trust.is_trusted

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -38,7 +39,9 @@ def solver_of(compiler: Toolchain, bodies_folder: Callable[..., Path]) -> Callab
     assert compiler
 
     def solver(text: str, target: Any = "c") -> DynamicsSolver:
-        return load_dynamics(bodies_folder(scene_from_toml(text), ("energies",)), target=target)
+        scene = scene_from_toml(text)
+        outputs = () if "inertia" not in text and "shaft" in text else ("energies",)
+        return load_dynamics(bodies_folder(scene, outputs), target=target)
 
     return solver
 
@@ -261,6 +264,7 @@ def blend(x: str) -> str:
         ("t + 1e-4*asin(sin(t))", 0.5 * math.pi),
         ("t + 1e-9*atan2(sin(t), cos(t))", math.pi),
         ("t + 1e-9*(t - 5.00123)/sqrt((t - 5.00123)^2*(2 + sin(t)))", 5.00123),
+        ("t + 1e-9*atan(1/(t^2 - 4*t + 4))", 2.0),
         (blend("min(max(t - 1, 0), 1)"), 0.0),
         ("t + atan2(sin(t), 2 + cos(t)) + sqrt(1 + t) + log(1 + t) + 1/(2 + sin(t))", 0.0),
         ("t + sin(t)/sqrt(t^2 + 1e-3) + acos(0.9*sin(t)) + ((t - 3)^2)^(3/2)", 0.0),
@@ -281,3 +285,63 @@ def test_a_driver_leads_to_where_its_law_bends_or_jumps(
         solver.simulate(END, samples=3, method=method)
     reached = float(str(caught.value).split("at t = ")[1].split(" s:")[0])
     assert reached == pytest.approx(time - start, abs=1e-6)
+
+
+#: What bodies without masses are driven by.
+WEIGHTLESS = re.sub(r", mass = 1, inertia = \{\{.*?\}\}", "", SHAFT).partition("[forces]")[0]
+WEIGHTLESS = WEIGHTLESS.replace('"energies", ', "")
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("text", [SHAFT, WEIGHTLESS], ids=["masses", "weightless"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "sqrt((t - 5.00123)^2 + 1e-30)",
+        "t + 1e-9*sqrt((t - 5.00123)^2 + 1e-30)",
+        "1e-4*atan(1e12*(t - 5.00123))",
+        "(t - 5.00123)*atan(1e16*(t - 5.00123)) + sin(t)",
+        "t + 1e-6*exp(-(1e13*(t - 5.00123))^2)",
+    ],
+)
+def test_drivers_that_bend_in_no_time_lead_no_further(
+    solver_of: Callable[..., Any], text: str, law: str
+) -> None:
+    scene = text.format(law=law, load="-0.01*turn_dot")
+    saved = []
+    for target in ("c", "numpy"):
+        run = solver_of(scene, target).begin([0.0, 4.0, 10.0], method="kinematics", most_steps=999)
+        with pytest.raises(MotionError, match=r"at t = 5\.00123 s: .*drivers\.motor") as caught:
+            run.finish()
+        bends = "no step can be taken: the law of drivers.motor bends or jumps within 7e-11 s"
+        # or steps become too small before
+        assert bends in str(caught.value) or (text == SHAFT and "exp(-" in law)
+        assert len(caught.value.result) == 2
+        saved.append(run.save())
+    assert np.array_equal(saved[0].rows, saved[1].rows)
+    assert np.array_equal(saved[0].state, saved[1].state)
+
+
+@pytest.mark.parametrize("text", [SHAFT, WEIGHTLESS], ids=["masses", "weightless"])
+@pytest.mark.parametrize(
+    "law",
+    [
+        "t - sin(pi*t)/pi",
+        "sin(t)^3 + (1 - cos(t))^2",
+        "(t - 5)^3*sin(t)",
+        "sqrt(1 + t^2) + sqrt((t - 5.00123)^2 + 1e-4)",
+        "1 - 2/(exp(50*(t - 5.00123)) + 1)",
+        "exp(-((t - 5.00123)/0.01)^2)",
+        "t + 1e-5*exp(-((t - 5.00123)/1e-5)^2)",
+        "t*sin(200*pi*t) + 1e-9*sin(1e4*t)",
+        "((t - 5.00123)^2)^(3/2)/100",
+        "exp(sin(9*t)) + cos(3*t)/(2 + sin(t)) + atan(40*(t - 5))",
+    ],
+)
+def test_smooth_laws_are_not_looked_at_again(
+    solver_of: Callable[..., Any], text: str, law: str
+) -> None:
+    run = solver_of(text.format(law=law, load="0")).begin([0.0, 10.0], method="kinematics")
+    run.advance(1)
+    assert run.state[run.solver.state["limit"].place] == math.inf
+    assert run.finish().is_complete

@@ -1,4 +1,4 @@
-"""Forces that have no value where a scene starts, as friction v/|v| at rest."""
+"""Forces and events that have no value where a scene starts, as friction v/|v| at rest."""
 
 from __future__ import annotations
 
@@ -8,10 +8,15 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.equations import system_equations
+from kousoku.model.expression import parse_expression
+from kousoku.model.formulas import TIME
+from kousoku.model.switching import seen_of
+from kousoku.model.values import value_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.model.mechanism import ForceElement, System
 
 
@@ -42,3 +47,30 @@ def _have_values(system: System, forces: Sequence[ForceElement]) -> bool:
     except (ArithmeticError, ValueError):
         return False
     return all(map(isfinite, work["forces"]))
+
+
+def events_without_value(program: Program, system: System) -> list[tuple[str, str]]:
+    """Return name and formula of the events that have no finite value at the start.
+
+    Parameters
+    ----------
+    program, system : Program, System
+        What a solver is emitted from.
+    """
+    if not system.events:
+        return []
+    work = Workspace(program)
+    try:
+        work.run("measure")
+    except (ArithmeticError, ValueError):  # of a spring without length: its force says so
+        return []
+    values = {TIME: 0.0, **dict(system.parameters)}
+    measures = seen_of(system).measures
+    pairs = zip(*[iter(work["measures"])] * 2, strict=True)
+    for one, (value, rate) in zip(measures, pairs, strict=True):
+        values |= {one.name: value, one.rate: rate}
+    return [
+        (one.name, one.when)
+        for one in system.events
+        if not isfinite(value_of(parse_expression(one.when, values), values))
+    ]

@@ -1,4 +1,4 @@
-"""The segments ``switching``, ``measure``, ``crossing``: bounds of what formulas do in a step."""
+"""The segments ``switching``, ``bending``, ``measure``, ``crossing``: what bounds formulas."""
 
 from __future__ import annotations
 
@@ -104,8 +104,10 @@ def record_switching(
                 recorder.call(operation, ranges, parameters, into=(target,))
 
     if seen.switches or seen.features:
-        parts = {"switches": seen.switches, "features": seen.features, "laws": seen.laws}
+        parts = {"switches": seen.switches, "features": seen.features}
         record("switching", recorder.region("span", 2), parts)
+    if seen.laws:
+        record("bending", recorder.region("law_span", 2), {"laws": seen.laws})
     if seen.crossings or seen.narrow:
         region = recorder.region("measures", 2 * len(seen.measures))
         recorder.begin("measure")

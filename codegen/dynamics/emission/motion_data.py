@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordi
 from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
 from kousoku.model import precise
 from kousoku.model.about import About
+from kousoku.model.switching import seen_of
 from kousoku.model.system import UNIT_NAMES
 from kousoku.model.varying import fixed_system, is_varying
 from kousoku.runtime.integrate.state import fields_as_data
@@ -109,6 +110,8 @@ def motion_data(
         "duration": about.duration,
         "jumps": list(about.jumps),
         "events": [[one.name, one.action] for one in system.events],
+        "whens": [one.when for one in system.events],
+        "led": list(seen_of(system).led),
         "works": [[one.name, one.place.slot - q] for one in program.auxiliary if one.kind == WORK],
     }
 

@@ -56,10 +56,8 @@ COME_WITH = {
     ("HAS_REFINEMENT", "HAS_REACTIONS"): ("W_MORE_LAM",),
     ("HAS_REACTIONS",): ("W_LAM",),
     ("HAS_WRENCHES",): ("N_WRENCHES", "W_ALL_LAM", "W_WRENCHES"),
-    ("HAS_SWITCHING",): (
-        *("N_SWITCHES", "N_FEATURES", "N_LAWS"),
-        *("W_SPAN", "W_SWITCHES", "W_FEATURES", "W_LAWS"),
-    ),
+    ("HAS_SWITCHING",): ("N_SWITCHES", "N_FEATURES", "W_SPAN", "W_SWITCHES", "W_FEATURES"),
+    ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
         *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
         *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW"),
@@ -422,6 +420,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_COORDINATES": "coordinate" in segments,
         "ACCELERATES": not {"v_dot", "coordinates", "reactions"}.isdisjoint(parts),
         "HAS_SWITCHING": "switching" in segments,
+        "HAS_BENDING": "bending" in segments,
         "HAS_CROSSING": "crossing" in segments,
     }
     return tuple(name for name, has in features.items() if has)

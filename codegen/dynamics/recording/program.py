@@ -312,7 +312,8 @@ REGIONS = {
     "switches": "of each switching function of time least and most between these times, then those"
     " of its rate",
     "features": "of each part of a formula that varies with time, likewise",
-    "laws": "of each driver's law that switches, and of two derivatives, likewise",
+    "law_span": "two times, s",
+    "laws": "of each driver's law that is no polynomial, and of two derivatives, likewise",
     "measures": "value and rate of what formulas read of a state, in their units",
     "ranges": "two times, s; least and most of each measure between them, of its rate, of the next",
     "crossings": "of each event, then each switching function of the state, as of switches",
@@ -324,7 +325,8 @@ REGIONS = {
 #: The regions that only segments of ``ON_DEMAND`` write.
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
-    *("span", "switches", "features", "laws", "measures", "ranges", "crossings", "narrow"),
+    *("span", "switches", "features", "law_span", "laws"),
+    *("measures", "ranges", "crossings", "narrow"),
 )
 
 #: What the segments read and write, in the order in which they can run.
@@ -346,7 +348,8 @@ ON_DEMAND = {
     "refinement": "v, v_dot, t -> dv, the correction of v_dot, more_lam, more_power",
     "wrench": "all_lam -> wrenches, reactions",
     "setup": "parameters -> design: once, where a run begins",
-    "switching": "span, parameters -> switches, features, laws",
+    "switching": "span, parameters -> switches, features",
+    "bending": "law_span, parameters -> laws",
     "measure": "q, v -> measures",
     "crossing": "ranges, parameters -> crossings, narrow",
 }
