@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told, add_row
+from .events import Told, add_row, bends, without_value
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
@@ -143,14 +143,18 @@ class Run:
             for place, at in design["start"]:
                 start[place] = numbers[at]
             self._layout = scene.layout.at(numbers)
-        self._require(solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work))
-        if self._layout.given and (given != solver.scene.parameters).any():
+        status = solver.start(0.0, start[:nq], start[nq:], given, self.state, self._work)
+        is_as_given = bool(self._layout.given) and (given != solver.scene.parameters).any()
+        is_elsewhere = any(started)
+        self._require(status, may_lack_values=is_as_given or is_elsewhere)
+        if is_as_given:
             y = state_of(solver.scene, self.state).y
             q, v, self._layout, _ = given_start(
                 self._layout, self._evaluate(given), y, is_told=not started.q0
             )
-            self._require(solver.start(0.0, q, v, given, self.state, self._work))
-        if any(started):
+            status = solver.start(0.0, q, v, given, self.state, self._work)
+            self._require(status, may_lack_values=is_elsewhere)
+        if is_elsewhere:
             led = self._led(started, given)
             self._require(solver.start(0.0, *led, given, self.state, self._work))
 
@@ -241,9 +245,21 @@ class Run:
             told=Told(tuple(map(int, counts)), events),
         )
 
-    def _require(self, status: int) -> None:
+    def _require(self, status: int, *, may_lack_values: bool = False) -> None:
+        """Require that a run has started, or has come to where it is led away from."""
+        if status == Status.NO_VALUE and may_lack_values:
+            return
         if status != Status.GOOD:
             raise ArithmeticError(self._why(status))
 
     def _why(self, status: int) -> str:
+        state = state_of(self._scene.solver.scene, self.state)
+        if status == Status.BENDS:
+            why = bends(self._layout, state.bent, state.limit, state.behind)
+            return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
+        if status == Status.NO_VALUE:
+            where = (
+                f"at t = {self.time:.9g} s" if state.key < 0.0 else f"behind t = {self.time:.9g} s"
+            )
+            return f"{self._scene.layout.name}: {without_value(self._layout, state.event, where)}"
         return f"{self._scene.layout.name}: {MESSAGES[status]}, at t = {self.time:.9g} s"

@@ -28,7 +28,7 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
     s->key = -KEY; /* not started */
     s->time = s->time_before = time;
     s->error = 1e-4;
-    if (N_SWITCHES > 0) s->limit = s->behind = time;
+    if (N_SWITCHES > 0 || N_LAWS > 0) s->limit = s->behind = time;
     s->least_pivot_ratio_time = time;
     memcpy(s->y, q, NQ * sizeof *q);
     memcpy(s->y + NQ, v, NV * sizeof *v);
@@ -47,6 +47,8 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
     }
     if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
+    s->event = first_without_value(s, work);
+    if (s->event > 0.0) return NO_VALUE;
     s->key = KEY;
     return GOOD;
 }
@@ -80,10 +82,10 @@ static int advance(
     const int is_fixed = settings->fixed_step > 0.0;
     double target = end;
     s->method = 1.0 + settings->method;
-    if (N_SWITCHES > 0) {
+    if (N_SWITCHES > 0 || N_LAWS > 0) {
         status = meet_switches(end, s, work);
         if (status != GOOD || asked <= s->time) return status;
-        target = s->limit;
+        target = smaller(s->limit, end);
     }
     if (IS_DRIVEN && settings->method == METHODS) {
         double h = settings->largest_step;

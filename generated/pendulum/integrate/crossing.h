@@ -57,11 +57,12 @@ typedef struct {
 
 /* a step that is looked at, whose polynomial is in the state: what values are known to, in the
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
- * least, and whether samples leave open how narrow parts vary somewhere in it */
+ * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
+ * nothing cuts it, and the event without a value right behind its start, counted from 1 */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold;
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -80,12 +81,10 @@ static void read_at(double time, const Look *look, const State *s, Work *work, d
     memcpy(read, work->w + W_MEASURES, N_READ * sizeof *read);
 }
 
-/* what is seen at a time, where values are known to a noise */
-static void look_closely(
-    const double *noise, double time, const Look *look, const State *s, Work *work, Node *node)
+/* what is seen at a time where formulas read what the node has, known to a noise */
+static void see_at(const double *noise, double time, double *w, Node *node)
 {
-    double *w = work->w, *ranges = w + W_RANGES;
-    read_at(time, look, s, work, node->read);
+    double *ranges = w + W_RANGES;
     node->time = ranges[0] = ranges[1] = time;
     for (size_t k = 0; k != N_MEASURES; ++k) {
         double *own = ranges + 2 + 6 * k;
@@ -100,6 +99,14 @@ static void look_closely(
         node->least[k] = w[W_SEEN + 4 * k];
         node->most[k] = w[W_SEEN + 4 * k + 1];
     }
+}
+
+/* what is seen at a time, where values are known to a noise */
+static void look_closely(
+    const double *noise, double time, const Look *look, const State *s, Work *work, Node *node)
+{
+    read_at(time, look, s, work, node->read);
+    see_at(noise, time, work->w, node);
 }
 
 /* what is seen at a time of the motion */
@@ -199,6 +206,67 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
     return stays_positive(first, last, falls, rises, b->time - a->time);
 }
 
+/* whether a function has a value at a node */
+static int has_value(const Node *node, size_t k)
+{
+    return !isnan(node->least[k]) && !isnan(node->most[k]);
+}
+
+/* the first event without a finite value at the state, counted from 1, 0 where all have one */
+static int first_without_value(const State *s, Work *work)
+{
+    const double exact[ROOM(N_READ)] = { 0.0 };
+    Node node;
+    if (EVENTS == 0) return 0;
+    place(s->time, s->y, work->w);
+    measure(work->w);
+    memcpy(node.read, work->w + W_MEASURES, N_READ * sizeof *node.read);
+    see_at(exact, s->time, work->w, &node);
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (!(isfinite(node.least[k]) && isfinite(node.most[k]))) return (int)k + 1;
+    }
+    return 0;
+}
+
+/* whether a function has no value at a time, nor right behind it, where one has that is 0/0 there
+ */
+static int lacks_value(size_t k, double time, const Look *look, const State *s, Work *work)
+{
+    const double exact[ROOM(N_READ)] = { 0.0 };
+    const double onward = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
+    Node node;
+    look_closely(exact, time, look, s, work, &node);
+    if (has_value(&node, k)) return 0;
+    look_closely(exact, time + onward, look, s, work, &node);
+    return !has_value(&node, k);
+}
+
+/* the last time between two nodes at which all events have a value that have none at the second:
+ * the first that has none behind it is noted. Infinite where there is none */
+static double valued_end(const Node *a, const Node *b, Look *look, const State *s, Work *work)
+{
+    const double exact[ROOM(N_READ)] = { 0.0 };
+    double end = HUGE_VAL;
+    Node node;
+    look->lost = 0;
+    for (size_t k = 0; k != EVENTS; ++k) {
+        if (has_value(b, k) || !lacks_value(k, b->time, look, s, work)) continue;
+        double first = a->time, last = b->time;
+        while (last - first > SMALLEST * larger(fabs(first), fabs(last))) {
+            const double time = 0.5 * (first + last);
+            if (!(first < time && time < last)) break;
+            look_closely(exact, time, look, s, work, &node);
+            if (has_value(&node, k)) first = time;
+            else last = time;
+        }
+        if (first < end) {
+            end = first;
+            look->lost = (int)k + 1;
+        }
+    }
+    return end;
+}
+
 /* what values are known to where a function is looked for: an event that may jump does so in the
  * polynomial */
 static const double *noise_of(size_t k, const Look *look)
@@ -269,19 +337,42 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double tiny = SMALLEST * larger(fabs(look->start), fabs(end));
     const double nearest = look->start + larger(ONWARD * tiny, look->least_part * look->h);
     const double widest = look->h / CELLS;
+    const double soon = look->start + larger(ONWARD * tiny, look->slack);
     double width = widest;
     Node a, b;
     look_at(look->start, look, s, work, &a);
+    valued_end(&a, &a, look, s, work);
+    if (look->lost) return end;
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
-        int is_known = 1, any = 0;
+        int is_known = 1, any = 0, is_lost = 0;
         look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
-        bound_seen(&a, &b, work->w);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
-            if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
             look->crosses[k] = side != 0 && side_at(&b, k) == -side;
             any = any || look->crosses[k];
+        }
+        const double valued = valued_end(&a, &b, look, s, work);
+        if (look->lost) {
+            const double first = any ? first_time(&a, &b, look, s, work) : HUGE_VAL;
+            if (first <= valued + look->slack) {
+                look->lost = 0;
+                return smaller(larger(first, nearest), end);
+            }
+            if (look->is_kept && valued <= soon) return end;
+            look->lost = 0;
+            /* at the end, where it was cut for that, or by rounding */
+            is_lost = end - valued <= (end == look->cut ? SMALL * look->h : ONWARD * tiny);
+            if (!is_lost) {
+                memset(look->crosses, 0, sizeof look->crosses);
+                return smaller(larger(valued, nearest), end);
+            }
+        }
+        bound_seen(&a, &b, work->w);
+        for (size_t k = 0; k != N_CROSSINGS; ++k) {
+            const int side = (int)s->sides[k];
+            if (is_lost && !has_value(&b, k)) continue; /* it ends where that has no value */
+            if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
         }
         const double left = larger(first_left(&a, &b, look, s, work), look->start + ONWARD * tiny);
         if (left - look->start < SOON * (end - look->start)) {

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .methods import Method
-    from .scene import Work
+    from .scene import Work, Workspace
     from .settings import Settings
     from .state import State
 
@@ -128,6 +128,10 @@ class Look:
         Which functions cross, and crossed where it was cut.
     is_untold : bool
         Whether samples leave open how narrow parts vary somewhere in it.
+    is_kept : bool
+        Whether it is kept if nothing cuts it.
+    lost : int
+        The event without a value right behind its start, counted from 1, 0 where all have one.
     """
 
     state: State
@@ -143,6 +147,8 @@ class Look:
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
+    is_kept: bool = True
+    lost: int = 0
 
 
 def side_at(node: Node) -> Array:
@@ -177,7 +183,11 @@ def look_at(time: float, look: Look) -> Node:
 
 def look_closely(noise: Array, time: float, look: Look) -> Node:
     """Return what is seen at a time, where values are known to a noise."""
-    w, read = look.work.w, read_at(time, look)
+    return see_at(read_at(time, look), noise, time, look.work.w)
+
+
+def see_at(read: Array, noise: Array, time: float, w: Workspace) -> Node:
+    """Return what is seen at a time where formulas read this, known to a noise."""
     own = w.ranges[2:].reshape(-1, 6)
     w.ranges[:2] = time
     own[:, [0, 2]], own[:, [1, 3]], own[:, 4:] = read - noise, read + noise, 0.0
@@ -259,6 +269,61 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     return told
 
 
+def has_value(node: Node) -> Flags:
+    """Return whether each function has a value at a node."""
+    found: Flags = ~(np.isnan(node.least) | np.isnan(node.most))
+    return found
+
+
+def first_without_value(state: State, work: Work) -> int:
+    """Return the first event without a finite value at the state, from 1; 0 where all have one."""
+    w, count = work.w, len(work.scene.events)
+    if count == 0:
+        return 0
+    w.place(state.time, state.y)
+    w.run("measure")
+    read = w.measures.reshape(-1, 2).copy()
+    node = see_at(read, np.zeros_like(read), state.time, w)
+    is_finite = (np.isfinite(node.least) & np.isfinite(node.most))[:count]
+    return 0 if is_finite.all() else int(np.argmin(is_finite)) + 1
+
+
+def lacks_value(k: int, time: float, look: Look) -> bool:
+    """Return whether a function has no value at a time, nor right behind it.
+
+    One that is 0/0 there alone has one behind it.
+    """
+    exact, onward = np.zeros_like(look.noise), ROUNDINGS * SMALLEST * larger(abs(time), look.h)
+    if has_value(look_closely(exact, time, look))[k]:
+        return False
+    return not has_value(look_closely(exact, time + onward, look))[k]
+
+
+def valued_end(a: Node, b: Node, look: Look) -> float:
+    """Return the last time between two nodes at which all events have a value.
+
+    Those count that have none at the second node; the first that has none behind that time is
+    noted. It is infinite where there is none.
+    """
+    end, exact = math.inf, np.zeros_like(look.noise)
+    look.lost = 0
+    for k in np.flatnonzero(~has_value(b)[: len(look.work.scene.events)]).tolist():
+        if not lacks_value(k, b.time, look):
+            continue
+        first, last = a.time, b.time
+        while last - first > SMALLEST * larger(abs(first), abs(last)):
+            time = 0.5 * (first + last)
+            if not first < time < last:
+                break
+            if has_value(look_closely(exact, time, look))[k]:
+                first = time
+            else:
+                last = time
+        if first < end:
+            end, look.lost = first, 1 + k
+    return end
+
+
 def noise_of(k: int, look: Look) -> Array:
     """Return what values are known to where a function is looked for.
 
@@ -324,16 +389,34 @@ def seen_end(end: float, look: Look) -> float:
     n, start = len(sides), look.start
     tiny = SMALLEST * larger(abs(start), abs(end))
     nearest = start + larger(ONWARD * tiny, look.least_part * look.h)
+    soon = start + larger(ONWARD * tiny, look.slack)
     widest = look.h / CELLS
     width, a = widest, look_at(start, look)
+    valued_end(a, a, look)
+    if look.lost:
+        return end
     for _ in range(MOST_LOOKS):
         if not a.time < end:
             break
         b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
-        bounds = bound_seen(a, b, look)
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
-        is_known = bool(is_told(sides, a, b, bounds).all())
         look.crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
+        valued, is_lost = valued_end(a, b, look), np.zeros(n, dtype=bool)
+        if look.lost:
+            first = first_time(a, b, look) if look.crosses.any() else math.inf
+            if first <= valued + look.slack:
+                look.lost = 0
+                return smaller(larger(first, nearest), end)
+            if look.is_kept and valued <= soon:
+                return end
+            look.lost = 0
+            # at the end, where it was cut for that, or by rounding
+            if not end - valued <= (SMALL * look.h if end == look.cut else ONWARD * tiny):
+                look.crosses[:] = False
+                return smaller(larger(valued, nearest), end)
+            is_lost = ~has_value(b)[:n]  # it ends where that has no value
+        bounds = bound_seen(a, b, look)
+        is_known = bool((is_lost | is_told(sides, a, b, bounds)).all())
         left = larger(first_left(a, b, look), start + ONWARD * tiny)
         if left - start < SOON * (end - start):
             look.crosses[:] = False

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .switching import BENT, NO_TIME
+
 if TYPE_CHECKING:
     import numpy.typing as npt
 
-    from .motion import Motion
+    from .motion import Layout, Motion
 
     Array = npt.NDArray[np.float64]
 
@@ -28,6 +31,46 @@ class Told(NamedTuple):
 
     counts: tuple[int, ...]
     rows: Array
+
+
+def without_value(layout: Layout, event: float, where: str) -> str:
+    """Return a message: which formula of an event has no value, and what to do.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of the scene.
+    event : float
+        The number in the state of the run, counted from 1.
+    where : str
+        Where it has none.
+    """
+    (name, _), when = layout.events[int(event) - 1], layout.whens[int(event) - 1]
+    return (
+        f"events.{name}: {when} has no finite value {where}; write it so that it has one, as"
+        " sqrt(max(x, 0)) in place of sqrt(x) and x - 1 of log(x), start elsewhere, or let an event"
+        ' with action = "stop" end the run before'
+    )
+
+
+def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
+    """Return a message: which driver leads no further, and what to do.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of the scene.
+    bent : float
+        The number of its law in the state of the run, counted from 1.
+    limit, behind : float [s]
+        Between which times it bends.
+    """
+    driver, time = layout.led[int(bent) - 1], NO_TIME / math.sqrt(BENT) * (behind - limit)
+    return (
+        f"no step can be taken: the law of drivers.{driver} bends or jumps within {time:.0e} s, so"
+        " that velocities or accelerations do: a driver must have two derivatives; wanted a smooth"
+        " formula, or one that turns more slowly"
+    )
 
 
 def add_row(rows: list[Array], event: float, row: Array) -> None:

@@ -233,7 +233,7 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
 {
     double drift = 0.0, part = 1.0;
     double longest = settings->largest_step;
-    Look look = { .cut = s->time };
+    Look look = { .cut = s->time, .is_kept = 1 };
     if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
     for (;;) {
         const int is_last = s->time + 1.0000001 * longest >= asked;
@@ -264,6 +264,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         if (N_SEEN > 0) {
             const double seen = watched_end(settings, end, part, &look, s, work);
+            if (look.lost) {
+                s->event = look.lost;
+                return NO_VALUE;
+            }
             if (seen < end) {
                 if (seen == look.cut) asked = seen;
                 longest = larger(seen, s->time + FINEST * whole) - s->time;

@@ -321,10 +321,12 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
             seen = watched_end(s, end, part, look) if work.scene.sees else end
+            if look.lost:
+                state.event = float(look.lost)
+                return Status.NO_VALUE
             if not seen < end:
                 break
-            if seen == look.cut:
-                asked = seen
+            asked = seen if seen == look.cut else asked
             longest, part = larger(seen, state.time + FINEST * whole) - state.time, 1.0
     if work.scene.sees:
         note_crossings(end, look)

@@ -110,16 +110,21 @@ static void coordinate(double *w) { (void)w; }
 #define ACCELERATES 0
 #endif
 
-/* formulas of time that switch or vary; events, and formulas of the state that do so */
+/* formulas of time that switch or vary; laws of drivers; events, and formulas of the state that do
+ * so */
 #ifndef HAS_SWITCHING
 #define N_SWITCHES 0
 #define N_FEATURES 0
-#define N_LAWS 0
 #define W_SPAN 0
 #define W_SWITCHES 0
 #define W_FEATURES 0
-#define W_LAWS 0
 static void switching(double *w) { (void)w; }
+#endif
+#ifndef HAS_BENDING
+#define N_LAWS 0
+#define W_LAW_SPAN 0
+#define W_LAWS 0
+static void bending(double *w) { (void)w; }
 #endif
 #ifndef HAS_CROSSING
 #define N_MEASURES 0

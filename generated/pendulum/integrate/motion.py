@@ -125,6 +125,10 @@ class Layout:
         Keys of forces that jump where a ``sign`` in their formula changes.
     events : tuple of (str, str)
         Name and action of each event.
+    whens : tuple of str
+        Their formulas.
+    led : tuple of str
+        Drivers whose laws are no polynomials.
     given : tuple of GivenStart
         Where the scene has its bodies and how they move, where parameters may change its start.
     """
@@ -146,6 +150,8 @@ class Layout:
     duration: float | None = None
     jumps: tuple[str, ...] = ()
     events: tuple[tuple[str, str], ...] = ()
+    whens: tuple[str, ...] = ()
+    led: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     given: tuple[GivenStart, ...] = ()
 
@@ -176,6 +182,8 @@ class Layout:
             duration=data["duration"],
             jumps=tuple(data["jumps"]),
             events=tuple((name, action) for name, action in data["events"]),
+            whens=tuple(data["whens"]),
+            led=tuple(data["led"]),
             given=tuple(map(GivenStart.from_data, data.get("given", ()))),
         )
 

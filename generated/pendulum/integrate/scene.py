@@ -199,6 +199,11 @@ class Scene:
         return "switches" in self.regions
 
     @property
+    def has_laws(self) -> bool:
+        """Whether drivers have laws that are no polynomials, and may bend in no time."""
+        return "laws" in self.regions
+
+    @property
     def has_features(self) -> bool:
         """Whether formulas vary with time beyond polynomials."""
         return "features" in self.regions
@@ -286,6 +291,7 @@ class Workspace:
     wrenches: Array
     design: Array
     span: Array
+    law_span: Array
     switches: Array
     features: Array
     laws: Array

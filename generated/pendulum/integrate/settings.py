@@ -66,6 +66,8 @@ class Status(IntEnum):
 
     ``EVENT`` and ``STOPPED``: an event is at the time that was reached. Its row stands behind those
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
+    ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
+    run came. ``BENDS``: the law of a driver bends or jumps where the run came.
     """
 
     GOOD = 0
@@ -79,3 +81,5 @@ class Status(IntEnum):
     BAD_ARGUMENT = -4
     WRONG_STATE = -5
     NOT_CLOSED = -6
+    NO_VALUE = -7
+    BENDS = -8

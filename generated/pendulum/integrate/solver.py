@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .continuation import continue_parameters, is_possible, stay_closed
+from .crossing import first_without_value
 from .dense_output import prepare_dense
 from .kinematics import driven_step
 from .methods import METHODS
@@ -74,7 +75,7 @@ class Solver:
         Returns
         -------
         Status
-            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED`` or ``BAD_ARGUMENT``.
+            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED``, ``NO_VALUE`` or ``BAD_ARGUMENT``.
         """
         state[:] = 0.0
         given = self.scene.parameters if parameters is None else parameters
@@ -93,7 +94,7 @@ class Solver:
         s.key = -self.scene.key  # not started
         s.time = s.time_before = s.least_pivot_ratio_time = time
         s.error = 1e-4
-        if self.scene.has_switches:
+        if self.scene.has_switches or self.scene.has_laws:
             s.limit = s.behind = time
         if work.all is not None:
             note_usual_ratio(work.all, work, s)
@@ -113,6 +114,9 @@ class Solver:
         may_open = len(work.w.C_left_out) > 0 and (s.parameters != self.scene.parameters).any()
         if may_open and not stay_closed(s, work):
             return Status.NOT_CLOSED
+        s.event = float(first_without_value(s, work))
+        if s.event > 0.0:
+            return Status.NO_VALUE
         s.key = self.scene.key
         return Status.GOOD
 
@@ -231,11 +235,11 @@ class Solver:
         """Make one step towards the time that is asked for."""
         status, target = Status.GOOD, end
         s.method = 1.0 + settings.method
-        if self.scene.has_switches:
+        if self.scene.has_switches or self.scene.has_laws:
             status = meet_switches(end, s, work)
             if status != Status.GOOD or asked <= s.time:
                 return status
-            target = s.limit
+            target = smaller(s.limit, end)
         if self.scene.is_driven and settings.method == len(METHODS):
             h = settings.largest_step
             if s.step_size > 0.0:

@@ -167,6 +167,7 @@ class State:
     limit = Number("s", "no step goes beyond: where formulas of time switch, or the end")
     behind = Number("s", "behind that switch; as limit where there is none")
     switched = Number("s", "where formulas switched last, of time or of the state")
+    bent = Number("-", "1 + the law of a driver that bends or jumps where it came; 0: none")
     potential = Number("J", "potential energy at the start")
     energy_moved = Number("J", "kinetic energy, change of potential, works: largest sum")
     row_drift = Number("-", "largest correction of a row between steps, relative to LENGTH")

@@ -307,6 +307,7 @@ static int step(
             const double *f = work->k[m->stages];
             look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
             look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
+            look.is_kept = is_kept;
             double to = last;
             if (N_NARROW > 0 && is_kept && shorter++ < MOST_SHORTER) {
                 to = told_end(last, &look, s, work);
@@ -315,6 +316,10 @@ static int step(
             }
             /* one that leads beyond its end stays as it is */
             const double seen = is_beyond ? last : seen_end(last, &look, s, work);
+            if (look.lost) {
+                s->event = look.lost;
+                return NO_VALUE;
+            }
             if (seen <= to && seen < last) {
                 to = end = cut_at(seen, &look);
             } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {

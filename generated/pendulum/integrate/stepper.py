@@ -386,6 +386,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             has_stages = has_crossings and is_kept
             look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=has_stages)
             look.least_part = 0.0 if is_kept and not is_vague else LEAST_PART
+            look.is_kept = is_kept
             to = last
             if work.scene.has_narrow and is_kept and shorter < MOST_SHORTER:
                 to, shorter = told_end(last, look), shorter + 1
@@ -393,6 +394,9 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                 look.is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
+            if look.lost:
+                state.event = float(look.lost)
+                return Status.NO_VALUE
             if seen <= to and seen < last:
                 to = end = cut_at(seen, look)
             elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:

@@ -7,6 +7,9 @@
 
 /* how many intervals a search looks at before the run goes on to where it came */
 #define MOST_INTERVALS 4096
+/* in how many of them laws of drivers are looked at: where their bounds do not tell that soon
+ * whether they bend, that is gone over and counted */
+#define MOST_BOUNDS 4000
 /* so many steps in a row may be shorter by that factor than the longest before, which fades; then
  * steps go on unbounded, until they are long again. The longest are what was tried, but no more
  * than a few times what was made: a span says nothing of how long steps could be */
@@ -22,6 +25,10 @@
 #define BESIDE 1e-7
 #define EQUAL 1e-12
 #define BENDING 4.0
+/* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
+ * it changes unevenly in that time where its law bends */
+#define NO_TIME 8.0
+#define BENT 1e-6
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
@@ -63,22 +70,117 @@ static int are_rootless(const double *w, const double *before, const double *aft
     return 1;
 }
 
-/* the first root of a switching function: no step goes beyond it */
-static void find_switch(double end, State *s, Work *work)
+/* laws of drivers between two times, each with two derivatives, to the workspace */
+static void bound_laws(double first, double last, double *w)
 {
-    double before[ROOM(N_SWITCHES)], after[ROOM(N_SWITCHES)];
-    double *w = work->w, first = s->time, h = end - first;
-    switches_at(first, w, before);
-    for (size_t n = 0; n != MOST_INTERVALS; ++n) {
-        const double last = h < end - first ? first + h : end;
+    w[W_LAW_SPAN] = first;
+    w[W_LAW_SPAN + 1] = last;
+    bending(w);
+}
+
+/* whether rates of laws change evenly between two times within a time that is none, all but a small
+ * part of them: as bounds of the third derivatives tell. Those of a law that is at rest there are
+ * compared with its rate further away, or with itself over the whole time */
+static int are_unbent(double first, double last, double span, double *w)
+{
+    double change[ROOM(N_LAWS)], size[ROOM(N_LAWS)];
+    const double no_time = NO_TIME * SMALLEST * span, far = FAR_BESIDE * span;
+    const double times[2] = { first - far, last + far };
+    int is_told = 1;
+    bound_laws(first, last, w);
+    for (size_t k = 0; k != N_LAWS; k += 3) {
+        const double *law = w + W_LAWS + 4 * k, *rate = law + 4, *third = law + 10;
+        const double fastest = larger(fabs(rate[0]), fabs(rate[1]));
+        size[k] = larger(fastest, larger(fabs(law[0]), fabs(law[1])) / span);
+        change[k] = (fabs(third[0]) + fabs(third[1])) * no_time * no_time;
+        if (!isfinite(change[k])) return 0;
+        is_told = is_told && change[k] <= BENT * size[k];
+    }
+    for (size_t n = 0; n != 2 && !is_told; ++n) {
+        bound_laws(times[n], times[n], w);
+        for (size_t k = 0; k != N_LAWS; k += 3) {
+            const double rate = fabs(w[W_LAWS + 4 * k + 4]);
+            size[k] = larger(isfinite(rate) ? rate : 0.0, size[k]);
+        }
+    }
+    if (is_told) return 1;
+    for (size_t k = 0; k != N_LAWS; k += 3) {
+        if (!(change[k] <= BENT * size[k])) return 0;
+    }
+    return 1;
+}
+
+/* the first law of a driver that does not go from a time to another with two derivatives, as so far
+ * beside both tells, counted from 1, or 0: of each what it changes by is what the next one tells of
+ * both sides, and between its value is between theirs, where it has one */
+static size_t bent_beside(double far, double first, double last, double *w)
+{
+    double laws[ROOM(4 * N_LAWS)], between[ROOM(N_LAWS)];
+    const double half = 0.5 * (last - first) + far, *after = w + W_LAWS;
+    const double there = 0.5 * (first + last);
+    bound_laws(there, there, w);
+    for (size_t k = 0; k != N_LAWS; k += 3) between[k] = after[4 * k];
+    bound_laws(first - far, first - far, w);
+    memcpy(laws, after, 4 * N_LAWS * sizeof *laws);
+    bound_laws(last + far, last + far, w);
+    for (size_t k = 0; k != N_LAWS; ++k) {
+        const size_t at = 4 * (k - k % 3 + 2) + 2; /* the third derivative */
+        const double a = laws[4 * k], b = after[4 * k];
+        const double left = b - a - half * (laws[4 * k + 2] + after[4 * k + 2]);
+        const double third = fabs(laws[at]) + fabs(after[at]);
+        const double powers[3] = { half * half * half, half * half, half };
+        const double bent = BENDING * third * powers[k % 3];
+        if (!(fabs(left) <= EQUAL * (fabs(a) + fabs(b)) + bent)) return k / 3 + 1;
+        if (k % 3 != 0) continue;
+        const double second = fabs(laws[4 * (k + 2)]) + fabs(after[4 * (k + 2)]);
+        const double size = EQUAL * (fabs(a) + fabs(b)) + second * (half * half);
+        if (fabs(between[k] - 0.5 * (a + b)) > size + bent) return k / 3 + 1;
+    }
+    return 0;
+}
+
+/* the first law that bends or jumps between two times that are nearly one, counted from 1, or 0 */
+static size_t bent_law(double first, double last, double span, double *w)
+{
+    if (N_LAWS == 0 || bent_beside(FAR_BESIDE * span, first, last, w) == 0) return 0;
+    return bent_beside(BESIDE * span, first, last, w);
+}
+
+/* whether there is no root of a switching function between two times, where functions have values
+ * before and after, nor bends a law that is followed */
+static int is_even(double first, double last, double span, const double *before, double *after,
+    int follows, double *w)
+{
+    if (N_SWITCHES > 0) {
         switches_at(last, w, after);
         bounds_between(first, last, w);
-        if (are_rootless(w, before, after, last - first)) {
+        if (!are_rootless(w, before, after, last - first)) return 0;
+    }
+    if (!follows || are_unbent(first, last, span, w)) return 1;
+    /* bounds may be infinite at a single time */
+    return last - first <= SMALLEST * span && bent_law(first, last, span, w) == 0;
+}
+
+/* the first root of a switching function, or bend of a law: no step goes beyond it */
+static void find_switch(double end, State *s, Work *work)
+{
+    int follows = N_LAWS > 0;
+    double before[ROOM(N_SWITCHES)] = { 0.0 }, after[ROOM(N_SWITCHES)] = { 0.0 };
+    double *w = work->w, first = s->time, h = end - first;
+    const double span = larger(fabs(first), fabs(end));
+    if (N_SWITCHES > 0) switches_at(first, w, before);
+    for (size_t n = 0; n != MOST_INTERVALS; ++n) {
+        const double last = h < end - first ? first + h : end;
+        if (n == MOST_BOUNDS && follows) {
+            note_unresolved(first, s);
+            follows = 0;
+        }
+        if (is_even(first, last, span, before, after, follows, w)) {
             first = last;
             memcpy(before, after, sizeof before);
             if (first == end) break;
             h = 2.0 * h;
-        } else if (last - first <= SMALLEST * larger(fabs(first), fabs(end))) {
+        } else if (last - first <= SMALLEST * span) {
             s->limit = first;
             s->behind = last;
             return;
@@ -86,28 +188,8 @@ static void find_switch(double end, State *s, Work *work)
             h = 0.5 * (last - first);
         }
     }
-    s->limit = s->behind = first;
-}
-
-/* whether laws of drivers go through a switch, so far before and behind, with two derivatives: of
- * each what it changes by is what the next one tells of both sides */
-static int are_laws_smooth(double far, const State *s, double *w)
-{
-    double laws[ROOM(4 * N_LAWS)];
-    const double half = 0.5 * (s->behind - s->limit) + far, *after = w + W_LAWS;
-    bounds_between(s->limit - far, s->limit - far, w);
-    memcpy(laws, after, 4 * N_LAWS * sizeof *laws);
-    bounds_between(s->behind + far, s->behind + far, w);
-    for (size_t k = 0; k != N_LAWS; ++k) {
-        const size_t last = 4 * (k - k % 3 + 2) + 2; /* the third derivative */
-        const double a = laws[4 * k], b = after[4 * k];
-        const double left = b - a - half * (laws[4 * k + 2] + after[4 * k + 2]);
-        const double third = fabs(laws[last]) + fabs(after[last]);
-        const double powers[3] = { half * half * half, half * half, half };
-        const double bending = BENDING * third * powers[k % 3];
-        if (!(fabs(left) <= EQUAL * (fabs(a) + fabs(b)) + bending)) return 0;
-    }
-    return 1;
+    /* laws without a bend limit no step */
+    s->limit = s->behind = N_SWITCHES == 0 && first == end ? HUGE_VAL : first;
 }
 
 /* goes over the switch that a step has come to, and finds the next one. What is before it and what
@@ -118,9 +200,10 @@ static int meet_switches(double end, State *s, Work *work)
     while (s->time < end && !(s->time < s->limit)) {
         if (s->behind > s->time) {
             const double span = larger(fabs(s->time), fabs(end));
-            if (N_LAWS > 0 && !are_laws_smooth(FAR_BESIDE * span, s, work->w) &&
-                !are_laws_smooth(BESIDE * span, s, work->w)) {
-                return STEP_TOO_SMALL;
+            const size_t bent = bent_law(s->limit, s->behind, span, work->w);
+            if (bent > 0) {
+                s->bent = (double)bent;
+                return BENDS;
             }
             memcpy(s->y_before, s->y, NY * sizeof *s->y);
             memset(s->dense, 0, sizeof s->dense);

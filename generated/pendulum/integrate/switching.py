@@ -38,6 +38,9 @@ if TYPE_CHECKING:
 
 #: How many intervals a search looks at before the run goes on to where it came.
 MOST_INTERVALS = 4096
+#: In how many of them laws of drivers are looked at: where their bounds do not tell that soon
+#: whether they bend, that is gone over and counted.
+MOST_BOUNDS = 4000
 #: So many steps in a row may be shorter by that factor than the longest before, which fades. Then
 #: steps go on unbounded, until they are long again. The longest are what was tried, but no more
 #: than a few times what was made: a span says nothing of how long steps could be.
@@ -53,6 +56,10 @@ BESIDE = 1e-7
 EQUAL = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
+#: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
+#: it changes unevenly in that time where its law bends.
+NO_TIME = 8.0
+BENT = 1e-6
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
@@ -89,47 +96,115 @@ def are_rootless(bounds: Array, before: Array, after: Array, h: float) -> bool:
     return bool(np.all(is_same & (is_far | is_steady | is_near)))
 
 
-def find_switch(end: float, state: State, work: Work) -> None:
-    """Find the first root of a switching function: no step goes beyond it."""
-    w, first = work.w, state.time
-    h = end - first
-    before = switches_at(first, w)
-    for _ in range(MOST_INTERVALS):
-        last = first + h if h < end - first else end
-        after = switches_at(last, w)
-        if are_rootless(bounds_between(first, last, w)[0], before, after, last - first):
-            first, before = last, after
-            if first == end:
-                break
-            h = 2.0 * h
-        elif last - first <= SMALLEST * larger(abs(first), abs(end)):
-            state.limit, state.behind = first, last
-            return
-        else:
-            h = 0.5 * (last - first)
-    state.limit = state.behind = first
+def bound_laws(first: float, last: float, w: Workspace) -> Array:
+    """Return laws of drivers between two times, each with two derivatives, and bounds of rates."""
+    w.law_span[:] = first, last
+    w.run("bending")
+    return w.laws.reshape(-1, 3, 4)
+
+
+def are_unbent(first: float, last: float, span: float, w: Workspace) -> bool:
+    """Return whether rates of laws change evenly within a time that is none, between two times.
+
+    All but a small part of them: as bounds of the third derivatives tell. Those of a law that is at
+    rest there are compared with its rate further away, or with itself over the whole time.
+    """
+    no_time, laws = NO_TIME * SMALLEST * span, np.abs(bound_laws(first, last, w))
+    fastest = largest(laws[:, 1, 0], laws[:, 1, 1])
+    size = largest(fastest, largest(laws[:, 0, 0], laws[:, 0, 1]) / span)
+    change = (laws[:, 2, 2] + laws[:, 2, 3]) * no_time * no_time
+    if not np.isfinite(change).all():
+        return False
+    if (change <= BENT * size).all():
+        return True
+    far = FAR_BESIDE * span
+    for time in (first - far, last + far):
+        rate = np.abs(bound_laws(time, time, w)[:, 1, 0])
+        size = largest(np.where(np.isfinite(rate), rate, 0.0), size)
+    return bool(np.all(change <= BENT * size))
 
 
 def laws_at(time: float, w: Workspace) -> Array:
-    """Return the laws of drivers that switch at a time, each with two derivatives, and a third."""
-    w.span[:] = time
-    w.run("switching")
-    found = w.laws.reshape(-1, 3, 4)
+    """Return the laws of drivers at a time, each with two derivatives, and a third."""
+    found = bound_laws(time, time, w)
     return np.column_stack((found[:, :, 0], found[:, 2, 2]))
 
 
-def are_laws_smooth(far: float, state: State, w: Workspace) -> bool:
-    """Return whether laws go through a switch, so far before and behind, with two derivatives.
+def bent_beside(far: float, first: float, last: float, w: Workspace) -> int:
+    """Return the first law that does not go from a time to another with two derivatives, or 0.
 
-    Of each what it changes by is what the next one tells of both sides.
+    As so far beside both tells; it is counted from 1. Of each what it changes by is what the next
+    one tells of both sides, and between its value is between theirs, where it has one.
     """
-    before, after = laws_at(state.limit - far, w), laws_at(state.behind + far, w)
-    half = 0.5 * (state.behind - state.limit) + far
+    between = laws_at(0.5 * (first + last), w)[:, 0]
+    before, after = laws_at(first - far, w), laws_at(last + far, w)
+    half = 0.5 * (last - first) + far
     left = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
     third = np.abs(before[:, 3:]) + np.abs(after[:, 3:])
     bending = BENDING * third * np.array([half * half * half, half * half, half])
     size = EQUAL * (np.abs(before[:, :3]) + np.abs(after[:, :3]))
-    return bool(np.all(np.abs(left) <= size + bending))
+    are_smooth = np.all(np.abs(left) <= size + bending, axis=1)
+    second = (np.abs(before[:, 2]) + np.abs(after[:, 2])) * (half * half)
+    off = np.abs(between - 0.5 * (before[:, 0] + after[:, 0]))
+    are_smooth &= ~(off > size[:, 0] + second + bending[:, 0])
+    return 0 if are_smooth.all() else int(np.argmin(are_smooth)) + 1
+
+
+def bent_law(first: float, last: float, span: float, work: Work) -> int:
+    """Return the first law that bends or jumps between two times that are nearly one, or 0."""
+    if not work.scene.has_laws or bent_beside(FAR_BESIDE * span, first, last, work.w) == 0:
+        return 0
+    return bent_beside(BESIDE * span, first, last, work.w)
+
+
+def is_even(
+    first: float,
+    last: float,
+    span: float,
+    before: Array,
+    after: Array,
+    work: Work,
+    *,
+    follows: bool,
+) -> bool:
+    """Return whether there is no root of a switching function between two times, nor bends a law.
+
+    Functions have values before and after. Laws count where they are followed.
+    """
+    if work.scene.has_switches:
+        bounds, _ = bounds_between(first, last, work.w)
+        if not are_rootless(bounds, before, after, last - first):
+            return False
+    if not follows or are_unbent(first, last, span, work.w):
+        return True
+    # bounds may be infinite at a single time
+    return last - first <= SMALLEST * span and bent_law(first, last, span, work) == 0
+
+
+def find_switch(end: float, state: State, work: Work) -> None:
+    """Find the first root of a switching function, or bend of a law: no step goes beyond it."""
+    w, first, has_switches = work.w, state.time, work.scene.has_switches
+    h, span = end - first, larger(abs(first), abs(end))
+    before = after = switches_at(first, w) if has_switches else np.empty(0)
+    follows = work.scene.has_laws
+    for n in range(MOST_INTERVALS):
+        last = first + h if h < end - first else end
+        after = switches_at(last, w) if has_switches else after
+        if n == MOST_BOUNDS and follows:
+            note_unresolved(first, state)
+            follows = False
+        if is_even(first, last, span, before, after, work, follows=follows):
+            first, before = last, after
+            if first == end:
+                break
+            h = 2.0 * h
+        elif last - first <= SMALLEST * span:
+            state.limit, state.behind = first, last
+            return
+        else:
+            h = 0.5 * (last - first)
+    # laws without a bend limit no step
+    state.limit = state.behind = math.inf if not has_switches and first == end else first
 
 
 def meet_switches(end: float, state: State, work: Work) -> Status:
@@ -138,13 +213,13 @@ def meet_switches(end: float, state: State, work: Work) -> Status:
     What is before it and what is behind it is told by formulas on that side; nothing moves in
     between. Drivers that jump there lead no further.
     """
-    w = work.w
     while state.time < end and not state.time < state.limit:
         if state.behind > state.time:
             span = larger(abs(state.time), abs(end))
-            far = (part * span for part in (FAR_BESIDE, BESIDE))
-            if len(w.laws) and not any(are_laws_smooth(one, state, w) for one in far):
-                return Status.STEP_TOO_SMALL
+            bent = bent_law(state.limit, state.behind, span, work)
+            if bent > 0:
+                state.bent = float(bent)
+                return Status.BENDS
             state.y_before[:] = state.y
             state.dense[:] = 0.0
             state.time_before = state.time
