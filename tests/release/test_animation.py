@@ -190,7 +190,7 @@ def test_it_plays_from_the_start_and_pixels_change(browser: Any, pages: dict[str
     page = Shown(browser, pages["loop"])
     time, before = page.time(), page.pixels()
     page.wait(0.4)
-    assert page.time() > time
+    assert page.time() != time  # it is less where the motion began anew, on a busy machine
     assert differ(before, page.pixels()) > 500
     page.find("play").click()
     page.wait()
