@@ -157,7 +157,7 @@ class State:
     short_steps = Number("-", "steps in a row that are very short beside it")
     unresolved = Number("-", "steps over which bounds do not tell how formulas vary")
     unresolved_time = Number("s", "when the last of them was")
-    branch_points = Number("-", "driven steps so near to where branches meet that none is known")
+    branch_points = Number("-", "steps so near to where branches meet that none is known")
     branch_point_time = Number("s", "when the last of them was")
     has_branch_point = Number("-", "1 where the driven step that is tried is one of them, else 0")
     refinements = Number("-", "accelerations that were refined, since much of them was lost")
