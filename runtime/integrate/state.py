@@ -140,7 +140,7 @@ class State:
     work_error = Number("J", "of works under kinematics, what Simpson's rule left unnoticed")
     simpson = Number("-", "error of works by Simpson's rule, in units of the tolerance, fading")
     untold = Number("s", "length of the steps since that was looked at")
-    is_refined = Number("-", "1 where accelerations lose digits wherever they are found, else 0")
+    is_refined = Number("-", "1: accelerations are refined all along, 0.5: looked at, else 0")
     method = Number("-", "1 + the method; 0 before the first step")
     avoided = Number("-", "lengths of steps given up, since a stage was where rows are dependent")
     least_pivot_ratio = Number("-", "smallest pivot ratio of all steps")

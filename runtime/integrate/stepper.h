@@ -182,6 +182,7 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         const int is_inner = n < m->stages;
         good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
             is_inner ? NULL : work->low, work, s, &trial->drift);
+        if (good && !is_inner) look_at_digits(work->k[n], work, s);
         trial->last_ratio = last_ratio(work, s);
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);

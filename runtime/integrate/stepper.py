@@ -29,7 +29,14 @@ from .pivot_monitor import (
     note_largest_pivot,
     note_pivot_ratio,
 )
-from .projection import displacement_of, last_ratio, project, ratio_at, take_normal_part
+from .projection import (
+    displacement_of,
+    last_ratio,
+    look_at_digits,
+    project,
+    ratio_at,
+    take_normal_part,
+)
 from .row_switch import forget_trials
 from .scene import larger, mean_square, rounding_of_sum, smaller
 from .settings import Status
@@ -265,6 +272,8 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         low = None if n < m.stages else work.low
         enough = INNER * tolerance if low is None else 0.0
         trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
+        if trial.drift >= 0.0 and low is not None:
+            look_at_digits(work.k[n], work, state)
         trial.last_ratio = last_ratio(work, state)
         trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
         trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
