@@ -7,6 +7,8 @@
 /* how far beside the place where branches meet that is seen, in a step; how much nearer each time */
 #define BESIDE 0.1
 #define NEARER 0.1
+/* what rows may be off, of the distance from such a place, where that is not in a step */
+#define AWAY 1e-2
 
 /* Newton's polynomial through n coordinates at parts x of a step: q at a part of it */
 static void follow_way(size_t n, const double *x, double c[][ROOM(NQ)], double part, double *q)
@@ -64,7 +66,7 @@ static double bend_way(size_t n, double *x, double c[][ROOM(NQ)], double t, doub
 static int stays_on_branch(
     double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
 {
-    double x[WAY], beside = BESIDE, roots[2], off[2];
+    double x[WAY], beside = BESIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
     for (size_t n = 4; n < WAY; n += 2) {
@@ -73,6 +75,8 @@ static int stays_on_branch(
             off[side] = bend_way(n + side, x, work->way, t, there, &roots[side], work, s);
             if (!(off[side] >= 0.0)) return 0;
             roots[side] = sqrt(roots[side]);
+            farthest = larger(farthest, off[side]);
+            nearest = smaller(nearest, roots[side]);
         }
         const double sum = roots[0] + roots[1], change = roots[1] - roots[0];
         const double usual = 2.0 * beside * slope;
@@ -80,7 +84,8 @@ static int stays_on_branch(
         part -= is_between ? beside * change / sum : beside * sum / change;
         const int is_inside = part > 0.0 && part < 1.0;
         if (!is_between && is_inside) continue; /* the place is farther away */
-        if (larger(off[0], off[1]) <= OFF_WAY) return 1;
+        const int is_on = larger(off[0], off[1]) <= OFF_WAY;
+        if (is_on) return is_between || farthest <= AWAY * nearest;
         if (is_between) slope = sum / (2.0 * beside);
         if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;
         beside *= NEARER;

@@ -16,7 +16,7 @@ import numpy as np
 from .pivot_monitor import pivot_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import forget_trials
-from .scene import larger
+from .scene import larger, smaller
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -32,6 +32,8 @@ OFF_WAY = 1e-9
 #: How far beside the place where branches meet that is seen, in a step; how much nearer each time.
 BESIDE = 0.1
 NEARER = 0.1
+#: What rows may be off, of the distance from such a place, where that is not in a step.
+AWAY = 1e-2
 #: Coefficients of a polynomial through a step; memory.h has it, too.
 WAY = 12
 
@@ -117,6 +119,7 @@ def stays_on_branch(
     """
     forget_trials(work)
     way, beside = Way(h, state.y, state.f, y, f, work, state), BESIDE
+    farthest, nearest = 0.0, math.inf
     for _ in range(4, WAY, 2):
         roots, worst = [], 0.0
         for side in (-beside, beside):
@@ -125,6 +128,8 @@ def stays_on_branch(
                 return False
             roots.append(math.sqrt(ratio))
             worst = larger(worst, off)
+            farthest = larger(farthest, off)
+            nearest = smaller(nearest, roots[-1])
         total, change = roots[0] + roots[1], roots[1] - roots[0]
         usual = 2.0 * beside * slope
         is_between = total > 0.0 and abs(total - usual) <= abs(abs(change) - usual)
@@ -134,7 +139,7 @@ def stays_on_branch(
         if not is_between and is_inside:
             continue  # the place is farther away
         if worst <= OFF_WAY:
-            return True
+            return is_between or farthest <= AWAY * nearest
         if is_between:
             slope = total / (2.0 * beside)
         if not is_inside:

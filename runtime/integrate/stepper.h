@@ -38,10 +38,10 @@
 #define BESIDE_IT 1e-3
 #define FAR 0.5
 /* such steps are no longer than this, in lengths and radians: how ratios go is not known over longer
- * ones; nor are others than this where ratios are below this part of the largest */
+ * ones. At tolerances above that none is longer than this: stages may pass by such a place */
 #define LONGEST 0.75
-#define BLIND 1.0
-#define LOW 0.4
+#define LOOSE 1e-3
+#define LONGEST_OF_ALL 1.2
 /* a step is not made shorter than this to find its branch */
 #define SHORTEST 1e-4
 /* a step is this much shorter than what would meet the tolerance */
@@ -246,18 +246,20 @@ static double meeting_part(int is_dip, const Trial *trial, const State *s)
 
 /* whether a step may end on another branch. Where drivers determine the motion, one over a place
  * where branches meet may */
-static int may_end_elsewhere(const Method *m, const Trial *trial, Work *work, State *s)
+static int may_end_elsewhere(
+    const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
 {
     if (IS_DRIVEN) return sinks(MEETING, trial, s);
     if (!HAS_REFINEMENT) return 0;
     const double first = s->position_ratio, last = trial->last_ratio;
     const double most = s->largest_pivot_ratio, way = way_of(trial, s, work);
-    if (way > BLIND && trial->least_ratio < LOW * most) return 1;
+    const int is_fixed = settings->fixed_step > 0.0;
+    if (!is_fixed && settings->tolerance > LOOSE && way > LONGEST_OF_ALL) return 1;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_beside = smaller(first, last) < BESIDE_IT * most &&
                           way > FAR * sqrt(larger(first, last) / most);
     if (!is_dip && !is_beside && !sinks(SINKS, trial, s)) return 0;
-    if (way > LONGEST) return 1;
+    if (!is_fixed && way > LONGEST) return 1;
     const double part = meeting_part(is_dip, trial, s), slope = sqrt(first) + sqrt(last);
     const double *f = work->k[m->stages];
     return !stays_on_branch(trial->h, work->y, f, part, slope, work, s);
@@ -361,7 +363,7 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (is_whole && trial.error <= 1.0) {
-            trial.leaps = may_end_elsewhere(m, &trial, work, s);
+            trial.leaps = may_end_elsewhere(m, settings, &trial, work, s);
             const int can_be_shorter = !IS_DRIVEN && !is_fixed;
             if (trial.leaps && can_be_shorter) is_whole = !(way_of(&trial, s, work) > SHORTEST);
         }

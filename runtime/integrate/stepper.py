@@ -90,10 +90,10 @@ DIPS = 0.75
 BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
-#: longer ones; nor are others than this where ratios are below this part of the largest.
+#: longer ones. At tolerances above that none is longer than this: stages may pass by such a place.
 LONGEST = 0.75
-BLIND = 1.0
-LOW = 0.4
+LOOSE = 1e-3
+LONGEST_OF_ALL = 1.2
 #: A step is not made shorter than this to find its branch.
 SHORTEST = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -331,7 +331,9 @@ def meeting_part(trial: Trial, state: State, *, is_dip: bool) -> float:
     return x + (1.0 - x) * dip / (dip + last) if part > x else x * first / (first + dip)
 
 
-def may_end_elsewhere(m: Method, trial: Trial, work: Work, state: State) -> bool:
+def may_end_elsewhere(
+    m: Method, settings: Settings, trial: Trial, work: Work, state: State
+) -> bool:
     """Return whether a step may end on another branch.
 
     Where drivers determine the motion, one over a place where branches meet may.
@@ -342,14 +344,15 @@ def may_end_elsewhere(m: Method, trial: Trial, work: Work, state: State) -> bool
         return False
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
     way = way_of(trial, state, work)
-    if way > BLIND and trial.least_ratio < LOW * most:
+    is_fixed = settings.fixed_step > 0.0
+    if not is_fixed and settings.tolerance > LOOSE and way > LONGEST_OF_ALL:
         return True
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_low = smaller(first, last) < BESIDE_IT * most
     is_beside = is_low and way > FAR * math.sqrt(larger(first, last) / most)
     if not (is_dip or is_beside or sinks(SINKS, trial, state)):
         return False
-    if way > LONGEST:
+    if not is_fixed and way > LONGEST:
         return True
     part = meeting_part(trial, state, is_dip=is_dip)
     slope = math.sqrt(first) + math.sqrt(last)
@@ -460,7 +463,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if is_fixed and not is_whole:
             return Status.NOT_PROJECTED
         if is_whole and trial.error <= 1.0:
-            trial.leaps = may_end_elsewhere(m, trial, work, state)
+            trial.leaps = may_end_elsewhere(m, s, trial, work, state)
             if trial.leaps and not (work.scene.is_driven or is_fixed):
                 is_whole = not way_of(trial, state, work) > SHORTEST
         if not is_whole:
