@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 #: that, times the distance at which it is looked for, is none: about 1e-12.
 OFF_WAY = 1e-9
 #: How far beside the place where branches meet that is seen, in a step; how much nearer each time.
-BESIDE = 0.1
+BESIDE = 0.03
 NEARER = 0.1
 #: What rows may be off, of the distance from such a place, where that is not in a step.
 AWAY = 1e-2

@@ -12,7 +12,7 @@
 #define LOST_BY_ANY 2e-11
 /* where a run begins with more than this part of that much, more may be lost on the way: there they
  * are looked at where steps end */
-#define SOME 1e-2
+#define SOME 2e-2
 #define LOOKED_AT 0.5
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };

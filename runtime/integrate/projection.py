@@ -31,7 +31,7 @@ LOST = 2e-12
 LOST_BY_ANY = 2e-11
 #: Where a run begins with more than this part of that much, more may be lost on the way: there they
 #: are looked at where steps end.
-SOME = 1e-2
+SOME = 2e-2
 LOOKED_AT = 0.5
 #: Corrections in Newton's method, and steps of refinement.
 MOST_CORRECTIONS = 20

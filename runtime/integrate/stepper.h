@@ -251,15 +251,16 @@ static int may_end_elsewhere(
 {
     if (IS_DRIVEN) return sinks(MEETING, trial, s);
     if (!HAS_REFINEMENT) return 0;
+    const int is_free = !(settings->fixed_step > 0.0), is_loose = settings->tolerance > LOOSE;
+    if (is_free && is_loose && way_of(trial, s, work) > LONGEST_OF_ALL) return 1;
     const double first = s->position_ratio, last = trial->last_ratio;
-    const double most = s->largest_pivot_ratio, way = way_of(trial, s, work);
-    const int is_fixed = settings->fixed_step > 0.0;
-    if (!is_fixed && settings->tolerance > LOOSE && way > LONGEST_OF_ALL) return 1;
+    const double most = s->largest_pivot_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
-    const int is_beside = smaller(first, last) < BESIDE_IT * most &&
-                          way > FAR * sqrt(larger(first, last) / most);
-    if (!is_dip && !is_beside && !sinks(SINKS, trial, s)) return 0;
-    if (!is_fixed && way > LONGEST) return 1;
+    const int is_sinking = is_dip || sinks(SINKS, trial, s);
+    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return 0;
+    const double way = way_of(trial, s, work);
+    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return 0;
+    if (is_free && way > LONGEST) return 1;
     const double part = meeting_part(is_dip, trial, s), slope = sqrt(first) + sqrt(last);
     const double *f = work->k[m->stages];
     return !stays_on_branch(trial->h, work->y, f, part, slope, work, s);

@@ -342,17 +342,18 @@ def may_end_elsewhere(
         return sinks(MEETING, trial, state)
     if not work.scene.has_refinement:
         return False
-    first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    way = way_of(trial, state, work)
-    is_fixed = settings.fixed_step > 0.0
-    if not is_fixed and settings.tolerance > LOOSE and way > LONGEST_OF_ALL:
+    is_free, is_loose = not settings.fixed_step > 0.0, settings.tolerance > LOOSE
+    if is_free and is_loose and way_of(trial, state, work) > LONGEST_OF_ALL:
         return True
+    first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
-    is_low = smaller(first, last) < BESIDE_IT * most
-    is_beside = is_low and way > FAR * math.sqrt(larger(first, last) / most)
-    if not (is_dip or is_beside or sinks(SINKS, trial, state)):
+    is_sinking = is_dip or sinks(SINKS, trial, state)
+    if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return False
-    if not is_fixed and way > LONGEST:
+    way = way_of(trial, state, work)
+    if not is_sinking and not way > FAR * math.sqrt(larger(first, last) / most):
+        return False
+    if is_free and way > LONGEST:
         return True
     part = meeting_part(trial, state, is_dip=is_dip)
     slope = math.sqrt(first) + math.sqrt(last)
