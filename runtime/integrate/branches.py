@@ -16,7 +16,7 @@ import numpy as np
 from .pivot_monitor import pivot_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import forget_trials
-from .scene import larger, smaller
+from .scene import WAY, larger, smaller
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -34,80 +34,55 @@ BESIDE = 0.03
 NEARER = 0.1
 #: What rows may be off, of the distance from such a place, where that is not in a step.
 AWAY = 1e-2
-#: Coefficients of a polynomial through a step; memory.h has it, too.
-WAY = 12
 
 
-class Way:
-    """Newton's polynomial through coordinates at parts of a step.
+def follow_way(x: list[float], c: list[Array], part: float) -> Array:
+    """Return coordinates at a part of a step by Newton's polynomial through those at parts x."""
+    q = c[-1]
+    for node, coefficient in zip(x[-2::-1], c[-2::-1], strict=True):
+        q = q * (part - node) + coefficient
+    return q
 
-    Parameters
-    ----------
-    h : float [s]
-        Length of the step.
-    y_before, f_before, y, f : (ny,) array
-        The states at its ends and their derivatives: a cubic leads through these.
-    work : Work
-        Memory for work.
-    state : State
-        Counts what is evaluated.
+
+def begin_way(
+    h: float, y_before: Array, f_before: Array, y: Array, f: Array, nq: int
+) -> tuple[list[float], list[Array]]:
+    """Return the cubic polynomial through both ends of a step of length h, from f_before to f."""
+    step, first = y[:nq] - y_before[:nq], h * f_before[:nq]
+    bend = step - first
+    return [0.0, 0.0, 1.0, 1.0], [y_before[:nq].copy(), first, bend, h * f[:nq] - step - bend]
+
+
+def bend_way(
+    x: list[float], c: list[Array], t: float, part: float, work: Work, state: State
+) -> tuple[float, float]:
+    """Bring a place of the way at a part of a step onto the constraints; it leads through it then.
+
+    Returns
+    -------
+    off : float
+        How far off it was, negative where it cannot be brought.
+    ratio : float
+        The pivot ratio there.
     """
-
-    def __init__(
-        self,
-        h: float,
-        y_before: Array,
-        f_before: Array,
-        y: Array,
-        f: Array,
-        work: Work,
-        state: State,
-    ) -> None:
-        q = slice(work.scene.nq)
-        step, first = y[q] - y_before[q], h * f_before[q]
-        bend = step - first
-        self.h = h
-        self.parts = [0.0, 0.0, 1.0, 1.0]
-        self.coefficients = [y_before[q].copy(), first, bend, h * f[q] - step - bend]
-        self.work = work
-        self.state = state
-
-    def at(self, part: float) -> Array:
-        """Return the coordinates at a part of the step."""
-        q = self.coefficients[-1]
-        for x, coefficient in zip(self.parts[-2::-1], self.coefficients[-2::-1], strict=True):
-            q = q * (part - x) + coefficient
-        return q
-
-    def bend(self, part: float) -> tuple[float, float]:
-        """Bring the place at a part of the step onto the constraints, and lead through it.
-
-        Returns
-        -------
-        off : float
-            How far off it was, negative where it cannot be brought.
-        ratio : float
-            The pivot ratio there.
-        """
-        work, state, w = self.work, self.state, self.work.w
-        q = self.at(part)
-        w.t[0] = state.time + part * self.h
-        ratio = ratio_at(q, work, state)
-        correct_position(work)
-        state.factorisations += 1
-        state.corrections += 1
-        off = w.size_of(w.dq)
-        if not off <= OFF_WAY:  # else that changes neither the way nor the ratio
-            w.displace(None)
-            if not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
-                return -1.0, 0.0
-            ratio = pivot_ratio(work, state)
-        product = 1.0
-        for x in self.parts:
-            product *= part - x
-        self.coefficients.append((w.q - q) / product)
-        self.parts.append(part)
-        return off, ratio
+    w, q = work.w, follow_way(x, c, part)
+    w.t[0] = t
+    ratio = ratio_at(q, work, state)
+    correct_position(work)
+    state.factorisations += 1
+    state.corrections += 1
+    off = w.size_of(w.dq)
+    if not off <= OFF_WAY:  # else that changes neither the way nor the ratio
+        w.displace(None)
+        if not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
+            return -1.0, 0.0
+        ratio = pivot_ratio(work, state)
+    product = 1.0
+    for node in x:
+        product *= part - node
+    c.append((w.q - q) / product)
+    x.append(part)
+    return off, ratio
 
 
 def stays_on_branch(
@@ -118,12 +93,14 @@ def stays_on_branch(
     About at a part of it, with a slope of the roots of pivot ratios, branches meet, or nearly.
     """
     forget_trials(work)
-    way, beside = Way(h, state.y, state.f, y, f, work, state), BESIDE
+    x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
+    beside = BESIDE
     farthest, nearest = 0.0, math.inf
     for _ in range(4, WAY, 2):
         roots, worst = [], 0.0
         for side in (-beside, beside):
-            off, ratio = way.bend(part + side)
+            there = part + side
+            off, ratio = bend_way(x, c, state.time + there * h, there, work, state)
             if not off >= 0.0:
                 return False
             roots.append(math.sqrt(ratio))
