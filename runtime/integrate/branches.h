@@ -5,7 +5,7 @@
  * that, times the distance at which it is looked for, is none: about 1e-12 */
 #define OFF_WAY 1e-9
 /* how far beside the place where branches meet that is seen, in a step; how much nearer each time */
-#define BESIDE 0.03
+#define ASIDE 0.03
 #define NEARER 0.1
 /* what rows may be off, of the distance from such a place, where that is not in a step */
 #define AWAY 1e-2
@@ -66,7 +66,7 @@ static double bend_way(size_t n, double *x, double c[][ROOM(NQ)], double t, doub
 static int stays_on_branch(
     double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
 {
-    double x[WAY], beside = BESIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
+    double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
     for (size_t n = 4; n < WAY; n += 2) {
@@ -74,6 +74,10 @@ static int stays_on_branch(
             const double there = part + (side ? beside : -beside), t = s->time + there * h;
             off[side] = bend_way(n + side, x, work->way, t, there, &roots[side], work, s);
             if (!(off[side] >= 0.0)) return 0;
+            /* rows that were left out took over, and hold it */
+            if (HAS_ROW_SWITCH && work->all.is_on != 0.0 &&
+                roots[side] > FALL_BACK * s->largest_pivot_ratio)
+                return 1;
             roots[side] = sqrt(roots[side]);
             farthest = larger(farthest, off[side]);
             nearest = smaller(nearest, roots[side]);

@@ -15,7 +15,7 @@ import numpy as np
 
 from .pivot_monitor import pivot_ratio
 from .projection import correct_position, project_position, ratio_at
-from .row_switch import forget_trials
+from .row_switch import FALL_BACK, forget_trials
 from .scene import WAY, larger, smaller
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 #: that, times the distance at which it is looked for, is none: about 1e-12.
 OFF_WAY = 1e-9
 #: How far beside the place where branches meet that is seen, in a step; how much nearer each time.
-BESIDE = 0.03
+ASIDE = 0.03
 NEARER = 0.1
 #: What rows may be off, of the distance from such a place, where that is not in a step.
 AWAY = 1e-2
@@ -94,7 +94,7 @@ def stays_on_branch(
     """
     forget_trials(work)
     x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
-    beside = BESIDE
+    beside = ASIDE
     farthest, nearest = 0.0, math.inf
     for _ in range(4, WAY, 2):
         roots, worst = [], 0.0
@@ -103,6 +103,9 @@ def stays_on_branch(
             off, ratio = bend_way(x, c, state.time + there * h, there, work, state)
             if not off >= 0.0:
                 return False
+            takes_over = work.all is not None and work.all.is_on
+            if takes_over and ratio > FALL_BACK * state.largest_pivot_ratio:
+                return True  # rows that were left out hold it
             roots.append(math.sqrt(ratio))
             worst = larger(worst, off)
             farthest = larger(farthest, off)

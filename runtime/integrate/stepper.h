@@ -43,7 +43,7 @@
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
 /* a step is not made shorter than this to find its branch */
-#define SHORTEST 1e-4
+#define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
 #define SAFETY 0.8
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -366,7 +366,7 @@ static int step(
         if (is_whole && trial.error <= 1.0) {
             trial.leaps = may_end_elsewhere(m, settings, &trial, work, s);
             const int can_be_shorter = !IS_DRIVEN && !is_fixed;
-            if (trial.leaps && can_be_shorter) is_whole = !(way_of(&trial, s, work) > SHORTEST);
+            if (trial.leaps && can_be_shorter) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
         }
         if (!is_whole) trial.error = 1e3;
         double by_error = 0.2;

@@ -95,7 +95,7 @@ LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
 #: A step is not made shorter than this to find its branch.
-SHORTEST = 1e-4
+STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
 SAFETY = 0.8
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -466,7 +466,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if is_whole and trial.error <= 1.0:
             trial.leaps = may_end_elsewhere(m, s, trial, work, state)
             if trial.leaps and not (work.scene.is_driven or is_fixed):
-                is_whole = not way_of(trial, state, work) > SHORTEST
+                is_whole = not way_of(trial, state, work) > STILL_LONG
         if not is_whole:
             trial.error = 1e3
         by_error = larger(0.2, SAFETY * trial.error ** (-1.0 / m.order)) if trial.error else 1.0
