@@ -90,10 +90,12 @@ DIPS = 0.75
 BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
-#: longer ones. At tolerances above that none is longer than this: stages may pass by such a place.
+#: longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
+#: unless ratios are as steady as this.
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
+STEADY = 0.999
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -343,9 +345,10 @@ def may_end_elsewhere(
     if not work.scene.has_refinement:
         return False
     is_free, is_loose = not settings.fixed_step > 0.0, settings.tolerance > LOOSE
-    if is_free and is_loose and way_of(trial, state, work) > LONGEST_OF_ALL:
-        return True
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
+    is_steady = trial.least_ratio > STEADY * larger(first, trial.most_ratio)
+    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
+        return True
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_sinking = is_dip or sinks(SINKS, trial, state)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
