@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import random
 import re
 from fractions import Fraction
 from pathlib import Path
@@ -19,11 +20,12 @@ from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.interpret import HIGH
 from kousoku.model.errors import MotionError
 from kousoku.model.families import chain, n_four_bar
-from kousoku.model.read import scene_from_toml
+from kousoku.model.read import scene_from_dict, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import Motion
+from tests.stress import extremes
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -369,3 +371,35 @@ def test_chains_have_no_refinement(bodies_folder: Callable[..., Path]) -> None:
     folder = bodies_folder(chain(3), OUTPUTS)
     for name in ("solver.c", "solver.py"):
         assert "refinement" not in (folder / name).read_text(encoding="utf-8").lower()
+
+
+def chain_of(case: str) -> Scene:
+    """Return three bars that hang on each other, as the stress suite asks of them."""
+    draw = random.Random(f"mass ratios to 1e12 in a chain, {case}")
+    return scene_from_dict(extremes.chain(draw).tree)
+
+
+@pytest.mark.parametrize("case", ["1 35 1", "1 51 1"])
+def test_digits_that_a_chain_loses_on_its_way_are_found(
+    backend: str, bodies_folder: Callable[..., Path], case: str
+) -> None:
+    """It starts with few of them lost: of masses 1e-6, 1 and 1e6 kg, and 1, 1e6 and 1e6 kg."""
+    scene = chain_of(case)
+    solver = load_dynamics(bodies_folder(scene, OUTPUTS), target=cast("Any", backend))
+    run = solver.begin(np.linspace(0.0, 1.0, 5))
+    ledger = run.finish().ledger
+    assert 0.9 * ledger.derivatives < ledger.refinements
+    nq, nv = len(solver.q), len(solver.v)
+    for row in run.save().rows[1:]:
+        _, q, v, v_dot, reactions = np.split(row, np.cumsum([1, nq, nv, nv]))
+        exact = in_fifty_digits(q, v, scene)
+        assert worst(v_dot, exact["v_dot"]) < 1e-14
+        assert worst(reactions, exact["reactions"]) < 1e-14
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver", "shipped_flags")
+def test_both_targets_find_them_with_the_same_bits(bodies_folder: Callable[..., Path]) -> None:
+    folder = bodies_folder(chain_of("1 51 1"), ())
+    one, other = (load_dynamics(folder, target=target).begin([0.0, 1.0]) for target in TARGETS)
+    assert one.finish().ledger.refinements == other.finish().ledger.refinements > 700
+    np.testing.assert_array_equal(one.state, other.state)

@@ -1,0 +1,99 @@
+"""Motions without drivers keep to their branch where another one comes near, or say so."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+import pytest
+from msgspec.structs import replace
+
+from kousoku.model.families import n_four_bar
+from kousoku.model.read import scene_from_toml
+from kousoku.model.write import to_toml
+from kousoku.runtime.dynamics import load_dynamics
+from tests.runtime.test_dynamics_driven import CRANK, end_of, four_bar, pin
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from kousoku.model.scene import Scene
+
+Load = Any
+Array = Any
+TORQUE = '\n[forces]\nm = { type = "torque", body = "crank", torque = [0, 0, 40] }\n'
+
+
+@pytest.fixture
+def load(backend: str, bodies_folder: Callable[..., Path]) -> Load:
+    target = cast("Any", backend)
+    return lambda scene: load_dynamics(bodies_folder(scene, ()), target=target)
+
+
+def turned_by_a_torque(gap: float) -> Scene:
+    """Return a four-bar whose rocker is longer than its crank by a gap: nearly a parallelogram."""
+    scene = replace(four_bar(rocker=CRANK + gap), drivers={}, parameters={}, gravity=(0, 0, 0))
+    return scene_from_toml(to_toml(scene) + TORQUE)
+
+
+def off_branch(motion: Any, gap: float) -> float:
+    """Return how far the end of the rocker is from where coupler and rocker meet."""
+    crank = end_of(motion, "crank", CRANK)
+    wanted = pin(np.arctan2(crank[:, 1], crank[:, 0]), CRANK + gap)
+    return float(np.abs(end_of(motion, "rocker", CRANK + gap) - wanted).max())
+
+
+@pytest.mark.parametrize("gap", [1e-8, 1e-6, 1e-5, 1e-4])
+@pytest.mark.parametrize(
+    ("method", "tolerance"), [("dopri5", 1e-3), ("dopri5", 1e-5), ("dop853", 1e-3)]
+)
+def test_no_step_leaps_onto_the_branch_that_comes_near(
+    load: Load, gap: float, method: Any, tolerance: float
+) -> None:
+    motion = load(turned_by_a_torque(gap)).simulate(1.0, tolerance=tolerance, method=method)
+    assert off_branch(motion, gap) < 1e-9
+    assert motion.ledger.branch_points == 0
+
+
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_branches_that_no_step_tells_apart_are_told(load: Load, method: Any) -> None:
+    """They are 3e-6 of a length from each other where they are nearest."""
+    motion = load(turned_by_a_torque(1e-11)).simulate(1.0, tolerance=1e-3, method=method)
+    trust = motion.ledger.trust
+    assert not trust.is_trusted
+    assert "may be that of another branch" in trust.why
+    assert 0.55 < motion.ledger.branch_point_time < 1.0
+    assert "may be that of another branch" in str(motion.ledger)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-4, 1e-6])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+def test_where_branches_do_meet_motions_go_straight_on_and_are_trusted(
+    load: Load, method: Any, tolerance: float
+) -> None:
+    motion = load(n_four_bar(2)).simulate(4.0, tolerance=tolerance, method=method)
+    assert motion.ledger.growth < 1e-2
+    assert motion.ledger.trust.is_trusted
+    first = motion.position["coupler_0"]
+    assert np.abs(motion.position["coupler_1"] - first - [1, 0, 0]).max() < 1e-9
+
+
+def test_steps_of_a_fixed_length_tell_that_they_leapt(load: Load) -> None:
+    motion = load(turned_by_a_torque(1e-6)).simulate(1.0, step=0.02, method="dopri5")
+    assert off_branch(motion, 1e-6) > 0.1
+    assert "may be that of another branch" in motion.ledger.trust.why
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("gap", [0.0, 1e-5, 1e-11])
+def test_both_targets_find_the_branch_with_the_same_bits(
+    compiler: object, bodies_folder: Callable[..., Path], gap: float
+) -> None:
+    del compiler
+    folder = bodies_folder(turned_by_a_torque(gap), ())
+    runs = []
+    for target in ("c", "numpy"):
+        runs.append(load_dynamics(folder, target=target).begin([0.0, 0.7], tolerance=1e-3))
+        runs[-1].finish()
+    assert np.array_equal(runs[0].save().state, runs[1].save().state)
