@@ -32,6 +32,7 @@
 #include "projection.h"
 #include "dense_output.h"
 #include "crossing.h"
+#include "branches.h"
 #include "stepper.h"
 #include "switching.h"
 #include "kinematics.h"

@@ -19,6 +19,7 @@ typedef PUBLIC(state) State;
 
 enum {
     NY = NQ + NV, /* count of numbers in y */
+    WAY = 12,     /* count of coefficients of a polynomial through a step, see branches.h */
     ALL_ROWS = HAS_ROW_SWITCH * NCHECK,
     FREE_ROWS = HAS_ROW_SWITCH * (NCHECK - NC) /* rows that are not solved for */
 };
@@ -47,6 +48,7 @@ typedef struct {
     double k[STAGES][ROOM(NY)];        /* derivatives of the stages */
     double y[ROOM(NY)], low[ROOM(NY)]; /* end of a step, and what its rounding leaves over */
     double scratch[ROOM(NY)], u[ROOM(NY)];
+    double way[ROOM(HAS_REFINEMENT * WAY)][ROOM(NQ)]; /* that of a step: see branches.h */
     RowSwitch all;
 } Work;
 

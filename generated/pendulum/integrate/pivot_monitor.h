@@ -64,7 +64,7 @@ static void note_pivot_ratio(double ratio, double t, State *s)
  * are checked only */
 enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
 
-/* notes a driven step to a time if branches meet so near to it that none is known */
+/* notes a step to a time if branches meet so near to it that none is known */
 static void note_branch_point(double time, int is_there, State *s)
 {
     if (!is_there) return;

@@ -58,7 +58,7 @@ def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
 
 
 def note_branch_point(time: float, state: State, *, is_there: bool) -> None:
-    """Note a driven step to a time if branches meet so near to it that none is known."""
+    """Note a step to a time if branches meet so near to it that none is known."""
     if is_there:
         state.branch_points += 1
         state.branch_point_time = time

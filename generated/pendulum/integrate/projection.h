@@ -10,6 +10,10 @@
 #define LOST 2e-12
 /* the same of any accelerations */
 #define LOST_BY_ANY 2e-11
+/* where a run begins with more than this part of that much, more may be lost on the way: there they
+ * are looked at where steps end */
+#define SOME 2e-2
+#define LOOKED_AT 0.5
 /* corrections in Newton's method, and steps of refinement */
 enum { MOST_CORRECTIONS = 20 };
 enum { MOST_REFINEMENTS = 4 };
@@ -58,7 +62,7 @@ static void accelerate(Work *work, State *s)
     else acceleration(work->w);
     if (!HAS_REFINEMENT) return;
     s->pivot_ratio = pivot_ratio(work, s);
-    if (s->is_refined != 0.0 || s->pivot_ratio < REFINE * s->largest_pivot_ratio) {
+    if (s->is_refined == 1.0 || s->pivot_ratio < REFINE * s->largest_pivot_ratio) {
         s->refinements += 1;
         if (has_all) refine_all_rows(work);
         else refine(work->w);
@@ -66,35 +70,49 @@ static void accelerate(Work *work, State *s)
     if (HAS_DRIVERS && has_all) drive(work);
 }
 
-/* whether more than a part of accelerations in the workspace is not what rows ask for */
-static int are_lost(double part, double *w)
+/* which part of accelerations in the workspace is not what rows ask for */
+static double lost_part(double *w)
 {
     refinement(w);
-    return size_of(w + W_DV) > part * size_of(w + W_V_DOT);
+    return size_of(w + W_DV) / size_of(w + W_V_DOT);
+}
+
+/* has accelerations refined all along from here on, and those in the workspace: its derivative */
+static void begin_refining(double *f, Work *work, State *s)
+{
+    s->is_refined = 1.0;
+    accelerate(work, s);
+    memcpy(f, work->w + W_Q_DOT, NQ * sizeof *f);
+    memcpy(f + NQ, work->w + W_V_DOT, NV * sizeof *f);
 }
 
 /* notes whether accelerations lose digits where a run begins, as between very unequal masses: then
- * they are refined all along. Pivots tell of digits that are lost in addition. At rest, or without
- * a load, nothing is lost yet: so any accelerations are brought onto the rows, too. */
+ * they are refined all along, or where few are lost looked at where steps end. Pivots tell of
+ * digits that are lost in addition. At rest, or without a load, nothing is lost yet: so any
+ * accelerations are brought onto the rows, too. */
 static void note_lost_digits(Work *work, State *s)
 {
-    double *w = work->w;
+    double *w = work->w, *v_dot = w + W_V_DOT;
     if (!HAS_REFINEMENT || (HAS_ROW_SWITCH && work->all.is_on != 0.0)) return;
-    int loses = are_lost(LOST, w);
-    if (!loses) {
-        double *v_dot = w + W_V_DOT;
+    double lost = lost_part(w) / LOST;
+    if (!(lost > 1.0)) {
         for (size_t k = 0; k < NV; ++k) v_dot[k] = (double)(k * 5 % 7) - 3.0;
         for (size_t k = 0; k < NV; ++k) v_dot[k] *= is_length[k] ? LENGTH : 1.0;
         refinement(w);
         for (size_t k = 0; k < NV; ++k) v_dot[k] += w[W_DV + k];
-        loses = are_lost(LOST_BY_ANY, w);
+        lost = larger(lost, lost_part(w) / LOST_BY_ANY);
         memcpy(v_dot, s->f + NQ, NV * sizeof *w);
     }
-    s->is_refined = loses;
-    if (!loses) return;
-    accelerate(work, s);
-    memcpy(s->f, w + W_Q_DOT, NQ * sizeof *w);
-    memcpy(s->f + NQ, w + W_V_DOT, NV * sizeof *w);
+    s->is_refined = lost > SOME ? LOOKED_AT : 0.0;
+    if (lost > 1.0) begin_refining(s->f, work, s);
+}
+
+/* looks at accelerations in the workspace, where some digits were lost before */
+static void look_at_digits(double *f, Work *work, State *s)
+{
+    if (!HAS_REFINEMENT || s->is_refined != LOOKED_AT) return;
+    if (HAS_ROW_SWITCH && work->all.is_on != 0.0) return;
+    if (lost_part(work->w) > LOST) begin_refining(f, work, s);
 }
 
 /* the pivot ratio where accelerations were found last */

@@ -29,6 +29,10 @@ REFINE = 1e-4
 LOST = 2e-12
 #: The same of any accelerations, which are larger along directions in which nothing acts.
 LOST_BY_ANY = 2e-11
+#: Where a run begins with more than this part of that much, more may be lost on the way: there they
+#: are looked at where steps end.
+SOME = 2e-2
+LOOKED_AT = 0.5
 #: Corrections in Newton's method, and steps of refinement.
 MOST_CORRECTIONS = 20
 MOST_REFINEMENTS = 4
@@ -67,34 +71,54 @@ def refine(work: Work) -> None:
         before = size
 
 
-def are_lost(part: float, work: Work) -> bool:
-    """Tell whether more than a part of accelerations in the workspace is not what rows ask for."""
+def lost_part(work: Work) -> float:
+    """Return which part of accelerations in the workspace is not what rows ask for."""
     w = work.w
     w.run("refinement")
-    return w.size_of(w.dv) > part * w.size_of(w.v_dot)
+    return float(np.divide(w.size_of(w.dv), w.size_of(w.v_dot)))
+
+
+def begin_refining(f: Array, work: Work, state: State) -> None:
+    """Have accelerations refined all along from here on, and those in the workspace.
+
+    Their derivative goes to f.
+    """
+    state.is_refined = 1.0
+    accelerate(work, state)
+    f[: work.scene.nq] = work.w.q_dot
+    f[work.scene.nq :] = work.w.v_dot
 
 
 def note_lost_digits(work: Work, state: State) -> None:
     """Note whether accelerations lose digits where a run begins, as between very unequal masses.
 
-    Then they are refined all along. Pivots tell of digits that are lost in addition. At rest, or
-    without a load, nothing is lost yet: so any accelerations are brought onto the rows, too.
+    Then they are refined all along, or where few are lost looked at where steps end. Pivots tell of
+    digits that are lost in addition. At rest, or without a load, nothing is lost yet: so any
+    accelerations are brought onto the rows, too.
     """
     if not work.scene.has_refinement or (work.all is not None and work.all.is_on):
         return
     w, nq = work.w, work.scene.nq
-    loses = are_lost(LOST, work)
-    if not loses:
+    lost = lost_part(work) / LOST
+    if not lost > 1.0:
         w.v_dot[:] = (np.arange(len(w.v_dot)) * 5 % 7 - 3) * work.scene.lengths
         w.run("refinement")
         w.v_dot += w.dv
-        loses = are_lost(LOST_BY_ANY, work)
+        lost = larger(lost, lost_part(work) / LOST_BY_ANY)
         w.v_dot[:] = state.f[nq:]
-    state.is_refined = float(loses)
-    if loses:
-        accelerate(work, state)
-        state.f[:nq] = w.q_dot
-        state.f[nq:] = w.v_dot
+    state.is_refined = LOOKED_AT if lost > SOME else 0.0
+    if lost > 1.0:
+        begin_refining(state.f, work, state)
+
+
+def look_at_digits(f: Array, work: Work, state: State) -> None:
+    """Look at accelerations in the workspace, where some digits were lost before."""
+    if not work.scene.has_refinement or state.is_refined != LOOKED_AT:
+        return
+    if work.all is not None and work.all.is_on:
+        return
+    if lost_part(work) > LOST:
+        begin_refining(f, work, state)
 
 
 def accelerate(work: Work, state: State) -> None:
@@ -111,7 +135,7 @@ def accelerate(work: Work, state: State) -> None:
     if not work.scene.has_refinement:
         return
     state.pivot_ratio = pivot_ratio(work, state)
-    if state.is_refined != 0.0 or state.pivot_ratio < REFINE * state.largest_pivot_ratio:
+    if state.is_refined == 1.0 or state.pivot_ratio < REFINE * state.largest_pivot_ratio:
         state.refinements += 1
         if all_rows is None:
             refine(work)

@@ -30,6 +30,22 @@
  * tells how */
 #define MEETING 0.04
 #define INSIDE 0.25
+/* others are looked at where they sink to this part of the larger ratio at the ends, or a stage has
+ * this part of the smaller one; and where ratios are smaller than this and the step is longer than
+ * this part of the way to such a place */
+#define SINKS 0.1
+#define DIPS 0.75
+#define BESIDE_IT 1e-3
+#define FAR 0.5
+/* such steps are no longer than this, in lengths and radians: how ratios go is not known over longer
+ * ones. At tolerances above that none is longer than this: stages may pass by such a place, unless
+ * ratios are as steady as this */
+#define LONGEST 0.75
+#define LOOSE 1e-3
+#define LONGEST_OF_ALL 1.2
+#define STEADY 0.999
+/* a step is not made shorter than this to find its branch */
+#define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
 #define SAFETY 0.8
 /* what velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -48,7 +64,9 @@ typedef struct {
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
+    double dip_ratio, dip;          /* the same of the smallest inside */
     double last_ratio;              /* that of the end */
+    int leaps;                      /* whether it may end on another branch */
     int is_last;                    /* whether it ends at the last time */
 } Trial;
 
@@ -166,12 +184,17 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         const int is_inner = n < m->stages;
         good = stage(m, n, trial->h, is_inner ? INNER * tolerance : 0.0, work->y,
             is_inner ? NULL : work->low, work, s, &trial->drift);
+        if (good && !is_inner) look_at_digits(work->k[n], work, s);
         trial->last_ratio = last_ratio(work, s);
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
         if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
             trial->inner_ratio = trial->last_ratio;
             trial->inner = m->c[n];
+        }
+        if (m->c[n] < 1.0 && trial->last_ratio < trial->dip_ratio) {
+            trial->dip_ratio = trial->last_ratio;
+            trial->dip = m->c[n];
         }
     }
     return good;
@@ -188,16 +211,62 @@ static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s
     return good;
 }
 
-/* whether a parabola through pivot ratios sinks to nearly nothing in a step */
-static int goes_over_branches(const Trial *trial, const State *s)
+/* the least of a parabola through pivot ratios of a step, and of those of its stages */
+static double least_of_parabola(const Trial *trial, const State *s)
 {
     const double first = s->position_ratio, last = trial->last_ratio, x = trial->inner;
-    const double enough = MEETING * smaller(larger(first, last), s->largest_pivot_ratio);
     const double bend = ((trial->inner_ratio - first) / x - (last - first)) / (x - 1.0);
     const double slope = last - first - bend;
     const int is_inside = slope < 0.0 && 0.0 < 2.0 * bend + slope;
     const double least = is_inside ? first - slope * slope / (4.0 * bend) : 1.0;
-    return smaller(least, trial->least_ratio) < enough;
+    return smaller(least, trial->least_ratio);
+}
+
+/* whether it sinks to a part of those at the ends */
+static int sinks(double part, const Trial *trial, const State *s)
+{
+    const double ends = larger(s->position_ratio, trial->last_ratio);
+    return least_of_parabola(trial, s) < part * smaller(ends, s->largest_pivot_ratio);
+}
+
+/* how far bodies move in a step, in lengths and radians */
+static double way_of(const Trial *trial, const State *s, const Work *work)
+{
+    return trial->h * larger(size_of(s->y + NQ), size_of(work->y + NQ));
+}
+
+/* at which part of a step roots of ratios, which go with the distance from a place where branches
+ * meet, tell that this is: a stage with a small one stands before or behind it */
+static double meeting_part(int is_dip, const Trial *trial, const State *s)
+{
+    const double first = sqrt(s->position_ratio), last = sqrt(trial->last_ratio);
+    const double dip = sqrt(trial->dip_ratio), x = trial->dip;
+    const double part = first + last > 0.0 ? first / (first + last) : 0.5;
+    if (!is_dip) return part;
+    return part > x ? x + (1.0 - x) * dip / (dip + last) : x * first / (first + dip);
+}
+
+/* whether a step may end on another branch. Where drivers determine the motion, one over a place
+ * where branches meet may */
+static int may_end_elsewhere(
+    const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
+{
+    if (IS_DRIVEN) return sinks(MEETING, trial, s);
+    if (!HAS_REFINEMENT) return 0;
+    const int is_free = !(settings->fixed_step > 0.0), is_loose = settings->tolerance > LOOSE;
+    const double first = s->position_ratio, last = trial->last_ratio;
+    const int is_steady = trial->least_ratio > STEADY * larger(first, trial->most_ratio);
+    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return 1;
+    const double most = s->largest_pivot_ratio;
+    const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
+    const int is_sinking = is_dip || sinks(SINKS, trial, s);
+    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return 0;
+    const double way = way_of(trial, s, work);
+    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return 0;
+    if (is_free && way > LONGEST) return 1;
+    const double part = meeting_part(is_dip, trial, s), slope = sqrt(first) + sqrt(last);
+    const double *f = work->k[m->stages];
+    return !stays_on_branch(trial->h, work->y, f, part, slope, work, s);
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
@@ -218,7 +287,7 @@ static void accept(
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
-    note_branch_point(s->time, IS_DRIVEN && goes_over_branches(trial, s), s);
+    note_branch_point(s->time, trial->leaps, s);
     s->position_ratio = trial->last_ratio;
     note_motion(h, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
@@ -242,7 +311,7 @@ static int step(
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0 };
+        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .dip_ratio = HUGE_VAL };
         double h = is_fixed && avoided == 0 ? settings->fixed_step
                                             : smaller(s->step_size, settings->largest_step);
         trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
@@ -297,6 +366,11 @@ static int step(
             is_whole = trial.least_ratio > 0.0;
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
+        if (is_whole && trial.error <= 1.0) {
+            trial.leaps = may_end_elsewhere(m, settings, &trial, work, s);
+            const int can_be_shorter = !IS_DRIVEN && !is_fixed;
+            if (trial.leaps && can_be_shorter) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
+        }
         if (!is_whole) trial.error = 1e3;
         double by_error = 0.2;
         if (isfinite(trial.error)) {

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .branches import stays_on_branch
 from .crossing import (
     SMALLEST,
     Look,
@@ -28,7 +29,14 @@ from .pivot_monitor import (
     note_largest_pivot,
     note_pivot_ratio,
 )
-from .projection import displacement_of, last_ratio, project, ratio_at, take_normal_part
+from .projection import (
+    displacement_of,
+    last_ratio,
+    look_at_digits,
+    project,
+    ratio_at,
+    take_normal_part,
+)
 from .row_switch import forget_trials
 from .scene import larger, mean_square, rounding_of_sum, smaller
 from .settings import Status
@@ -74,6 +82,22 @@ LOCKED = 4e-3
 #: how.
 MEETING = 0.04
 INSIDE = 0.25
+#: Others are looked at where they sink to this part of the larger ratio at the ends, or a stage has
+#: this part of the smaller one; and where ratios are smaller than this and the step is longer than
+#: this part of the way to such a place.
+SINKS = 0.1
+DIPS = 0.75
+BESIDE_IT = 1e-3
+FAR = 0.5
+#: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
+#: longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
+#: unless ratios are as steady as this.
+LONGEST = 0.75
+LOOSE = 1e-3
+LONGEST_OF_ALL = 1.2
+STEADY = 0.999
+#: A step is not made shorter than this to find its branch.
+STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
 SAFETY = 0.8
 #: What velocities are compared with, beside themselves: the largest so far, but no more than moves
@@ -105,6 +129,10 @@ class Trial:
         Of the pivot ratios of its stages, and that of the end.
     inner_ratio, inner : float
         That of a stage inside, and at which part of the step it is; 0 where there is none yet.
+    dip_ratio, dip : float
+        The same of the smallest inside.
+    leaps : bool
+        Whether it may end on another branch.
     """
 
     h: float
@@ -117,6 +145,9 @@ class Trial:
     last_ratio: float = 1.0
     inner_ratio: float = 0.0
     inner: float = 0.0
+    dip_ratio: float = math.inf
+    dip: float = 0.0
+    leaps: bool = False
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -243,11 +274,15 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         low = None if n < m.stages else work.low
         enough = INNER * tolerance if low is None else 0.0
         trial.drift = stage(m, n, trial.h, enough, work.y, low, work, state)
+        if trial.drift >= 0.0 and low is not None:
+            look_at_digits(work.k[n], work, state)
         trial.last_ratio = last_ratio(work, state)
         trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
         trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
         if trial.inner == 0.0 and m.c[n] >= INSIDE:
             trial.inner_ratio, trial.inner = trial.last_ratio, m.c[n]
+        if m.c[n] < 1.0 and trial.last_ratio < trial.dip_ratio:
+            trial.dip_ratio, trial.dip = trial.last_ratio, m.c[n]
         if trial.drift < 0.0:
             return
 
@@ -262,15 +297,71 @@ def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool
     return True
 
 
-def goes_over_branches(trial: Trial, state: State) -> bool:
-    """Return whether a parabola through pivot ratios sinks to nearly nothing in a step."""
+def least_of_parabola(trial: Trial, state: State) -> float:
+    """Return the least of a parabola through pivot ratios of a step, and of those of its stages."""
     first, last, x = state.position_ratio, trial.last_ratio, trial.inner
-    enough = MEETING * smaller(larger(first, last), state.largest_pivot_ratio)
     bend = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - bend
     is_inside = slope < 0.0 < 2.0 * bend + slope
     least = first - slope * slope / (4.0 * bend) if is_inside else 1.0
-    return smaller(least, trial.least_ratio) < enough
+    return smaller(least, trial.least_ratio)
+
+
+def sinks(part: float, trial: Trial, state: State) -> bool:
+    """Return whether that sinks to a part of those at the ends."""
+    ends = larger(state.position_ratio, trial.last_ratio)
+    return least_of_parabola(trial, state) < part * smaller(ends, state.largest_pivot_ratio)
+
+
+def way_of(trial: Trial, state: State, work: Work) -> float:
+    """Return how far bodies move in a step, in lengths and radians."""
+    size_of, nq = work.w.size_of, work.scene.nq
+    return trial.h * larger(size_of(state.y[nq:]), size_of(work.y[nq:]))
+
+
+def meeting_part(trial: Trial, state: State, *, is_dip: bool) -> float:
+    """Return at which part of a step branches seem to meet.
+
+    Roots of ratios, which go with the distance from there, tell that: a stage with a small one
+    stands before or behind it.
+    """
+    first, last = math.sqrt(state.position_ratio), math.sqrt(trial.last_ratio)
+    part = first / (first + last) if first + last > 0.0 else 0.5
+    if not is_dip:
+        return part
+    dip, x = math.sqrt(trial.dip_ratio), trial.dip
+    return x + (1.0 - x) * dip / (dip + last) if part > x else x * first / (first + dip)
+
+
+def may_end_elsewhere(
+    m: Method, settings: Settings, trial: Trial, work: Work, state: State
+) -> bool:
+    """Return whether a step may end on another branch.
+
+    Where drivers determine the motion, one over a place where branches meet may.
+    """
+    if work.scene.is_driven:
+        return sinks(MEETING, trial, state)
+    if not work.scene.has_refinement:
+        return False
+    is_free, is_loose = not settings.fixed_step > 0.0, settings.tolerance > LOOSE
+    first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
+    is_steady = trial.least_ratio > STEADY * larger(first, trial.most_ratio)
+    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
+        return True
+    is_dip = trial.dip_ratio < DIPS * smaller(first, last)
+    is_sinking = is_dip or sinks(SINKS, trial, state)
+    if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
+        return False
+    way = way_of(trial, state, work)
+    if not is_sinking and not way > FAR * math.sqrt(larger(first, last) / most):
+        return False
+    if is_free and way > LONGEST:
+        return True
+    part = meeting_part(trial, state, is_dip=is_dip)
+    slope = math.sqrt(first) + math.sqrt(last)
+    f = work.k[m.stages]
+    return not stays_on_branch(trial.h, work.y, f, part, slope, work, state)
 
 
 def accept(
@@ -292,8 +383,7 @@ def accept(
     state.time_before = state.time
     state.time = end if trial.is_last else state.time + h
     state.steps += 1
-    is_over = work.scene.is_driven and goes_over_branches(trial, state)
-    note_branch_point(state.time, state, is_there=is_over)
+    note_branch_point(state.time, state, is_there=trial.leaps)
     state.position_ratio = trial.last_ratio
     note_motion(h, state, work)
     state.y_before[:] = state.y
@@ -376,6 +466,10 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             is_whole = trial.least_ratio > 0.0
         if is_fixed and not is_whole:
             return Status.NOT_PROJECTED
+        if is_whole and trial.error <= 1.0:
+            trial.leaps = may_end_elsewhere(m, s, trial, work, state)
+            if trial.leaps and not (work.scene.is_driven or is_fixed):
+                is_whole = not way_of(trial, state, work) > STILL_LONG
         if not is_whole:
             trial.error = 1e3
         by_error = larger(0.2, SAFETY * trial.error ** (-1.0 / m.order)) if trial.error else 1.0

@@ -77,8 +77,8 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     branch_point_time : float or None [s]
-        When drivers last led so near to where branches of the motion meet that rounding, or the
-        length of steps, decides which of them goes on.
+        When the motion last went so near to where branches of it meet that rounding, or the length
+        of steps, decides which of them goes on.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
     limit : float
@@ -237,6 +237,13 @@ def trust_of(
                 f"{name} {shortly(size)} of a length of the scene, wanted at most {shortly(most)}"
             )
     problems += [*beyond, *[f"try {advice}"] * bool(beyond)]
+    if single["branch_points"] and not is_driven:
+        count = f"{single['branch_points']:.0f} step{'s' * (single['branch_points'] > 1)}"
+        problems.append(
+            f"{count} went by a singular configuration, the last to t ="
+            f" {single['branch_point_time']:.6g} s: the motion may be that of another branch, try"
+            f" {advice}"
+        )
     if error is not None and error.unknown_from is not None:
         problems.append(error.unknown)
     has_pivots = single["factorisations"] > 0

@@ -1,0 +1,98 @@
+/* Branches: whether a step stays on its branch of the motion where another one meets it, or comes
+ * near. */
+
+/* what rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
+ * that, times the distance at which it is looked for, is none: about 1e-12 */
+#define OFF_WAY 1e-9
+/* how far beside the place where branches meet that is seen, in a step; how much nearer each time */
+#define ASIDE 0.03
+#define NEARER 0.1
+/* what rows may be off, of the distance from such a place, where that is not in a step */
+#define AWAY 1e-2
+
+/* Newton's polynomial through n coordinates at parts x of a step: q at a part of it */
+static void follow_way(size_t n, const double *x, double c[][ROOM(NQ)], double part, double *q)
+{
+    memcpy(q, c[n - 1], NQ * sizeof *q);
+    for (size_t k = n - 1; k-- > 0;) {
+        for (size_t i = 0; i < NQ; ++i) q[i] = q[i] * (part - x[k]) + c[k][i];
+    }
+}
+
+/* the cubic polynomial through both ends of a step of length h, from f_before to f */
+static void begin_way(double h, const double *y_before, const double *f_before, const double *y,
+    const double *f, double *x, double c[][ROOM(NQ)])
+{
+    x[0] = x[1] = 0.0;
+    x[2] = x[3] = 1.0;
+    for (size_t i = 0; i < NQ; ++i) {
+        const double step = y[i] - y_before[i], first = h * f_before[i];
+        c[0][i] = y_before[i];
+        c[1][i] = first;
+        c[2][i] = step - first;
+        c[3][i] = h * f[i] - step - c[2][i];
+    }
+}
+
+/* brings a place of the way at a part of a step onto the constraints, through which it leads then;
+ * how far off it was, negative where it cannot be brought */
+static double bend_way(size_t n, double *x, double c[][ROOM(NQ)], double t, double part,
+    double *ratio, Work *work, State *s)
+{
+    double *w = work->w, *q = work->scratch, product = 1.0;
+    follow_way(n, x, c, part, q);
+    w[W_T] = t;
+    *ratio = ratio_at(q, work, s);
+    correct_position(work);
+    s->factorisations += 1;
+    s->corrections += 1;
+    const double off = size_of(w + W_DQ);
+    if (!(off <= OFF_WAY)) { /* else that changes neither the way nor the ratio */
+        displace(w, NULL);
+        if (!(project_position(OFF_WAY * OFF_WAY, work, NULL, s) >= 0.0)) return -1.0;
+        *ratio = pivot_ratio(work, s);
+    }
+    for (size_t k = 0; k < n; ++k) product *= part - x[k];
+    for (size_t i = 0; i < NQ; ++i) c[n][i] = (w[W_Q + i] - q[i]) / product;
+    x[n] = part;
+    return off;
+}
+
+/* whether a step of length h to y and f stays on its branch. Roots of pivot ratios go with the
+ * distance from a place where branches meet, about at a part of the step and with a slope. Where
+ * they do meet the way leads straight on: it is smooth, and rows hold all along, as near to the
+ * place as one looks. Where they miss each other by little, rows do not hold on the way from one to
+ * the other, the less the nearer to the place: ways over there bend sharply, and end elsewhere */
+static int stays_on_branch(
+    double h, const double *y, const double *f, double part, double slope, Work *work, State *s)
+{
+    double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
+    forget_trials(work);
+    begin_way(h, s->y, s->f, y, f, x, work->way);
+    for (size_t n = 4; n < WAY; n += 2) {
+        for (size_t side = 0; side < 2; ++side) {
+            const double there = part + (side ? beside : -beside), t = s->time + there * h;
+            off[side] = bend_way(n + side, x, work->way, t, there, &roots[side], work, s);
+            if (!(off[side] >= 0.0)) return 0;
+            /* rows that were left out took over, and hold it */
+            if (HAS_ROW_SWITCH && work->all.is_on != 0.0 &&
+                roots[side] > FALL_BACK * s->largest_pivot_ratio)
+                return 1;
+            roots[side] = sqrt(roots[side]);
+            farthest = larger(farthest, off[side]);
+            nearest = smaller(nearest, roots[side]);
+        }
+        const double sum = roots[0] + roots[1], change = roots[1] - roots[0];
+        const double usual = 2.0 * beside * slope;
+        const int is_between = sum > 0.0 && fabs(sum - usual) <= fabs(fabs(change) - usual);
+        part -= is_between ? beside * change / sum : beside * sum / change;
+        const int is_inside = part > 0.0 && part < 1.0;
+        if (!is_between && is_inside) continue; /* the place is farther away */
+        const int is_on = larger(off[0], off[1]) <= OFF_WAY;
+        if (is_on) return is_between || farthest <= AWAY * nearest;
+        if (is_between) slope = sum / (2.0 * beside);
+        if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;
+        beside *= NEARER;
+    }
+    return 0;
+}

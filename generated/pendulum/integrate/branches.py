@@ -1,0 +1,128 @@
+"""Branches: whether a step stays on its branch of the motion where another one meets it, or nearly.
+
+Roots of pivot ratios go with the distance from a place where branches meet. Where they do meet the
+way leads straight on: it is smooth, and rows hold all along, as near to the place as one looks.
+Where they miss each other by little, rows do not hold on the way from one to the other, the less
+the nearer to the place: ways over there bend sharply, and end elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .pivot_monitor import pivot_ratio
+from .projection import correct_position, project_position, ratio_at
+from .row_switch import FALL_BACK, forget_trials
+from .scene import WAY, larger, smaller
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+
+    from .scene import Work
+    from .state import State
+
+    Array = npt.NDArray[np.float64]
+
+#: What rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
+#: that, times the distance at which it is looked for, is none: about 1e-12.
+OFF_WAY = 1e-9
+#: How far beside the place where branches meet that is seen, in a step; how much nearer each time.
+ASIDE = 0.03
+NEARER = 0.1
+#: What rows may be off, of the distance from such a place, where that is not in a step.
+AWAY = 1e-2
+
+
+def follow_way(x: list[float], c: list[Array], part: float) -> Array:
+    """Return coordinates at a part of a step by Newton's polynomial through those at parts x."""
+    q = c[-1]
+    for node, coefficient in zip(x[-2::-1], c[-2::-1], strict=True):
+        q = q * (part - node) + coefficient
+    return q
+
+
+def begin_way(
+    h: float, y_before: Array, f_before: Array, y: Array, f: Array, nq: int
+) -> tuple[list[float], list[Array]]:
+    """Return the cubic polynomial through both ends of a step of length h, from f_before to f."""
+    step, first = y[:nq] - y_before[:nq], h * f_before[:nq]
+    bend = step - first
+    return [0.0, 0.0, 1.0, 1.0], [y_before[:nq].copy(), first, bend, h * f[:nq] - step - bend]
+
+
+def bend_way(
+    x: list[float], c: list[Array], t: float, part: float, work: Work, state: State
+) -> tuple[float, float]:
+    """Bring a place of the way at a part of a step onto the constraints; it leads through it then.
+
+    Returns
+    -------
+    off : float
+        How far off it was, negative where it cannot be brought.
+    ratio : float
+        The pivot ratio there.
+    """
+    w, q = work.w, follow_way(x, c, part)
+    w.t[0] = t
+    ratio = ratio_at(q, work, state)
+    correct_position(work)
+    state.factorisations += 1
+    state.corrections += 1
+    off = w.size_of(w.dq)
+    if not off <= OFF_WAY:  # else that changes neither the way nor the ratio
+        w.displace(None)
+        if not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
+            return -1.0, 0.0
+        ratio = pivot_ratio(work, state)
+    product = 1.0
+    for node in x:
+        product *= part - node
+    c.append((w.q - q) / product)
+    x.append(part)
+    return off, ratio
+
+
+def stays_on_branch(
+    h: float, y: Array, f: Array, part: float, slope: float, work: Work, state: State
+) -> bool:
+    """Return whether a step of length h to y and f stays on its branch.
+
+    About at a part of it, with a slope of the roots of pivot ratios, branches meet, or nearly.
+    """
+    forget_trials(work)
+    x, c = begin_way(h, state.y, state.f, y, f, work.scene.nq)
+    beside = ASIDE
+    farthest, nearest = 0.0, math.inf
+    for _ in range(4, WAY, 2):
+        roots, worst = [], 0.0
+        for side in (-beside, beside):
+            there = part + side
+            off, ratio = bend_way(x, c, state.time + there * h, there, work, state)
+            if not off >= 0.0:
+                return False
+            takes_over = work.all is not None and work.all.is_on
+            if takes_over and ratio > FALL_BACK * state.largest_pivot_ratio:
+                return True  # rows that were left out hold it
+            roots.append(math.sqrt(ratio))
+            worst = larger(worst, off)
+            farthest = larger(farthest, off)
+            nearest = smaller(nearest, roots[-1])
+        total, change = roots[0] + roots[1], roots[1] - roots[0]
+        usual = 2.0 * beside * slope
+        is_between = total > 0.0 and abs(total - usual) <= abs(abs(change) - usual)
+        above, below = (change, total) if is_between else (total, change)
+        part -= float(np.divide(beside * above, below))
+        is_inside = 0.0 < part < 1.0
+        if not is_between and is_inside:
+            continue  # the place is farther away
+        if worst <= OFF_WAY:
+            return is_between or farthest <= AWAY * nearest
+        if is_between:
+            slope = total / (2.0 * beside)
+        if not is_inside:
+            part = 1.0 if part > 0.5 else 0.0
+        beside *= NEARER
+    return False
