@@ -43,7 +43,7 @@
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
-#define STEADY 0.999
+#define LEVEL 0.999
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
 /* a step is this much shorter than what would meet the tolerance */
@@ -255,7 +255,7 @@ static int may_end_elsewhere(
     if (!HAS_REFINEMENT) return 0;
     const int is_free = !(settings->fixed_step > 0.0), is_loose = settings->tolerance > LOOSE;
     const double first = s->position_ratio, last = trial->last_ratio;
-    const int is_steady = trial->least_ratio > STEADY * larger(first, trial->most_ratio);
+    const int is_steady = trial->least_ratio > LEVEL * larger(first, trial->most_ratio);
     if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return 1;
     const double most = s->largest_pivot_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);

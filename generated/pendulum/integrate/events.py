@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from .switching import BENT, NO_TIME
+from .settings import BENT, NO_TIME
 
 if TYPE_CHECKING:
     import numpy.typing as npt

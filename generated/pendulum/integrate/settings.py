@@ -22,6 +22,10 @@ LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
 #: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
 #: memory.h has it, too.
 CLEARLY = 10.0
+#: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
+#: it changes unevenly in that time where its law bends. switching.h has both, too.
+NO_TIME = 8.0
+BENT = 1e-6
 
 
 #: What a run does at an event, by its number.

@@ -95,7 +95,7 @@ FAR = 0.5
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
-STEADY = 0.999
+LEVEL = 0.999
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
 #: A step is this much shorter than what would meet the tolerance.
@@ -346,7 +346,7 @@ def may_end_elsewhere(
         return False
     is_free, is_loose = not settings.fixed_step > 0.0, settings.tolerance > LOOSE
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    is_steady = trial.least_ratio > STEADY * larger(first, trial.most_ratio)
+    is_steady = trial.least_ratio > LEVEL * larger(first, trial.most_ratio)
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
         return True
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)

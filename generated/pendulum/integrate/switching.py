@@ -26,7 +26,7 @@ from .crossing import (
 from .projection import project
 from .row_switch import forget_trials
 from .scene import larger, smaller
-from .settings import Status
+from .settings import BENT, NO_TIME, Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -56,10 +56,6 @@ BESIDE = 1e-7
 EQUAL = 1e-12
 #: How much the third derivative may be beyond that on the sides.
 BENDING = 4.0
-#: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
-#: it changes unevenly in that time where its law bends.
-NO_TIME = 8.0
-BENT = 1e-6
 #: Samples of an interval, by pieces between them.
 PIECES = 4
 
