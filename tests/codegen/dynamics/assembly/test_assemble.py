@@ -364,6 +364,33 @@ def test_velocities_are_found_and_refused_by_turns_whatever_the_size(size: float
         assemble(built(held, {"guide": guide}))
 
 
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_turns_that_a_displacement_follows_are_put_together_whatever_the_size(size: float) -> None:
+    """Counted in metres, the row of a coupling was far from those of other joints."""
+    ball = {"mass": 1, "inertia": dict.fromkeys(("xx", "yy", "zz"), size**2)}
+    bodies = {
+        "wheel": {"position": [0.5 * size, 0.02 * size, 0], "angular_velocity": [0, 0, 1], **ball},
+        "rack": {"position": [0.03 * size, 1.01 * size, 0], **ball},
+    }
+    pinion = {"type": "pin", "bodies": ["ground", "wheel"], "axis": [0, 0, 1]}
+    slide = {"type": "prismatic", "bodies": ["ground", "rack"], "axis": [1, 0, 0]}
+    arms = [[0, 0, 0], [-0.5 * size, 0, 0]], [[0, size, 0], [0, 0, 0.5 * size]]
+    joints = {
+        "pinion": {**pinion, "points": arms[0]},
+        "slide": {**slide, "points": arms[1]},
+        "mesh": {"type": "linear", "coordinates": ["turn", "way"], "factors": [size, -0.25]},
+    }
+    tree = {"name": "s", "unit": "m", "bodies": bodies, "joints": joints}
+    tree["coordinates"] = {"turn": {"joint": "pinion"}, "way": {"joint": "slide"}}
+    placed = assemble(system_of(scene_from_dict(tree)))
+    rows = Residuals.of(placed, placed.constraints)
+    c, rates = rows.fast(placed.bodies)
+    lengths = np.where(rows.in_metres, size, 1.0)
+    assert np.abs(c / lengths).max() < 4 * ULP
+    assert np.abs(rates / lengths).max() < 4 * ULP
+    assert placed.bodies[0].omega_b[2] == pytest.approx(0.25 * placed.bodies[1].v[0] / size)
+
+
 def test_a_large_system_that_does_not_fit_is_refused_at_once() -> None:
     system = system_of(chain(1300))
     moved = replace(system.bodies[7], r=(9.0, 9.0, 9.0))
