@@ -192,6 +192,32 @@ def test_no_turn_that_a_joint_allows_brings_a_body_nearer_to_where_it_was_writte
     assert distance(0.1) > distance(0) < distance(-0.1)
 
 
+def test_parallel_cranks_far_away_are_the_nearest_ones_too() -> None:
+    """Their rows depend on each other but for the digits of 1e6 m, and steps end in rounding."""
+
+    def placed(far: float) -> np.ndarray[Any, Any]:
+        moments = {"xx": 2.0, "yy": 2.5, "zz": 1.5, "xy": 0.2, "yz": -0.4, "zx": 0.1}
+        tilted = {"quaternion": [5, -3, 1, 2], "order": "wxyz"}
+        bodies: Tree = {
+            "plate": {"position": [far - 0.22, 1.75, 0], "orientation": tilted},
+            **{crank: {"position": [far - 0.47 + k, 0.75, 0]} for k, crank in enumerate("abc")},
+        }
+        for body in bodies.values():
+            body |= {"mass": 1, "inertia": moments}
+        shown = [-0.5641025641025641, -0.6666666666666666, 0.4871794871794872]
+        across = [0.7435897435897436, -0.6666666666666666, -0.05128205128205128]
+        joints: Tree = {}
+        for k, crank in enumerate("abc"):
+            foot = {"type": "revolute", "bodies": ["ground", crank], "axis": [0, 0, 1]}
+            joints[f"foot_{k}"] = foot | {"points": [[far - 0.5 + k, 0.75, 0], [0, 0, 0]]}
+            head = {"type": "revolute", "bodies": [crank, "plate"], "axes": [[0, 0, 1], shown]}
+            joints[f"head_{k}"] = head | {"points": [[0.25, 1, 0], [k * x for x in across]]}
+        places = [body.r for body in assemble(built(bodies, joints)).bodies]
+        return np.array(places) - [far, 0, 0]
+
+    assert np.abs(placed(1e6) - placed(0.0)).max() < 1e-9
+
+
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 0.1])
 def test_closed_loops_close_though_their_rows_repeat_each_other(size: float) -> None:
     system = assemble(disturbed(system_of(n_four_bar(2)), size))
