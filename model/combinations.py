@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from kousoku.model import precise
 from kousoku.model.coordinates import Measure
 from kousoku.model.errors import SceneError
-from kousoku.model.frames import joint_vectors
-from kousoku.model.joints import ANGLE, DISPLACEMENT, NAMES
+from kousoku.model.frames import joint_points, joint_vectors
+from kousoku.model.joints import ANGLE, DISPLACEMENT, JOINTS, NAMES
 from kousoku.model.mechanism import COMBINATION, Instance, Term
 from kousoku.model.precise import CONTEXT, NOISE
 from kousoku.model.traced import Traced, at_scene
@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from kousoku.model.spatial import Joint
 
 USUAL = 8
-"""Powers of two that the largest factor of a linear coupling may have."""
+"""Powers of two that the largest factor of a linear coupling may have, lengths counted in one of
+the scene."""
 
 FOLDED = 1e-3
 """Shafts whose 1 + cos of the angle between them is less are folded back on each other."""
@@ -101,19 +102,46 @@ def _linear(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
     if "m" in units:  # what is multiplied with an angle is a length
         pairs = zip(factors, units, strict=True)
         factors = [f * coordinates.unit if of == "rad" else f for f, of in pairs]
-    scale = _scale_of(factors)
+    sizes = [float(at_scene(factor)) for factor in factors]
+    if "m" in units and "rad" in units:
+        length = _length_of(coordinates)
+        sizes = [f / length if of == "rad" else f for f, of in zip(sizes, units, strict=True)]
+    scale = _scale_of(sizes)
     terms = [(place, scale * f) for place, f in zip(places, factors, strict=True)]
     return replace(_as_written(name, terms, coordinates), scale=scale)
 
 
-def _scale_of(factors: Sequence[High]) -> float:
+def _scale_of(factors: Sequence[float]) -> float:
     """Return what factors are multiplied by, so that their row has the size of other rows.
 
     A row that is far smaller would count as one that depends on others, and nothing would keep it.
     """
-    largest = max(abs(float(at_scene(factor))) for factor in factors)
+    largest = max(map(abs, factors))
     exponent = frexp(largest)[1] if largest else 0
     return 1.0 if abs(exponent) <= USUAL else ldexp(1.0, 1 - exponent)
+
+
+def _length_of(coordinates: CoordinateList) -> float:
+    """Return a length of a scene that compares radians with metres, whatever its units [m].
+
+    The largest distance, along an axis, of a point of a joint from the centre of mass of a body;
+    where there is none, that of a body from the origin.
+    """
+    scene, frames, unit = coordinates.scene, coordinates.frames, coordinates.unit
+    arms: list[float] = []
+    for joint in scene.joints.values():
+        kind = JOINTS.get(NAMES[joint.type])
+        if kind is None or not kind.has_point:
+            continue
+        ends = frames[joint.ends[0]], frames[joint.ends[1]]
+        for end, point in zip(ends, joint_points(joint, ends), strict=True):
+            arms += end.point(point, unit) if end.index >= 0 else ()
+        if joint.length is not None:
+            arms.append(float(unit * at_scene(precise.number(joint.length))))
+    if any(arms):
+        return max(map(abs, arms))
+    places = (unit * at_scene(x) for frame in frames.values() for x in frame.position)
+    return float(max(map(abs, places))) or 1.0
 
 
 def _constant_velocity(

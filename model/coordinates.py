@@ -148,12 +148,12 @@ class CoordinateList:
 
     Attributes
     ----------
-    unit : number [m]
-        The unit of the scene.
+    scene, frames, unit
+        As given.
     """
 
     def __init__(self, scene: Scene, frames: Mapping[str, BodyFrame], unit: High) -> None:
-        self._scene, self._frames, self.unit = scene, frames, unit
+        self.scene, self.frames, self.unit = scene, frames, unit
         self._places: dict[str, int] = {}
         self._records: list[Coordinate] = []
         self._values: list[High] = []
@@ -186,10 +186,10 @@ class CoordinateList:
         """Return the place of a coordinate of the scene."""
         if name in self._places:
             return self._places[name]
-        given = self._scene.coordinates[name]
+        given = self.scene.coordinates[name]
         near: High | None = None if given.near is None else precise.number(given.near)
         if near is None and given.joint is not None:
-            joint = self._scene.joints[given.joint]
+            joint = self.scene.joints[given.joint]
             near = self._starts.get((given.joint, sort_of(joint.type, given.of)))
         return self.add(name, self._measure(given), near)
 
@@ -203,11 +203,11 @@ class CoordinateList:
         of : {"angle", "second_angle", "displacement", "second_displacement"}, optional
             Which of them, where it leaves more than one free.
         """
-        record = self._scene.joints[joint]
+        record = self.scene.joints[joint]
         sort = sort_of(record.type, of)
         if (joint, sort) in self._named:
             return self.place(self._named[joint, sort])
-        measure = joint_measure(record, sort, self._frames)
+        measure = joint_measure(record, sort, self.frames)
         return self.add(f"{joint}.{sort}", measure, self._starts.get((joint, sort)))
 
     def starts_at(self, joint: str, sort: str, angle: float) -> None:
@@ -244,14 +244,14 @@ class CoordinateList:
 
     def _measure(self, given: Named) -> Measure:
         if given.joint is not None:
-            joint = self._scene.joints[given.joint]
-            return joint_measure(joint, sort_of(joint.type, given.of), self._frames)
+            joint = self.scene.joints[given.joint]
+            return joint_measure(joint, sort_of(joint.type, given.of), self.frames)
         if given.bodies is not None:
             assert given.points is not None
-            i, j = (self._frames[body] for body in given.bodies)
+            i, j = (self.frames[body] for body in given.bodies)
             start, end = map(precise.triple, given.points)
             return Measure("length", (i, j), points=(start, end))
         assert given.body is not None
         assert given.along is not None
         point = precise.triple(given.point or (0.0, 0.0, 0.0))
-        return place_measure(self._frames[given.body], point, precise.triple(given.along))
+        return place_measure(self.frames[given.body], point, precise.triple(given.along))

@@ -18,7 +18,7 @@ from kousoku.model.quaternions import quaternion
 from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
     from kousoku.model.solids import Box, Cylinder, Inertia
     from kousoku.model.spatial import Body
@@ -148,13 +148,11 @@ def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
     x, y, z = ((row[0], row[1], row[2]) for row in tensor)
     images = [(precise.dot(x, b), precise.dot(y, b), precise.dot(z, b)) for b in rows]
     turned = [[precise.dot(a, image) for image in images] for a in rows]
-    off = [turned[i][j] for i, j in PAIRS]
-    limit = SAME * max(abs(at_scene(turned[i][i])) for i in range(3))
-    if not any(isinstance(x, Traced) or abs(x) > limit for x in off):
+    if not _shown_off_diagonal(turned):
         return (turned[0][0], turned[1][1], turned[2][2]), p
     a = [list(row) for row in tensor]
     axes = [[CONTEXT.mpf(int(i == j)) for j in range(3)] for i in range(3)]
-    pairs = [(i, j) for i, j in PAIRS if a[i][j]]
+    pairs = _shown_off_diagonal(a)
     if len(pairs) != 1:
         raise SceneError(
             "has principal axes that parameters turn in space; wanted parts that keep an axis of"
@@ -163,6 +161,30 @@ def traced_principal(tensor: list[list[High]]) -> tuple[Triple, Quadruple]:
     _clear(a, axes, *pairs[0])
     (x, y, z) = ((row[0], row[1], row[2]) for row in axes)
     return (a[0][0], a[1][1], a[2][2]), precise.quaternion_of((x, y, z))
+
+
+def _shown_off_diagonal(tensor: Sequence[Sequence[High]]) -> list[tuple[int, int]]:
+    """Return where elements off the diagonal are not zero.
+
+    A formula that is zero but for rounding is so beside the moments, with any parameters: in sums
+    of products of which all but one vanish, nothing else tells how large the numbers were.
+    """
+    diagonal = [tensor[i][i] for i in range(3)]
+    limit = SAME * max(abs(at_scene(x)) for x in diagonal)
+
+    def is_shown(x: High) -> bool:
+        if not isinstance(x, Traced):
+            return bool(abs(x) > limit)
+        moments = ([abs(_value(one, k)) for one in diagonal] for k in range(len(x.values)))
+        pairs = zip(x.values, moments, strict=True)
+        return not all(abs(value) <= precise.NOISE * max(sizes) for value, sizes in pairs)
+
+    return [(i, j) for i, j in PAIRS if is_shown(tensor[i][j])]
+
+
+def _value(x: High, k: int) -> High:
+    """Return a number with the parameters of the scene, k = 0, or with others."""
+    return x.values[k] if isinstance(x, Traced) else x
 
 
 def _tangent(less: High, element: High) -> High:

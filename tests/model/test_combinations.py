@@ -137,6 +137,19 @@ def test_a_linear_coupling_has_rows_of_the_size_of_others_whatever_its_factors(s
     assert found["way"] == pytest.approx(row.scale * 2 * size, rel=1e-15)
 
 
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_a_linear_coupling_is_the_same_row_in_any_unit_of_length(size: float) -> None:
+    """A factor of an angle is a length, and is large or small beside those of the scene."""
+    arm = [[0, 0, 0], [0, 3 * size, 0]]
+    pinion = {"type": "revolute", "bodies": ["ground", "b"], "points": arm, "axis": Z}
+    sums = {"type": "coupler", "coordinates": ["turn", "way"], "factors": [2 * size, 0.25]}
+    tree = two_bodies(sums=sums, pinion=pinion, rack=on_ground("prismatic", "a"))
+    tree["coordinates"] = {"turn": {"joint": "pinion"}, "way": {"joint": "rack"}}
+    system, row = coupling(tree)
+    assert row.scale == 1.0
+    assert terms(system, row) == pytest.approx({"turn": 0.02 * size, "way": 0.25})
+
+
 @pytest.mark.parametrize("bend", [0.0, 0.4, 2.0, 3.0])
 def test_a_constant_velocity_joint_holds_at_any_bend_and_turns_about_the_line_between(
     bend: float,

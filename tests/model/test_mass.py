@@ -8,9 +8,11 @@ import pytest
 
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
-from kousoku.model.mass import MassProperties, mass_properties
+from kousoku.model.mass import MassProperties, mass_properties, traced_principal
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
+from kousoku.model.traced import CONTEXT, Traced, parameter
+from kousoku.model.varying import Varying
 
 Tree = dict[str, Any]
 
@@ -185,3 +187,30 @@ def test_scenes_with_the_same_formulas_and_other_parameters_have_masses_of_their
         return float(system_of(scene_from_dict(tree), ()).bodies[0].mass)
 
     assert [mass(2.0), mass(7.0), mass(2.0)] == [2.0, 7.0, 2.0]
+
+
+@pytest.mark.parametrize("keys", [{"mass": 1e-9}, {"length": 1e-9}, {}])
+def test_a_radius_turns_no_axes_in_any_units(keys: Tree) -> None:
+    """Rounding off the diagonal is beside moments, which units make as small as they like."""
+    mass, length = (keys.get(key, 1.0) for key in ("mass", "length"))
+    cylinder = {
+        "mass": mass * 1.90625,
+        "radius": "p",
+        "ends": [[length * x for x in end] for end in ([250, -250, -250], [875, 0, 125])],
+    }
+    body = {"position": [0, 0, 0], "cylinders": [cylinder]}
+    parameters = {"p": length * 200.0}
+    tree = {"name": "one", "unit": "m", "parameters": parameters, "bodies": {"b": body}}
+    (own,) = system_of(scene_from_dict(tree), ()).bodies
+    assert all(isinstance(x, Varying) for x in own.inertia)
+    assert not any(isinstance(x, Varying) for x in own.axes_b)
+
+
+def test_rounding_beside_an_element_off_the_diagonal_is_no_axis() -> None:
+    """One element off the diagonal turns axes about z, whatever rounding leaves of the others."""
+    p = parameter("p", 1.0, 0)
+    noise = p * CONTEXT.mpf(10) ** -52
+    tensor = [[2 * p, p * p / 4, noise], [p * p / 4, 3 * p, noise], [noise, noise, 4 * p]]
+    _, axes = traced_principal(tensor)
+    assert axes[1] == axes[2] == 0
+    assert isinstance(axes[3], Traced)

@@ -36,7 +36,8 @@ if TYPE_CHECKING:
     from kousoku.model.precise import High
 
 CLOSED = 1e-12
-"""What is violated by less than this part of the size of the system fits."""
+"""What is violated by less than this part of the size of the system fits, and smaller steps along
+positions that fit are no steps."""
 
 EXACT = 1e-22
 """Where iterations stop, far beyond the digits of doubles."""
@@ -222,7 +223,8 @@ def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
 def _slid(start: Pose, pose: Pose, search: _Search) -> Pose:
     """Return the positions nearest to ``start``, by steps from positions to others that fit.
 
-    A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay.
+    A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay, unless
+    steps are rounding by then: of rows that depend on others doubles tell the last digits only so.
     """
     metric, rows = search.metric, search.rows
     here, last = pose, metric.norm(pose.since(start))
@@ -234,7 +236,7 @@ def _slid(start: Pose, pose: Pose, search: _Search) -> Pose:
         if size <= SLID * metric.size:
             return here
         if not size < last:
-            break
+            return here if size <= CLOSED * metric.size else pose
         moved = rows.counted(replace(start.moved(normal), near=here.near))
         here, last = search.restored(search.rough.restored(Place.of(moved)).pose()), size
         if violations(rows, here, CLOSED, metric.size):

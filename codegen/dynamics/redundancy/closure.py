@@ -48,6 +48,9 @@ if TYPE_CHECKING:
 
 #: Pivots below it are rounding.
 ROUNDING = 1e-12
+#: What rows miss at the start, of which assembly refuses more than ten times as much, and the same
+#: for each length that a scene is from the origin: more is no rounding.
+OPEN, OPEN_FAR = 1e-13, 2.0**-44
 #: Axes that lean more against each other are not meant to be parallel [rad].
 NEARLY_PARALLEL = 0.1
 #: What counts as equal to the closure tolerance.
@@ -114,7 +117,13 @@ def is_near(branch: Branch, bodies: Sequence[MovingBody]) -> bool:
     c, matrix = branch.start(bodies)
     pivots = factorise(matrix, ROUNDING).pivots
     is_small = len(pivots) > 0 and pivots.min() <= CLEARLY * branch.tolerance
-    return bool(is_small or np.abs(c).max(initial=0.0) > HOLDS)
+    far = max(max(map(abs, body.r)) for body in bodies) / branch.length
+    return bool(is_small or np.abs(c).max(initial=0.0) > _open_from(far))
+
+
+def _open_from(far: float) -> float:
+    """Return what rows miss at the start that is no rounding, so many lengths from the origin."""
+    return min(HOLDS, max(OPEN, OPEN_FAR * far))
 
 
 def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
@@ -262,12 +271,20 @@ def closed_rows(
     regular = [position for position in positions if position.factors.rank == rank]
     regular = [position for position in regular if _is_good(position, places)] or regular
     pivots = branch.left_over(regular[0], places).tolist()
+    limit = HOLDS  # of positions that were searched for
+    if regular[0] is positions[0]:
+        limit = _open_from(float(np.abs(positions[0].r).max()))
+    is_open = np.abs(_missed_alone(branch, regular[0], places)) > limit
     missed = np.zeros(len(left))
     for position in regular:
         missed = np.maximum(missed, np.abs(_missed_alone(branch, position, places)))
     is_length = [branch.is_length(place) for place in places]
     found = zip(left, is_length, pivots, missed.tolist(), strict=True)
-    return tuple(Closed(*one) for one in found if one[2] > ROUNDING or one[3] > HOLDS)
+    return tuple(
+        Closed(*one)
+        for one, starts_open in zip(found, is_open.tolist(), strict=True)
+        if one[2] > ROUNDING or one[3] > HOLDS or starts_open
+    )
 
 
 def _missed_alone(branch: Branch, position: Position, places: Sequence[int]) -> Array:

@@ -14,12 +14,14 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.assemble import MOST_ROWS, assemble
 from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.near_origin import brought_near
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.rough import Place, RoughSearch
+from kousoku.codegen.dynamics.assembly.rough import CLOSE, Place, RoughSearch
 from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.redundancy.branch import HOLDS
 from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
 from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PART
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
@@ -53,13 +55,27 @@ def put_together(given: System) -> System:
         There are none near; rows are neither redundant nor independent.
     """
     left_out = nearly_implied(given)
+    placed: System | None = None
     if left_out:
         with suppress(AssemblyError):
             placed = assemble(given, left_out)
             fixed = without_held(fixed_system(placed))
             if freedom_of(fixed, compose(fixed)).closed:
                 return placed
-    return assemble(given)
+    try:
+        return assemble(given)
+    except AssemblyError:
+        if placed is None or not _holds(fixed_system(placed)):
+            raise
+        return placed
+
+
+def _holds(system: System) -> bool:
+    """Return whether all rows hold as well as they do wherever ranks are looked at."""
+    rows = Residuals.of(system, system.constraints + system.held)
+    c, _ = rows.fast(system.bodies)
+    lengths = np.where(rows.in_metres, Metric(system).size, 1.0)
+    return bool((np.abs(c) <= HOLDS * lengths).all())
 
 
 def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
@@ -81,20 +97,26 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     rows = Residuals.of(system, system.constraints + system.held)
     if not parts or rows.rows > MOST_ROWS:
         return ()
+    metric = Metric(system)
+    system, _ = brought_near(system, metric.size)
+    rows = Residuals.of(system, system.constraints + system.held)
     damping = system.closure_tolerance**2  # what is stiff by less stays where it is
     start = Place.of(Pose.of(system.bodies, system.coordinates))
-    place = RoughSearch(rows, Metric(system)).restored(start, least=damping)
+    search = RoughSearch(rows, metric)
+    place = search.restored(start, least=damping)
     bodies = [
         replace(body, r=tuple(r), p=tuple(p))
         for body, r, p in zip(system.bodies, place.r.tolist(), place.p.tolist(), strict=False)
     ]
     near = [replace(one, near=x) for one, x in zip(system.coordinates, place.near, strict=True)]
     system = replace(system, bodies=tuple(bodies), coordinates=tuple(near))
-    return tuple(found for part in parts for found in _of_part(system, part))
+    missing = search.missing(place)
+    is_open = float(missing @ missing) ** 0.5 > CLOSE * metric.size
+    return tuple(found for part in parts for found in _of_part(system, part, is_open=is_open))
 
 
-def _of_part(system: System, part: Part) -> Iterator[tuple[int, int]]:
-    """Yield the rows of a part."""
+def _of_part(system: System, part: Part, *, is_open: bool) -> Iterator[tuple[int, int]]:
+    """Yield the rows of a part, unless all fit and none is nearly implied."""
     residuals, first = part_residuals(system, part)
     if residuals.rows > MOST_OF_PART:
         return
@@ -118,7 +140,7 @@ def _of_part(system: System, part: Part) -> Iterator[tuple[int, int]]:
         bodies=bodies,
         system=system,
     )
-    if not is_near(branch, bodies):
+    if not (is_open or is_near(branch, bodies)):
         return
     position = next(branch.positions(bodies))
     if float(np.abs(branch.missed(position)).max()) <= CLEARLY * system.closure_tolerance:

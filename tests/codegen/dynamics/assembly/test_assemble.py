@@ -192,6 +192,32 @@ def test_no_turn_that_a_joint_allows_brings_a_body_nearer_to_where_it_was_writte
     assert distance(0.1) > distance(0) < distance(-0.1)
 
 
+def test_parallel_cranks_far_away_are_the_nearest_ones_too() -> None:
+    """Their rows depend on each other but for the digits of 1e6 m, and steps end in rounding."""
+
+    def placed(far: float) -> np.ndarray[Any, Any]:
+        moments = {"xx": 2.0, "yy": 2.5, "zz": 1.5, "xy": 0.2, "yz": -0.4, "zx": 0.1}
+        tilted = {"quaternion": [5, -3, 1, 2], "order": "wxyz"}
+        bodies: Tree = {
+            "plate": {"position": [far - 0.22, 1.75, 0], "orientation": tilted},
+            **{crank: {"position": [far - 0.47 + k, 0.75, 0]} for k, crank in enumerate("abc")},
+        }
+        for body in bodies.values():
+            body |= {"mass": 1, "inertia": moments}
+        shown = [-0.5641025641025641, -0.6666666666666666, 0.4871794871794872]
+        across = [0.7435897435897436, -0.6666666666666666, -0.05128205128205128]
+        joints: Tree = {}
+        for k, crank in enumerate("abc"):
+            foot = {"type": "revolute", "bodies": ["ground", crank], "axis": [0, 0, 1]}
+            joints[f"foot_{k}"] = foot | {"points": [[far - 0.5 + k, 0.75, 0], [0, 0, 0]]}
+            head = {"type": "revolute", "bodies": [crank, "plate"], "axes": [[0, 0, 1], shown]}
+            joints[f"head_{k}"] = head | {"points": [[0.25, 1, 0], [k * x for x in across]]}
+        places = [body.r for body in assemble(built(bodies, joints)).bodies]
+        return np.array(places) - [far, 0, 0]
+
+    assert np.abs(placed(1e6) - placed(0.0)).max() < 1e-9
+
+
 @pytest.mark.parametrize("size", [1e-9, 1e-3, 0.1])
 def test_closed_loops_close_though_their_rows_repeat_each_other(size: float) -> None:
     system = assemble(disturbed(system_of(n_four_bar(2)), size))
@@ -362,6 +388,33 @@ def test_velocities_are_found_and_refused_by_turns_whatever_the_size(size: float
     held["b"]["angular_velocity"] = [1, 2, 9 + 1e-6]
     with pytest.raises(AssemblyError, match="rad/s"):
         assemble(built(held, {"guide": guide}))
+
+
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e9])
+def test_turns_that_a_displacement_follows_are_put_together_whatever_the_size(size: float) -> None:
+    """Counted in metres, the row of a coupling was far from those of other joints."""
+    ball = {"mass": 1, "inertia": dict.fromkeys(("xx", "yy", "zz"), size**2)}
+    bodies = {
+        "wheel": {"position": [0.5 * size, 0.02 * size, 0], "angular_velocity": [0, 0, 1], **ball},
+        "rack": {"position": [0.03 * size, 1.01 * size, 0], **ball},
+    }
+    pinion = {"type": "pin", "bodies": ["ground", "wheel"], "axis": [0, 0, 1]}
+    slide = {"type": "prismatic", "bodies": ["ground", "rack"], "axis": [1, 0, 0]}
+    arms = [[0, 0, 0], [-0.5 * size, 0, 0]], [[0, size, 0], [0, 0, 0.5 * size]]
+    joints = {
+        "pinion": {**pinion, "points": arms[0]},
+        "slide": {**slide, "points": arms[1]},
+        "mesh": {"type": "linear", "coordinates": ["turn", "way"], "factors": [size, -0.25]},
+    }
+    tree = {"name": "s", "unit": "m", "bodies": bodies, "joints": joints}
+    tree["coordinates"] = {"turn": {"joint": "pinion"}, "way": {"joint": "slide"}}
+    placed = assemble(system_of(scene_from_dict(tree)))
+    rows = Residuals.of(placed, placed.constraints)
+    c, rates = rows.fast(placed.bodies)
+    lengths = np.where(rows.in_metres, size, 1.0)
+    assert np.abs(c / lengths).max() < 4 * ULP
+    assert np.abs(rates / lengths).max() < 4 * ULP
+    assert placed.bodies[0].omega_b[2] == pytest.approx(0.25 * placed.bodies[1].v[0] / size)
 
 
 def test_a_large_system_that_does_not_fit_is_refused_at_once() -> None:

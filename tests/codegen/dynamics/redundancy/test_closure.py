@@ -150,6 +150,39 @@ def test_door_on_hinges_that_are_nearly_in_line_turns(by: float) -> None:
     assert len(found.program.left_out) == 5
 
 
+def on_pins(places: tuple[float, float], own: tuple[float, float]) -> str:
+    """Return a door on two hinges in line, each at a place of the ground and at one of its own."""
+    joints = [
+        f'{name} = {{ type = "hinge", bodies = ["ground", "d"], axis = [0, 0, 1],'
+        f" points = [[0, 0, {z!r}], [0, 0, {z_d!r}]] }}"
+        for name, z, z_d in zip("hg", places, own, strict=True)
+    ]
+    return scene("door", "", [body("d", (0, 0.01, 0.01))], joints)
+
+
+@pytest.mark.parametrize("arm", [0.25, 0.5, 2.0])
+@pytest.mark.parametrize("by", [1e-14, 1e-13, 1e-12, 3e-12, 5e-12, 1e-11, 3e-11, 1e-10])
+def test_door_whose_hinges_are_too_far_apart_by_any_little_turns(by: float, arm: float) -> None:
+    """Assembly refuses what is open by 1e-12 lengths; up to 1e-11 that was rounding of the rows."""
+    assert freedom(on_pins((-arm, arm + by), (-arm, arm))).degrees == 1
+
+
+def test_door_whose_hinges_are_too_far_apart_by_digits_of_their_place_turns() -> None:
+    """In 1e6 m doubles do not tell 1e-10 m: what rows miss is looked at near the origin."""
+    far, axis = 40000000.0, [0.008296231623858286, -0.7999724685425992, 0.5999793514069494]
+    own = [0.1659246324771657, -15.999449370851984, 11.999587028138986]
+    joints = [
+        f'{name} = {{ type = "hinge", bodies = ["ground", "d"], axes = [[1, 0, 0], {axis}],'
+        f" points = [[{far + x!r}, -10, -40], {[side * a for a in own]}] }}"
+        for name, x, side in (("h", 10.0, -1.0), ("g", 50.0, 1.0))
+    ]
+    turned = "orientation = { axis = [0, 3, 4], angle = 1.5625 }"
+    mass = "mass = 1, inertia = { xx = 1, yy = 1, zz = 1 }"
+    door = f"d = {{ position = [{far + 30.4!r}, -10, -40], {turned}, {mass} }}"
+    text = scene("door", "", [door], joints).replace('"m"', '"in"')
+    assert freedom(text).degrees == 1
+
+
 @pytest.mark.parametrize("by", [2e-4, 3e-4])
 def test_door_on_hinges_that_may_be_in_line_is_refused(by: float) -> None:
     with pytest.raises(SceneError, match=r"joints\.g: .* beyond joints\.h .* rad apart"):

@@ -1,0 +1,28 @@
+"""The question of changed words: what it takes for a difference, and what for rounding."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+import kousoku as ks
+from tests.random_scenes import random_scene
+from tests.stress import invariance
+from tests.stress.scenes import END, SAMPLES, quick_to_compile
+
+#: What it looks at is no part of kousoku.
+pytestmark = pytest.mark.release
+
+
+def test_a_step_that_rounding_rejects_is_no_other_motion() -> None:
+    """Where a force bends beside a row, the motion was off by its error, 3000 times rounding."""
+    tree = random_scene(random.Random("1 27 1"))
+    with quick_to_compile():
+        motion = ks.load(tree, target="c").simulate(
+            END, samples=SAMPLES, tolerance=invariance.TOLERANCE
+        )
+        units, details = invariance.off(tree, motion, invariance.CHANGES["turned"])
+    assert motion.ledger.rejected
+    assert units <= invariance.LIMIT
+    assert not details
