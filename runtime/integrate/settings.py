@@ -23,7 +23,7 @@ LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
 #: memory.h has it, too.
 CLEARLY = 10.0
 #: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
-#: it changes unevenly in that time where its law bends. switching.h has both, too.
+#: it changes unevenly in that time where its law bends. memory.h has both, too.
 NO_TIME = 8.0
 BENT = 1e-6
 

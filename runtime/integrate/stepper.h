@@ -37,9 +37,9 @@
 #define DIPS 0.75
 #define BESIDE_IT 1e-3
 #define FAR 0.5
-/* such steps are no longer than this, in lengths and radians: how ratios go is not known over longer
- * ones. At tolerances above that none is longer than this: stages may pass by such a place, unless
- * ratios are as steady as this */
+/* such steps are no longer than this, in lengths and radians: how ratios go is not known over
+ * longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
+ * unless ratios are as level as this */
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2

@@ -53,6 +53,9 @@ UNIQUE = 1e-7
 NEAR = 2.5
 #: The unit of error at a condition of one, as a part of the largest number of a sort.
 UNIT = 2.0**-42
+#: What is smaller, as a part of that unit, is rounding of 50 digits, which is another one beside
+#: other factors in doubles: zero.
+NOTHING = 2.0**-40
 
 
 class _UnsuitableError(Exception):
@@ -390,8 +393,9 @@ class _Values:
     def _made(
         self, names: Sequence[str], numbers: Sequence[High | None], size: float
     ) -> dict[str, object]:
-        high = [None if x is None else float(x) for x in numbers]
-        return {"names": list(names), "high": high, "unit": float(f"{self.error * size:.3e}")}
+        unit = self.error * size
+        high = [x if x is None else float(x) * (abs(x) > NOTHING * unit) for x in numbers]
+        return {"names": list(names), "high": high, "unit": float(f"{unit:.3e}")}
 
     def _accelerations(self) -> Iterator[tuple[str, dict[str, object]]]:
         """Yield r̈ of origins and ω̇′; what is not determined is left out."""

@@ -4,7 +4,8 @@
 /* what rows may be off a smooth way, in lengths and radians. A gap between branches of as much as
  * that, times the distance at which it is looked for, is none: about 1e-12 */
 #define OFF_WAY 1e-9
-/* how far beside the place where branches meet that is seen, in a step; how much nearer each time */
+/* how far beside the place where branches meet that is seen, in a step, and how much nearer each
+ * time */
 #define ASIDE 0.03
 #define NEARER 0.1
 /* what rows may be off, of the distance from such a place, where that is not in a step */

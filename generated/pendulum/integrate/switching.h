@@ -25,10 +25,6 @@
 #define BESIDE 1e-7
 #define EQUAL 1e-12
 #define BENDING 4.0
-/* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
- * it changes unevenly in that time where its law bends */
-#define NO_TIME 8.0
-#define BENT 1e-6
 /* samples of an interval, by pieces between them */
 #define PIECES 4
 
