@@ -1,4 +1,4 @@
-"""The same bytes under every hash seed, every supported SymPy, with and without gmpy2."""
+"""The same bytes under every hash seed, BLAS, supported SymPy, with and without gmpy2."""
 
 from __future__ import annotations
 
@@ -55,6 +55,19 @@ def test_every_hash_seed_gives_the_same_bytes(tmp_path: Path) -> None:
         found.append(contents(out))
     assert len(found[0]) == 11 * len(KINDS)
     assert found[0] == found[1] == found[2]
+
+
+@pytest.mark.parametrize("core", ["Prescott", "Haswell", "Zen"])
+def test_a_scene_has_the_committed_bytes_whatever_the_kernels_of_blas(
+    core: str, tmp_path: Path
+) -> None:
+    """OpenBLAS rounds in another order for each sort of processor."""
+    result = run(
+        *("-m", "kousoku", "generate", "--check", "pendulum"),
+        OPENBLAS_CORETYPE=core,
+        KOUSOKU_CACHE=str(tmp_path / "cache"),
+    )
+    assert result.returncode == 0, result.stdout + result.stderr
 
 
 def lay_over(folder: Path, requirements: tuple[str, ...]) -> None:

@@ -394,7 +394,11 @@ class _Values:
         self, names: Sequence[str], numbers: Sequence[High | None], size: float
     ) -> dict[str, object]:
         unit = self.error * size
-        high = [x if x is None else float(x) * (abs(x) > NOTHING * unit) for x in numbers]
+
+        def written(x: High) -> float:
+            return float(x) if abs(x) > NOTHING * unit else 0.0
+
+        high = [None if x is None else written(x) for x in numbers]
         return {"names": list(names), "high": high, "unit": float(f"{unit:.3e}")}
 
     def _accelerations(self) -> Iterator[tuple[str, dict[str, object]]]:
