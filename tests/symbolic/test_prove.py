@@ -77,10 +77,10 @@ def test_a_derivation_with_a_line_negated_does_not_follow(
 ) -> None:
     derivation = derived(package)
     lefts = [step.left for step in derivation.steps]
-    first = min(k for k, left in enumerate(lefts) if left in lefts[:k])
+    last = max(k for k, left in enumerate(lefts) if left in lefts[:k])
     steps = list(derivation.steps)
-    steps[first] = replace(steps[first], right=neg(steps[first].right))
-    with pytest.raises(DerivationError, match=f"step {first + 1} does not follow"):
+    steps[last] = replace(steps[last], right=neg(steps[last].right))
+    with pytest.raises(DerivationError, match=f"step {last + 1} does not follow"):
         prove_steps(replace(derivation, steps=tuple(steps)))
 
 
