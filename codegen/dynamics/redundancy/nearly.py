@@ -93,13 +93,13 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
         redundant to rounding.
     """
     system = on_turns_of_drivers(fixed_system(system))
-    parts = loops_of(system)
-    rows = Residuals.of(system, system.constraints + system.held)
-    if not parts or rows.rows > MOST_ROWS:
+    if not (parts := loops_of(system)):
         return ()
     metric = Metric(system)
     system, _ = brought_near(system, metric.size)
     rows = Residuals.of(system, system.constraints + system.held)
+    if rows.rows > MOST_ROWS:
+        return ()
     damping = system.closure_tolerance**2  # what is stiff by less stays where it is
     start = Place.of(Pose.of(system.bodies, system.coordinates))
     search = RoughSearch(rows, metric)
