@@ -113,9 +113,5 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    hidden = {
-        "Any",
-        "TYPE_CHECKING",
-        "import_module",
-    }  # a list of completions offers the door alone
+    hidden = {"Any", "TYPE_CHECKING", "import_module"}  # completions offer the door alone
     return sorted({*globals(), *__all__} - hidden)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from difflib import get_close_matches
 from functools import cache
 from html import escape
 from importlib.resources import files
@@ -12,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from kousoku.model.errors import NotInResultError
-from kousoku.model.text import table
+from kousoku.model.text import near_name, table
 from kousoku.runtime.integrate.result import listed
 
 if TYPE_CHECKING:
@@ -81,10 +80,8 @@ class _Named(Mapping[str, T]):
     def __getitem__(self, name: str) -> T:
         known = self._aliases.get(_plain(name), name)
         if known not in self._found:
-            near = get_close_matches(str(name), [*self._found, *self._aliases], n=1)
-            hint = f"; did you mean {near[0]!r}?" if near else ""
-            known = ", ".join(self._found)
-            raise NotInResultError(f"no {self._what} {name!r}: there are {known}{hint}")
+            known, near = ", ".join(self._found), near_name(name, [*self._found, *self._aliases])
+            raise NotInResultError(f"no {self._what} {name!r}: there are {known}{near}")
         return self._found[known]
 
     def __iter__(self) -> Iterator[str]:

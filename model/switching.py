@@ -15,17 +15,7 @@ from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.polynomials import even_power, is_never_zero, square_part
-from kousoku.model.terms import (
-    ONE,
-    Apply,
-    Function,
-    Number,
-    add,
-    apply,
-    names_of,
-    neg,
-    ordered,
-)
+from kousoku.model.terms import ONE, Apply, Function, Number, add, apply, names_of, neg, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterator, Sequence

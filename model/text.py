@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from difflib import get_close_matches
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
 
 def table(
@@ -36,3 +37,9 @@ def counted(count: int, name: str, plural: str = "") -> str:
 def with_a(noun: str) -> str:
     """Return a noun with its article: ``a hinge``, ``an edge``, ``a universal``."""
     return f"{'an' if noun[:1] in 'aeiou' and not noun.startswith('uni') else 'a'} {noun}"
+
+
+def near_name(name: object, known: Iterable[str]) -> str:
+    """Return the end of a message that asks for the known name nearest to one, or nothing."""
+    near = get_close_matches(str(name), list(known), n=1)
+    return f"; did you mean {near[0]!r}?" if near else ""

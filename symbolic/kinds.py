@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from difflib import get_close_matches
 from importlib import import_module
 from typing import TYPE_CHECKING
 
 from kousoku.model.errors import DerivationError
+from kousoku.model.text import near_name
 
 if TYPE_CHECKING:
     from kousoku.symbolic.derivation import Derivation
@@ -109,9 +109,8 @@ def packages_of(name: str) -> tuple[str, ...]:
             if plain == _plain(package):
                 return (package,)
     names = [*KINDS, *(alias for entry in KINDS.values() for alias in entry.aliases)]
-    near = get_close_matches(str(name), names, n=1)
-    hint = f"; did you mean {near[0]!r}?" if near else ""
-    raise DerivationError(f"unknown kind {name!r}; known are {', '.join(KINDS)}{hint}")
+    known = ", ".join(KINDS)
+    raise DerivationError(f"unknown kind {name!r}; known are {known}{near_name(name, names)}")
 
 
 def derive(name: str) -> Derivation:

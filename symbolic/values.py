@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from fractions import Fraction
 from numbers import Rational
 from typing import TYPE_CHECKING, Any
@@ -12,6 +11,7 @@ import numpy as np
 import sympy
 
 from kousoku.model.errors import DerivationError
+from kousoku.model.text import near_name
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:
@@ -85,10 +85,9 @@ def _wanted(derivation: Derivation, given: set[str], names: Sequence[str] | None
 
 def _require(what: str, name: str, derivation: Derivation, known: Mapping[str, Any]) -> None:
     if name not in known:
-        near = get_close_matches(str(name), list(known), n=1)
-        hint = f"; did you mean {near[0]!r}?" if near else ""
         raise DerivationError(
-            f"{derivation.name}.at: no {what} {name!r}: there are {', '.join(known)}{hint}"
+            f"{derivation.name}.at: no {what} {name!r}: there are {', '.join(known)}"
+            f"{near_name(name, known)}"
         )
 
 
