@@ -22,6 +22,7 @@ from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.redundancy.left_out import rows_of
+from kousoku.codegen.dynamics.simplification.outline import live_rows
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -98,7 +99,8 @@ class _Equations:
 
     def recorded(self) -> SystemEquations:
         """Record all tasks."""
-        joints = joints_of(self.system, self.recorder, {}, self.body)
+        live = live_rows(self.system, is_planar=False)
+        joints = joints_of(self.system, self.recorder, dict(enumerate(live)))
         count = sum(joint.count for joint in joints)
         names = ("C", "minus_nu", "minus_gamma")
         residuals, *rates = (self.recorder.region(name, count) for name in names)

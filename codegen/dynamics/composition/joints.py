@@ -1,25 +1,22 @@
-"""The joints of a system: instances between the same two bodies, with the rows that matter."""
+"""The joints of a system: instances between the same two bodies, with their rows."""
 
 from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass, field
-from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, Part, frozen
-from kousoku.codegen.dynamics.recording.recorder import Block, column, pattern_of
-from kousoku.codegen.dynamics.recording.traces import Trace
+from kousoku.codegen.dynamics.operations.mechanics import Part
+from kousoku.codegen.dynamics.recording.recorder import Block, column
 from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.recording.recorder import Pattern, Recorder
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.model.mechanism import System
 
 #: How many joints a moving body may have.
 MOST_JOINTS = 64
@@ -99,21 +96,30 @@ def require_few_joints(system: System) -> None:
 
 
 def joints_of(
-    system: System,
-    recorder: Recorder,
-    rows: Mapping[int, Sequence[int]],
-    body: Callable[[int], BodyBlocks],
+    system: System, recorder: Recorder, rows: Mapping[int, Sequence[int]]
 ) -> list[JointBlocks]:
-    """Return the joints that have rows left; rows that are structurally zero are not kept."""
+    """Return the joints that have rows.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    recorder : Recorder
+        The program.
+    rows : mapping of int to sequence of int
+        Rows of each constraint that has some, by its place.
+    """
     found = []
     first = 0
     numbered = list(enumerate(system.constraints))
     for (name, i, j), group in groupby(numbered, lambda x: (x[1].joint, x[1].i, x[1].j)):
         kept, bodies = [], [i, j]
         for place, instance in group:
-            live = live_rows(system, instance, recorder, body)
-            chosen = tuple(row for row in live if row in rows.get(place, live))
+            chosen = tuple(rows.get(place, ()))
             if chosen:
+                for term in instance.terms[:1]:  # numbers stand in the order of their joints
+                    for _, values in system.coordinates[term.coordinate].constants:
+                        recorder.constant(values)
                 names = tuple(name for name, _ in instance.constants)
                 blocks = tuple(recorder.constant(values) for _, values in instance.constants)
                 kept.append((place, Part(instance.kind, chosen, names), blocks))
@@ -133,44 +139,3 @@ def joints_of(
             )
         first += count
     return found
-
-
-def live_rows(
-    system: System, instance: Instance, recorder: Recorder, body: Callable[[int], BodyBlocks]
-) -> tuple[int, ...]:
-    """Return the rows of an instance whose Jacobian is not structurally zero."""
-    if instance.kind != COMBINATION:
-        return _live(instance, recorder, body)
-    terms = (system.coordinates[term.coordinate] for term in instance.terms)
-    return (0,) if any(_live(term, recorder, body) for term in terms) else ()
-
-
-def _live(
-    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
-) -> tuple[int, ...]:
-    i, j = body(one.i), body(one.j)
-    constants = [recorder.constant(values) for _, values in one.constants]
-    pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
-    columns = (*i.columns, *(COLUMNS + k for k in j.columns))
-    names = tuple(name for name, _ in one.constants)
-    return _live_rows(one.kind, names, pattern, tuple(lengths), columns)
-
-
-@cache
-def _live_rows(
-    kind: str,
-    names: tuple[str, ...],
-    pattern: Pattern,
-    lengths: tuple[int, ...],
-    columns: tuple[int, ...],
-) -> tuple[int, ...]:
-    trace = Trace(lengths)
-    nodes = [trace.matrix(*block).flat for block in pattern]
-    inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
-    jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
-    width = 2 * COLUMNS
-    return tuple(
-        row
-        for row in range(len(jacobian) // width)
-        if any(trace.graph.value(jacobian[row * width + k]) != 0 for k in columns)
-    )

@@ -23,6 +23,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, Coordinate, Instance, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -35,7 +36,7 @@ SOLID = {"mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}
 
 def of(system: System, *, may_be_planar: bool = True) -> Freedom:
     system = assemble(system)
-    return freedom_of(system, compose(system, may_be_planar=may_be_planar))
+    return freedom_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
 
 
 def hinge(i: str, j: str, x: float, y: float) -> Tree:
@@ -216,7 +217,7 @@ def test_a_gear_between_mechanisms_apart_makes_one_part_of_them(
 
     assert (part.bodies, part.is_grounded) == ((0, 1, 2, 3), False)
     assert of(system, may_be_planar=False).degrees == 24 - 11
-    assert structure_of(system, compose(system, may_be_planar=False)).parts == 1
+    assert structure_of(system, compose(all_rows(system, may_be_planar=False))).parts == 1
 
 
 def test_angles_count_turns_along_the_branch(mechanisms: SimpleNamespace) -> None:
@@ -260,4 +261,4 @@ def test_a_row_that_nothing_changes_is_refused_with_its_amount(
     system = replace(system, constraints=(*system.constraints, square))
 
     with pytest.raises(SceneError, match=r"^joints\.square: is violated by 0\.6 rad, and no body"):
-        require_unmoved_rows_hold(system, compose(system))
+        require_unmoved_rows_hold(system, all_rows(system).outline)
