@@ -31,7 +31,7 @@ from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTask
 from kousoku.codegen.dynamics.composition.energies import record_energies
 from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
-from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of
+from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, place_numbers
 from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared, points_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.composition.momentum import kept_of, record_momenta
@@ -130,9 +130,11 @@ class _Composer:
         told = system, self.recorder, self.body, combinations
         self.tasks = JointTasks(*told)
         self.reduced = Reduced(analysed.reductions, *told)
-        self.held, self.joints, self.left_out = (
+        places = (*self.reduced.instances, *range(len(system.constraints)))
+        place_numbers(system, self.recorder, places)
+        self.joints, self.held, self.left_out = (
             joints_of(system, self.recorder, by_instance(rows))
-            for rows in (analysed.held, analysed.solved, analysed.left_out)
+            for rows in (analysed.solved, analysed.held, analysed.left_out)
         )
         self.rows = sum(joint.count for joint in self.joints)
         self.residuals = region("C", self.rows)

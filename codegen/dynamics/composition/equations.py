@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.composition.combinations import Combinations
 from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
 from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
-from kousoku.codegen.dynamics.composition.joints import joints_of
+from kousoku.codegen.dynamics.composition.joints import joints_of, place_numbers
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.operations.formulas import Names
 from kousoku.codegen.dynamics.operations.mechanics import Orientation
@@ -99,6 +99,7 @@ class _Equations:
 
     def recorded(self) -> SystemEquations:
         """Record all tasks."""
+        place_numbers(self.system, self.recorder, range(len(self.system.constraints)))
         live = live_rows(self.system, is_planar=False)
         joints = joints_of(self.system, self.recorder, dict(enumerate(live)))
         count = sum(joint.count for joint in joints)

@@ -13,10 +13,10 @@ from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.model.mechanism import System
+    from kousoku.model.mechanism import Coordinate, Instance, System
 
 #: How many joints a moving body may have.
 MOST_JOINTS = 64
@@ -95,6 +95,20 @@ def require_few_joints(system: System) -> None:
             )
 
 
+def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) -> None:
+    """Give numbers of constraints, by their places, the next slots of the workspace.
+
+    Of a combination the first coordinate counts: others have theirs where they are recorded.
+    """
+    for place in instances:
+        one = system.constraints[place]
+        sources: list[Instance | Coordinate] = [one]
+        sources += [system.coordinates[term.coordinate] for term in one.terms[:1]]
+        for source in sources:
+            for _, values in source.constants:
+                recorder.constant(values)
+
+
 def joints_of(
     system: System, recorder: Recorder, rows: Mapping[int, Sequence[int]]
 ) -> list[JointBlocks]:
@@ -117,9 +131,6 @@ def joints_of(
         for place, instance in group:
             chosen = tuple(rows.get(place, ()))
             if chosen:
-                for term in instance.terms[:1]:  # numbers stand in the order of their joints
-                    for _, values in system.coordinates[term.coordinate].constants:
-                        recorder.constant(values)
                 names = tuple(name for name, _ in instance.constants)
                 blocks = tuple(recorder.constant(values) for _, values in instance.constants)
                 kept.append((place, Part(instance.kind, chosen, names), blocks))

@@ -60,6 +60,11 @@ class Reduced:
         self._free: dict[int, Block] = {}
 
     @property
+    def instances(self) -> list[int]:
+        """The joints that bodies are put onto and their drivers, by their places."""
+        return [place for one in self.tasks.values() for place in one.one.instances]
+
+    @property
     def placed(self) -> tuple[int, ...]:
         """The bodies whose centre of mass follows from all else."""
         return tuple(k for k, one in self.tasks.items() if one.one.is_placed)

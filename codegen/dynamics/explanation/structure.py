@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.composition.ordering import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -140,7 +141,8 @@ def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
 
     Of a body that is put onto a joint each row that has any has so many as it has velocities.
     """
-    residuals = Residuals.of(system, system.constraints)
+    fixed = fixed_system(system)
+    residuals = Residuals.of(fixed, fixed.constraints)
     numbers = iter(range(1, 7 * len(program.bodies) + 1))
 
     def anywhere(places: Sequence[Place]) -> list[float]:

@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
 from kousoku.model.mechanism import System
-from kousoku.model.read import read_scene
+from kousoku.model.read import read_scene, scene_from_toml
 from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:
@@ -229,3 +229,28 @@ def test_the_fill_in_of_a_ring_is_counted(mechanisms: SimpleNamespace) -> None:
     found = structure_of(system, compose(all_rows(system)))
 
     assert (found.schur, found.fill_in) == (4 * 6 + 4 * 9, 9)
+
+
+def test_a_scene_whose_couplings_depend_on_parameters_is_explained() -> None:
+    text = """
+        name = "train"
+        unit = "m"
+        [parameters]
+        n = 2.0
+        [bodies.a]
+        position = [0, 0, 0]
+        boxes = [{ mass = 1, size = [1, 1, 0.1] }]
+        [bodies.b]
+        position = [2, 0, 0]
+        boxes = [{ mass = 1, size = [1, 1, 0.1] }]
+        [joints]
+        left = { type = "revolute", bodies = ["ground", "a"], at = [0, 0, 0], axis = [0, 0, 1] }
+        right = { type = "revolute", bodies = ["ground", "b"], at = [2, 0, 0], axis = [0, 0, 1] }
+        mesh = { type = "gear", joints = ["left", "right"], ratio = "-n" }
+        [coordinates]
+        turned = { joint = "left", near = 1.0 }
+    """
+    fixed = text.replace('"-n"', "-2.0")
+    found, known = (explain(scene_from_toml(x)) for x in (text, fixed))
+    assert found.structure == known.structure
+    assert found.freedom.degrees == known.freedom.degrees == 1
