@@ -21,8 +21,11 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.bodies import require_masses, thickened
 from kousoku.codegen.dynamics.composition.joints import require_few_joints
+from kousoku.codegen.dynamics.composition.momentum import kept_of
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
-from kousoku.codegen.dynamics.redundancy.left_out import by_instance
+from kousoku.codegen.dynamics.redundancy.left_out import by_instance, shares_out, take_over
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.simplification.merge import merged
 from kousoku.codegen.dynamics.simplification.outline import outline_of
@@ -35,7 +38,7 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.recording.program import Kept, Row
     from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.codegen.dynamics.simplification.reduction import Reduction
     from kousoku.model.mechanism import System
@@ -92,6 +95,31 @@ class Analysed:
         """Rows that depend on others."""
         dropped = set(self.freedom.dropped)
         return [row for row in self.outline.rows if row in dropped]
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether joints close loops, in which rows may become dependent somewhere."""
+        return bool(loops_of(self.system))
+
+    @property
+    def refines(self) -> bool:
+        """Whether a run may have to refine accelerations, where C_q M⁻¹ C_qᵀ loses digits."""
+        return bool(self.left_out) or self.has_loops or is_uneven(self.system)
+
+    @property
+    def takes_over(self) -> bool:
+        """Whether rows that are left out take over where those that are solved lose rank."""
+        return take_over(len(self.solved), len(self.left_out))
+
+    @property
+    def shares_out(self) -> bool:
+        """Whether forces that are not unique are found by loops, not by code of the scene."""
+        return shares_out(len(self.solved), len(self.left_out))
+
+    @property
+    def momenta(self) -> tuple[Kept, ...]:
+        """Momenta that parts of it keep, in the axes of the plane."""
+        return kept_of(in_xy_plane(self).system, is_planar=self.outline.is_planar)
 
     @property
     def groups(self) -> Sequence[Sequence[str]]:

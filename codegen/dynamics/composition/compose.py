@@ -34,13 +34,12 @@ from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
 from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, place_numbers
 from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared, points_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.composition.momentum import kept_of, record_momenta
+from kousoku.codegen.dynamics.composition.momentum import record_momenta
 from kousoku.codegen.dynamics.composition.reactions import record_reactions, record_wrenches
 from kousoku.codegen.dynamics.composition.reduced import Reduced
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.composition.switching import record_switching
-from kousoku.codegen.dynamics.composition.unevenness import is_uneven
 from kousoku.codegen.dynamics.operations.formulas import Names
 from kousoku.codegen.dynamics.operations.mechanics import (
     FreeAcceleration,
@@ -51,13 +50,7 @@ from kousoku.codegen.dynamics.operations.mechanics import (
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.redundancy.left_out import (
-    by_instance,
-    rows_of,
-    shares_out,
-    take_over,
-)
-from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.left_out import by_instance, rows_of
 from kousoku.codegen.dynamics.simplification.turned import named_back
 from kousoku.model.mechanism import GROUND_INDEX
 
@@ -105,7 +98,7 @@ class _Composer:
 
     def __init__(self, analysed: Analysed, wanted: Collection[str]) -> None:
         system, is_planar = analysed.system, analysed.outline.is_planar
-        self.system = system
+        self.analysed, self.system = analysed, system
         self.shared = Shared(analysed.groups, by_instance(analysed.freedom.idle))
         self.wanted = wanted
         self.is_planar = is_planar
@@ -140,7 +133,7 @@ class _Composer:
         self.residuals = region("C", self.rows)
         beside = sum(joint.count for joint in (*self.left_out, *self.held))
         self.others = region("C_left_out", beside)
-        at_once = not self.left_out and (len(self.joints) > SHORT or bool(loops_of(system)))
+        at_once = not self.left_out and (len(self.joints) > SHORT or analysed.has_loops)
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
     def body(self, index: int) -> BodyBlocks:
@@ -163,7 +156,7 @@ class _Composer:
                 record()
         if "energies" in self.wanted:
             record_energies(self.recorder, self.system, self.bodies, self.forces)
-        kept = kept_of(self.system, is_planar=self.is_planar) if "checks" in self.wanted else ()
+        kept = self.analysed.momenta if "checks" in self.wanted else ()
         if kept:
             record_momenta(self.recorder, self.system, kept, self.body)
         if "checks" in self.wanted:
@@ -334,8 +327,7 @@ class _Composer:
         length = characteristic_length(self.system)
         told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
         known = partial(self.reduced.wrenches, *told)
-        count = len(rows_of(self.left_out))
-        in_loops = "checks" in self.wanted and shares_out(self.rows, count)
+        in_loops = "checks" in self.wanted and self.analysed.shares_out
         record = record or partial(record_reactions, held=self.held, known=known, in_loops=in_loops)
         record(
             self.recorder,
@@ -370,9 +362,9 @@ class _Composer:
 
     def _where_rank_drops(self) -> None:
         """Record what runs need where digits are lost: where rows become dependent, as in loops."""
-        if self.left_out or loops_of(self.system) or is_uneven(self.system):
+        if self.analysed.refines:
             self._refinement()
-        if "reactions" in self.wanted and take_over(self.rows, len(rows_of(self.left_out))):
+        if "reactions" in self.wanted and self.analysed.takes_over:
             self._reaction(record_wrenches)
 
     def _refinement(self) -> None:
