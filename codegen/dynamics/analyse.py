@@ -19,8 +19,6 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.composition.bodies import require_masses, thickened
-from kousoku.codegen.dynamics.composition.joints import require_few_joints
 from kousoku.codegen.dynamics.composition.momentum import kept_of
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.left_out import by_instance, shares_out, take_over
@@ -31,6 +29,11 @@ from kousoku.codegen.dynamics.simplification.merge import merged
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.reduction import reductions_of
+from kousoku.codegen.dynamics.simplification.shapes import (
+    require_few_joints,
+    require_masses,
+    thickened,
+)
 from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
 from kousoku.codegen.dynamics.simplification.weights import weighted
 from kousoku.model.varying import fixed_system

@@ -24,7 +24,6 @@ from kousoku.codegen.dynamics.composition.bodies import (
     body_blocks,
     coordinates,
     gyroscopic_ratios,
-    sizes,
 )
 from kousoku.codegen.dynamics.composition.combinations import Combinations
 from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
@@ -51,6 +50,7 @@ from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.redundancy.left_out import by_instance, rows_of
+from kousoku.codegen.dynamics.simplification.shapes import sizes
 from kousoku.codegen.dynamics.simplification.turned import named_back
 from kousoku.model.mechanism import GROUND_INDEX
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries, Copy, entries_of
-from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, coordinates, sizes
+from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.composition.combinations import Combinations
 from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
 from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
@@ -23,6 +23,7 @@ from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.redundancy.left_out import rows_of
 from kousoku.codegen.dynamics.simplification.outline import live_rows
+from kousoku.codegen.dynamics.simplification.shapes import sizes
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:

@@ -2,24 +2,18 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import Part
 from kousoku.codegen.dynamics.recording.recorder import Block, column
-from kousoku.model.errors import SceneError
-from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.model.mechanism import Coordinate, Instance, System
-
-#: How many joints a moving body may have.
-MOST_JOINTS = 64
 
 
 @dataclass(slots=True)
@@ -74,25 +68,6 @@ class JointBlocks:
     def others(self) -> tuple[int, ...]:
         """Bodies beside i and j."""
         return self.bodies[2:]
-
-
-def require_few_joints(system: System) -> None:
-    """Refuse bodies with so many joints that coupling every two of them is hopeless.
-
-    Raises
-    ------
-    SceneError
-        A body has more than :data:`MOST_JOINTS`.
-    """
-    joints = dict.fromkeys((x.joint, body) for x in system.constraints for body in x.bodies)
-    counts = Counter(body for _, body in joints if body != GROUND_INDEX)
-    for body, count in counts.items():
-        if count > MOST_JOINTS:
-            raise SceneError(
-                f"has {count} joints; at most {MOST_JOINTS} are possible on one body that moves,"
-                " because the cost grows with their cube: divide it into bodies with fixed joints",
-                key=f"bodies.{system.bodies[body].name}",
-            )
 
 
 def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) -> None:

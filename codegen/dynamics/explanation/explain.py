@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, whole
 from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
-from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios, thickened
+from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import counts, operations
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
@@ -23,6 +23,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
+from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.model.errors import SceneError
 

@@ -1,5 +1,6 @@
 """Fewer bodies, coordinates and columns than a scene has.
 
-``merge``, ``rigid_groups``, ``composite``, ``resting_energy``, ``outline``, ``planar``,
-``turned``, ``forces_plane``, ``weights``, ``given_start``, ``reduction``, ``reduced_mass``.
+``merge``, ``rigid_groups``, ``composite``, ``resting_energy``, ``shapes``, ``outline``,
+``planar``, ``turned``, ``forces_plane``, ``weights``, ``given_start``, ``reduction``,
+``reduced_mass``.
 """

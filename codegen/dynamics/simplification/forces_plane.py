@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import NO_TURN, start
 from kousoku.codegen.dynamics.operations.forces import SPRING
 from kousoku.codegen.dynamics.operations.mechanics import frozen
+from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX

@@ -10,11 +10,12 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, shape, sizes
+from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
+from kousoku.codegen.dynamics.simplification.shapes import shape, sizes
 from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 

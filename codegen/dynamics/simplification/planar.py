@@ -18,14 +18,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.composition.bodies import NO_TURN, start
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_rows
+from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import shape
 from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.simplification.shapes import shape
 from kousoku.codegen.dynamics.simplification.turned import turned
 from kousoku.model.errors import SceneError
 

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.checking.run import Workspace
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.recording.inline import inline
