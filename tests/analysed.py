@@ -9,7 +9,7 @@ from kousoku.codegen.dynamics.analyse import (
     ANY,
     Analysed,
     ranked,
-    whole,
+    with_all_rows,
     with_joint_coordinates,
 )
 from kousoku.codegen.dynamics.redundancy.freedom import DependentSet
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 def all_rows(system: System, *, may_be_planar: bool = True) -> Analysed:
     """Return a system, in its plane if it has one, with all rows."""
-    return whole(system, plane_of(system) if may_be_planar else None)
+    return with_all_rows(system, plane_of(system) if may_be_planar else None)
 
 
 def independent(system: System, *, may_be_planar: bool = True) -> Analysed:

@@ -152,7 +152,7 @@ def analyse(system: System, wanted: Collection[str]) -> Analysed:
     return replace(found, lumped=lumped.joints, missing=heavy.missing, thin=heavy.thin)
 
 
-def whole(system: System, shift: int | None) -> Analysed:
+def with_all_rows(system: System, shift: int | None) -> Analysed:
     """Return a system whose rows are all kept.
 
     Parameters
@@ -177,15 +177,15 @@ def whole(system: System, shift: int | None) -> Analysed:
 def ranked(system: System, shift: int | None) -> Analysed:
     """Return a system without the rows that depend on others, at positions where the others hold.
 
-    Parameters and refusals are those of :func:`whole`; and rows that nothing changes must hold.
+    Parameters and refusals are those of :func:`with_all_rows`; rows that nothing changes must hold.
     """
-    found = whole(system, shift)
+    found = with_all_rows(system, shift)
     fixed = fixed_system(system)
     require_unmoved_rows_hold(fixed, found.outline)
     freedom = freedom_of(fixed, found.outline)
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
-        found = whole(system, None if shift is None else plane_of(system))
+        found = with_all_rows(system, None if shift is None else plane_of(system))
     return replace(found, freedom=freedom)
 
 

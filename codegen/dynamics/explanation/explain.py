@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, whole
+from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
 from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
 from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios
@@ -152,19 +152,19 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     apart = _heavy(each)
     system, freedom = found.system, found.freedom
     kept = compose(found, wanted)
-    full = compose(whole(system, found.outline.shift), wanted) if freedom.dropped else kept
-    chosen, wide = with_reactions(found, wanted) if "reactions" in names else (found, kept)
-    prescribed = cheaper(chosen, wanted, wide, PRESCRIBED)
-    program = cheaper(chosen, wanted, wide)
+    full = compose(with_all_rows(system, found.outline.shift), wanted) if freedom.dropped else kept
+    chosen, whole = with_reactions(found, wanted) if "reactions" in names else (found, kept)
+    prescribed = cheaper(chosen, wanted, whole, PRESCRIBED)
+    program = cheaper(chosen, wanted, whole)
     final = inline(program)
     structure = structure_of(system, program)
     steps = [
         *_counted(system, program),
         *_compared(apart, found, full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, kept),
-        *_out_of_plane(kept, wide),
+        *_out_of_plane(kept, whole),
         Step("parts solved apart", f"{structure.parts} without a common moving body"),
-        *_of_reduction(system, freedom, (wide, prescribed, program)),
+        *_of_reduction(system, freedom, (whole, prescribed, program)),
         _step("straight-line code", _of_code(final, program), program, final),
         *_of_design(system, program),
     ]
@@ -188,7 +188,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
 
 def _freedom_apart(system: System) -> Freedom:
     """Return what is known of the rows of a scene in which all bodies are apart."""
-    found = whole(system, plane_of(system))
+    found = with_all_rows(system, plane_of(system))
     return freedom_of(fixed_system(system), found.outline)
 
 
@@ -198,18 +198,18 @@ def _compared(
     """Yield the steps that compare two programs, from one that leaves nothing out."""
     all_of = tuple(dict.fromkeys((*ALL, *wanted)))
     thick = thickened(found.system)
-    unfolded = compose(whole(_generic(_spinning(thick)), None), all_of)
+    unfolded = compose(with_all_rows(_generic(_spinning(thick)), None), all_of)
     if found.lumped:
-        apart = compose(whole(_generic(_spinning(each)), None), all_of)
+        apart = compose(with_all_rows(_generic(_spinning(each)), None), all_of)
         yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
     else:
         yield Step("bodies joined rigidly", _of_fixed(each, wanted))
-    spinning = compose(whole(_spinning(thick), None), all_of)
-    in_space = compose(whole(thick, None), all_of)
+    spinning = compose(with_all_rows(_spinning(thick), None), all_of)
+    in_space = compose(with_all_rows(thick, None), all_of)
     folded = structure_of(thick, in_space)
     yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
     yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
-    everything = compose(whole(found.system, found.outline.shift), all_of)
+    everything = compose(with_all_rows(found.system, found.outline.shift), all_of)
     yield _step("planar", _of_plane(found), in_space, everything)
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 
