@@ -1,4 +1,18 @@
-"""From a scene of bodies to the folder of its solver; SymPy is never started."""
+"""From a scene of bodies to the folder of its solver, stage after stage; SymPy is never started.
+
+``system_of``: Scene → System
+    SI units, principal frames, instances of kinds.
+``put_together``: System → System
+    At positions and velocities that joints and drivers allow.
+``analyse``: System → Analysed
+    Fewer bodies, the plane, masses, rows and ranks: all that is decided beforehand.
+``program_of``: Analysed → Program
+    Composed; of two programs that solve it the better one.
+``inline``: Program → Program
+    Small ones in one function a segment.
+``emit_dynamics``: Program → {file: text}
+    The folder.
+"""
 
 from __future__ import annotations
 
