@@ -177,42 +177,45 @@ def beyond(size: float, most: float, doubt: Doubt) -> Doubt:
 
 
 def judge(
-    state: Mapping[str, float],
-    residuals: Array,
-    held: int,
+    state: Mapping[str, Array],
+    rows: CheckedRows,
     layout: Layout,
     settings: Settings,
     *,
     is_weighed: bool,
     is_driven: bool,
 ) -> Verdict:
-    """Return what speaks against a run; those rows that hold stand first."""
-    moved, is_free = state["energy_moved"], layout.sizes["v"] > held
-    many = HEALTHY * larger(1.0, state["steps"] / PER_STEPS)
+    """Return what speaks against a run; :func:`trust_of` says what is what."""
+    single = {name: float(field) for name, field in state.items() if field.ndim == 0}
+    units = [unit for part in rows for _, unit in part]
+    lengths = [layout.length if unit == "m" else 1.0 for unit in units]
+    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.reduced)
     ends = (residuals[:held], residuals[held:])
     constraints, missed = (float(np.max(part, initial=0.0)) for part in ends)  # a NaN stays
+    moved, is_free = single["energy_moved"], layout.sizes["v"] != held
+    many = HEALTHY * larger(1.0, single["steps"] / PER_STEPS)
     tolerance = FIXED if settings.fixed_step > 0.0 else settings.tolerance
     # where rows take over from others bodies go on where these hold: as far off as rows miss
-    if state["fallbacks"] > 0.0 and missed > MISSES:
+    if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
     limit, off = many * tolerance, many * larger(tolerance, LEAST)
-    known = larger(larger(abs(state["energy"]), abs(state["potential"])), moved)
+    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
     energy_limit = larger(larger(limit * moved, KNOWN * known), HEAT)
     # without signs, so that errors of steps add up that are none in all
-    work_limit = larger(energy_limit, state["steps"] * tolerance * moved)
-    doubts = beyond(state["not_finite"], 0.0, Doubt.NOT_FINITE)
+    work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
+    doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
     doubts |= beyond(missed, CLEARLY * layout.closure_tolerance, Doubt.OPEN)
     # where joints hold all that could move what energy there is is rounding
     if settings.checks and is_weighed and (is_driven or is_free):
-        doubts |= beyond(state["energy_error"], energy_limit, Doubt.ENERGY)
+        doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
         if settings.method == len(METHODS):
-            doubts |= beyond(state["work_error"], work_limit, Doubt.WORKS)
+            doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
     doubts |= beyond(constraints, off, Doubt.CONSTRAINTS)
     if is_free:  # else corrections take away all of the error of a step or row
-        doubts |= beyond(state["drift"], off, Doubt.DRIFT)
-        doubts |= beyond(state["row_drift"], off, Doubt.ROW_DRIFT)
+        doubts |= beyond(single["drift"], off, Doubt.DRIFT)
+        doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
     if not is_driven:
-        doubts |= beyond(state["branch_points"], 0.0, Doubt.BRANCH_POINTS)
+        doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
 
@@ -243,14 +246,11 @@ def trust_of(
     error : kousoku.runtime.error_estimate.ErrorEstimate, optional
         Of its rows.
     """
+    verdict = judge(state, rows, layout, settings, is_weighed=is_weighed, is_driven=is_driven)
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
-    units = [unit for part in rows for _, unit in part]
-    lengths = [layout.length if unit == "m" else 1.0 for unit in units]
-    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.reduced)
-    case = {"is_weighed": is_weighed, "is_driven": is_driven}
-    verdict = judge(single, residuals, held, layout, settings, **case)
     checks, is_led = bool(settings.checks), settings.method == len(METHODS)
-    knows_energy, is_free = checks and is_weighed, layout.sizes["v"] > held
+    knows_energy = checks and is_weighed
+    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
     opened = released(missed_by(state["violations"][0], rows, layout), layout)
