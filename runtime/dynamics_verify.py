@@ -136,12 +136,13 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
     if HEADER not in files:
         return
     text = files[HEADER].decode()
-    doubts = ((f"DOUBT_{doubt.name}", doubt) for doubt in Doubt)
-    for name, value in (*((status.name, status) for status in Status), *doubts):
+    codes = {status.name: status.value for status in Status}
+    codes |= {f"DOUBT_{doubt.name}": doubt.value for doubt in Doubt}
+    for name, value in codes.items():
         found = re.search(rf"_{name} = (.*?),?\n", text)
-        if found is None or found[1] != str(int(value)):
+        if found is None or found[1] != str(value):
             got = "none" if found is None else found[1]
-            yield f"{folder / HEADER}: {name} is {got}, wanted {int(value)}"
+            yield f"{folder / HEADER}: {name} is {got}, wanted {value}"
 
 
 def _solvers(
