@@ -1,7 +1,4 @@
-"""Verdict on a run: how far it can be trusted, and what speaks against that.
-
-What speaks against it is decided here and in ``trust.h`` alike; words are made of it here alone.
-"""
+"""Verdict on a run: what speaks against it, decided as in ``trust.h``, and put into words."""
 
 from __future__ import annotations
 
@@ -59,10 +56,7 @@ class CheckedRows(NamedTuple):
 
 
 class Verdict(NamedTuple):
-    """What speaks against a run, bits of :class:`Doubt`, and what its numbers may be.
-
-    ``constraints`` and ``missed`` are the largest residuals of rows that hold, and of others.
-    """
+    """What speaks against a run, bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
 
     doubts: int
     limit: float
@@ -253,14 +247,14 @@ def trust_of(
     is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
-    opened = released(missed_by(state["violations"][0], rows, layout), layout)
+    opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
     told = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
         f" first at t = {single['not_finite_time']:.9g} s: a formula has no value there; ask for"
         " other times, or write it without the quotient that is 0/0",
-        Doubt.OPEN: f"{listed([key_of(name) for name in opened])} came open by more than ten times"
+        Doubt.OPEN: f"{listed([*opened])} came open by more than ten times"
         f" closure_tolerance, {layout.closure_tolerance:g}: this is not the motion of the scene",
         Doubt.ENERGY: f"energy is off by {shortly(single['energy_error'])} J of {moved} J, wanted"
         f" at most {shortly(verdict.energy_limit)} J",
