@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .crossing import (
     FINEST,
     SMALLEST,
@@ -29,7 +30,6 @@ from .pivot_monitor import (
 )
 from .projection import project, ratio_at
 from .row_switch import forget_trials
-from .scene import larger, smaller
 from .settings import Status
 from .stepper import energy_moved, note_motion, usual_energy, usual_rate
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from .scene import smaller
+from .arithmetic import smaller
 
 if TYPE_CHECKING:
     from .scene import Work

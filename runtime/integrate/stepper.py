@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, mean_square, rounding_of_sum, smaller
 from .branches import stays_on_branch
 from .crossing import (
     SMALLEST,
@@ -38,7 +39,6 @@ from .projection import (
     take_normal_part,
 )
 from .row_switch import forget_trials
-from .scene import larger, mean_square, rounding_of_sum, smaller
 from .settings import Status
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .dense_output import add_dense_rows, hermite_cubic, interpolate
-from .scene import larger, smaller
 from .settings import ACTIONS
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import rounding_of_sum
 from .methods import METHODS
 from .state import State, size_of_state
 from .tasks import Kernel, numbers, places, run_tasks, segment_of
@@ -392,24 +393,3 @@ class RowMemory:
 def state_of(scene: Scene, numbers: Array) -> State:
     """Return a state by names."""
     return State(numbers, scene.state_sizes)
-
-
-def larger(a: float, b: float) -> float:
-    """Return the larger number, the second if the first is a NaN."""
-    return a if a > b else b
-
-
-def smaller(a: float, b: float) -> float:
-    """Return the smaller number, the second if the first is a NaN."""
-    return a if a < b else b
-
-
-def rounding_of_sum(a: Array, b: Array, total: Array) -> Array:
-    """Return what the rounding of total = a + b has left over, exactly (Knuth's TwoSum)."""
-    part = total - a
-    return (a - (total - part)) + (b - part)
-
-
-def mean_square(x: Array, count: int) -> float:
-    """Return the sum of squares over a count, added up in the order of C: both take equal steps."""
-    return float(np.cumsum(x * x)[-1]) / count

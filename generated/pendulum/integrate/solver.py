@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import prepare_dense
@@ -16,7 +17,7 @@ from .pivot_monitor import note_largest_pivot, pivot_ratio
 from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
-from .scene import Work, Workspace, larger, smaller, state_of
+from .scene import Work, Workspace, state_of
 from .settings import ACTIONS, Status
 from .stepper import first_step, step
 from .switching import even_end, meet_switches, resolved_step

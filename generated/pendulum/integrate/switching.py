@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .crossing import (
     EXPLAINED,
     FINEST,
@@ -25,7 +26,6 @@ from .crossing import (
 )
 from .projection import project
 from .row_switch import forget_trials
-from .scene import larger, smaller
 from .settings import BENT, NO_TIME, Status
 
 if TYPE_CHECKING:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .arithmetic import larger
 from .methods import METHODS
 from .result import key_of, listed, shortly
-from .scene import larger
 from .settings import CLEARLY, Doubt
 
 if TYPE_CHECKING:
