@@ -55,6 +55,11 @@ MESSAGES: dict[int, str] = {
     " others where they were looked at, do not depend on them here",
     Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
+#: Instead of the second of them, where steps have a length that was given.
+TOO_LONG = (
+    "the constraints cannot be met inside of a step of {step:g} s, which is too long, or their rows"
+    " are dependent; try a smaller step"
+)
 #: What a note says where bodies have no freedom.
 STILL = "nothing can move"
 #: Bodies are where they fit, though events may have no value there.
@@ -425,6 +430,8 @@ class Run:
             return f"{self.solver.name}: {time}: {MESSAGES[self._status]}: {joints}"
         is_driven = self.options.method == KINEMATICS and self._status == Status.STEP_TOO_SMALL
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
+        if self.options.step is not None and self._status == Status.NOT_PROJECTED:
+            reason = TOO_LONG.format(step=self.options.step)
         where = self._where(self._residuals()) + self._still()
         return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{where}"
 

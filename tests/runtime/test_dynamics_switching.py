@@ -345,3 +345,28 @@ def test_smooth_laws_are_not_looked_at_again(
     run.advance(1)
     assert run.state[run.solver.state["limit"].place] == math.inf
     assert run.finish().is_complete
+
+
+#: Laws of robots and cams from rest to rest, of order 7 and 9: sums of far larger terms.
+REST_TO_REST = (
+    "35*{s}^4 - 84*{s}^5 + 70*{s}^6 - 20*{s}^7",
+    "70*{s}^9 - 315*{s}^8 + 540*{s}^7 - 420*{s}^6 + 126*{s}^5",
+)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("s", ["min(t/2, 1)", "min(max((t - 5)/3, 0), 1)"])
+@pytest.mark.parametrize("law", REST_TO_REST, ids=["order 7", "order 9"])
+def test_law_that_comes_to_rest_goes_on_whatever_rounding_leaves(
+    solver_of: Callable[..., Any], law: str, s: str
+) -> None:
+    runs = []
+    for target in ("c", "numpy"):
+        solver = solver_of(SHAFT.format(law=law.format(s=s), load="0"), target)
+        runs += [solver.simulate(10.0, samples=3, method="kinematics")]
+        assert runs[-1].ledger.trust.is_trusted
+        assert runs[-1]["shaft.e0"][-1] == pytest.approx(math.cos(0.5), abs=1e-12)
+    assert np.array_equal(runs[0].rows, runs[1].rows)
+    bent = SHAFT.format(law=law.format(s=s) + " + 1e-9*sqrt((t - 5.00123)^2 + 1e-30)", load="0")
+    with pytest.raises(MotionError, match=r"at t = 5\.00123 s: .*drivers\.motor"):
+        solver_of(bent).simulate(10.0, samples=3, method="kinematics")
