@@ -270,7 +270,7 @@ class RunLedger:
         if self.branch_points:
             lines.append(
                 f"{self.branch_points} steps so near to where branches of the motion meet that none"
-                f" tells them apart, the last at t = {self.branch_point_time:.6g} s: the motion"
+                f" tells them apart, the first at t = {self.branch_point_time:.6g} s: the motion"
                 " went straight on there, and may be that of another branch"
             )
         if self.fallbacks:

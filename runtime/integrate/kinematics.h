@@ -218,6 +218,7 @@ static double watched_end(
     look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
     const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
     const double seen = seen_end(end, look, s, work);
+    if (look->pole) return cut_at(end_before_pole(look, s), look);
     if (part > 1.0) {
         look->is_untold = look->is_untold || told < end;
         return end;
@@ -267,6 +268,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             if (look.lost) {
                 s->event = look.lost;
                 return NO_VALUE;
+            }
+            if (!(seen > s->time)) {
+                s->pole = look.pole;
+                return INFINITE;
             }
             if (seen < end) {
                 if (seen == look.cut) asked = seen;

@@ -12,6 +12,7 @@ from .crossing import (
     SMALLEST,
     Look,
     cut_at,
+    end_before_pole,
     look_into,
     note_crossings,
     note_unresolved,
@@ -279,6 +280,8 @@ def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
     look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
     told = told_end(end, look) if look.work.scene.has_narrow else end
     seen = seen_end(end, look)
+    if look.pole:
+        return cut_at(end_before_pole(look), look)
     if part > 1.0:
         look.is_untold = look.is_untold or told < end
         return end
@@ -324,6 +327,9 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             if look.lost:
                 state.event = float(look.lost)
                 return Status.NO_VALUE
+            if not seen > state.time:
+                state.pole = float(look.pole)
+                return Status.INFINITE
             if not seen < end:
                 break
             asked = seen if seen == look.cut else asked

@@ -346,7 +346,7 @@ static int step(
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
         const double last = trial.is_last ? end : s->time + h;
-        if (good && trial.error <= 1.0 && (N_CROSSINGS > 0 || asked < last)) {
+        if (good && trial.error <= 1.0 && (N_SWITCHING > 0 || asked < last)) {
             is_whole = make_dense_stages(m, &trial, work, s);
         }
         if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
@@ -379,7 +379,8 @@ static int step(
         if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
             const int is_kept = trial.error <= 1.0;
             const double *f = work->k[m->stages];
-            look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
+            const int has_stages = N_SWITCHING > 0 && is_kept;
+            look_into(settings, m, has_stages, h, work->y, s->f, f, &look, s, work);
             look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
             look.is_kept = is_kept;
             double to = last;
@@ -389,7 +390,18 @@ static int step(
                 look.is_untold = !are_narrow_told(s->time, last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
-            const double seen = is_beyond ? last : seen_end(last, &look, s, work);
+            double seen = is_beyond ? last : seen_end(last, &look, s, work);
+            if (look.pole && !has_stages && make_dense_stages(m, &trial, work, s)) {
+                look_into(settings, m, 1, h, work->y, s->f, f, &look, s, work);
+                seen = seen_end(last, &look, s, work);
+            }
+            if (look.pole) {
+                seen = end_before_pole(&look, s);
+                if (!(seen > s->time)) {
+                    s->pole = look.pole;
+                    return INFINITE;
+                }
+            }
             if (look.lost) {
                 s->event = look.lost;
                 return NO_VALUE;

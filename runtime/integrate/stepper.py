@@ -14,6 +14,7 @@ from .crossing import (
     Look,
     are_narrow_told,
     cut_at,
+    end_before_pole,
     look_into,
     note_crossings,
     note_unresolved,
@@ -449,7 +450,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             note_largest_pivot(work, state)
         is_whole = is_good
         last = end if is_last else state.time + trial.h
-        has_crossings, has_events = len(state.sides) > 0, len(state.counts) > 0
+        has_crossings = len(state.sides) > work.scene.n_poles
+        has_events = len(state.counts) > 0
         if is_good and trial.error <= 1.0 and (has_crossings or asked < last):
             is_whole = make_dense_stages(m, trial, work, state)
         if (is_good or is_fixed) and trial.least_ratio < weak * state.largest_pivot_ratio:
@@ -488,6 +490,14 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                 look.is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
+            if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
+                look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
+                seen = seen_end(last, look)
+            if look.pole:
+                seen = end_before_pole(look)
+                if not seen > state.time:
+                    state.pole = float(look.pole)
+                    return Status.INFINITE
             if look.lost:
                 state.event = float(look.lost)
                 return Status.NO_VALUE

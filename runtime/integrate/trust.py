@@ -77,7 +77,7 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     branch_point_time : float or None [s]
-        When the motion last went so near to where branches of it meet that rounding, or the length
+        When the motion first went so near to where branches of it meet that rounding, or the length
         of steps, decides which of them goes on.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
@@ -240,7 +240,7 @@ def trust_of(
     if single["branch_points"] and not is_driven:
         count = f"{single['branch_points']:.0f} step{'s' * (single['branch_points'] > 1)}"
         problems.append(
-            f"{count} went by a singular configuration, the last to t ="
+            f"{count} went by a singular configuration, the first to t ="
             f" {single['branch_point_time']:.6g} s: the motion may be that of another branch, try"
             f" {advice}"
         )
