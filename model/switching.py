@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import chain
-from math import inf, isfinite
+from math import inf, isfinite, pi
 from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join
@@ -243,8 +243,11 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
         if not isinstance(part, Apply):
             continue
         place, exponent = None, part.args[-1]
-        if part.function in {Function.DIV, Function.TAN, Function.LOG}:
+        if part.function in {Function.DIV, Function.LOG}:
             place = _place_of(part) or part.args[0]
+        elif part.function is Function.TAN:
+            least, most = range_of(part.args[0])
+            place = None if -pi / 2 < least <= most < pi / 2 else _place_of(part)
         elif part.function is Function.POW:
             is_root = isinstance(exponent, Number) and exponent.value > 0
             place = None if is_root else part.args[0]

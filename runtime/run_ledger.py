@@ -88,8 +88,8 @@ class RunLedger:
         for a moment there may be passed over.
     branch_points, branch_point_time : int, float or None [s]
         Steps so near to where branches of the motion meet, as at the change points of a
-        parallelogram, that no length of a step tells them apart, and when the last of them was: the
-        motion went straight on, and may be that of another branch.
+        parallelogram, that no length of a step tells them apart, and when the first was: the motion
+        went straight on, and may be that of another branch.
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, or as good as that, and when
         the last of them is: the polynomial between the states before and after tells their

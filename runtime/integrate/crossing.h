@@ -71,12 +71,13 @@ typedef struct {
 /* a step that is looked at, whose polynomial is in the state: what values are known to, in the
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
- * nothing cuts it, the event without a value right behind its start, counted from 1, and the function
- * that is zero in it where a force is infinite, counted likewise, and when that is */
+ * nothing cuts it, the event without a value right behind its start, counted from 1, the function
+ * that is zero in it where a force is infinite, counted likewise, when that is, and by what rates
+ * change in it, in the mean */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    double pole_time, bend[ROOM(N_MEASURES)]; /* by what rates change in it, in the mean */
+    double pole_time, bend[ROOM(N_MEASURES)];
     int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost, pole;
 } Look;
 
@@ -372,7 +373,8 @@ static void sizes_beside(double way, double time, const double *read, const Look
 /* whether a force is infinite where a function gets on a side of zero at a time, so that no motion
  * leads through: it grows as 1/x or faster on both sides. What is 0/0 there, or jumps, does not
  * grow, and what grows less, as 1/sqrt(x), has a finite integral */
-static int is_infinite(size_t k, int side, double time, const Look *look, const State *s, Work *work)
+static int is_infinite(
+    size_t k, int side, double time, const Look *look, const State *s, Work *work)
 {
     double near[ROOM(N_INFINITE)], there[ROOM(N_INFINITE)], away[ROOM(N_INFINITE)];
     double read[ROOM(N_READ)], far = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
@@ -430,6 +432,20 @@ static double end_before_pole(const Look *look, const State *s)
 {
     const double way = look->pole_time - look->start;
     return way > NO_WAY * s->stride ? look->start + CLOSER * way : look->start;
+}
+
+/* why a run leads no further, where a step would end there; GOOD where it does */
+static int why_stopped(double seen, const Look *look, State *s)
+{
+    if (look->lost) {
+        s->event = look->lost;
+        return NO_VALUE;
+    }
+    if (look->pole && !(seen > s->time)) {
+        s->pole = look->pole;
+        return INFINITE;
+    }
+    return GOOD;
 }
 
 /* where a step to an end must end: where a function first crosses, or how far was looked */

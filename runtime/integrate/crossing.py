@@ -18,7 +18,7 @@ import numpy as np
 
 from .dense_output import add_dense_rows, hermite_cubic, interpolate
 from .scene import larger, smaller
-from .settings import ACTIONS
+from .settings import ACTIONS, Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -521,6 +521,18 @@ def end_before_pole(look: Look) -> float:
     """Return where a step ends before a pole that is seen in it: at its start if that is near."""
     way = look.pole_time - look.start
     return look.start + CLOSER * way if way > NO_WAY * look.state.stride else look.start
+
+
+def why_stopped(seen: float, look: Look) -> Status:
+    """Return why a run leads no further, where a step would end there; GOOD where it does."""
+    state = look.state
+    if look.lost:
+        state.event = float(look.lost)
+        return Status.NO_VALUE
+    if look.pole and not seen > state.time:
+        state.pole = float(look.pole)
+        return Status.INFINITE
+    return Status.GOOD
 
 
 def gap_across(k: int, side: float, time: float, far: float, look: Look) -> float:

@@ -265,14 +265,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         if (N_SEEN > 0) {
             const double seen = watched_end(settings, end, part, &look, s, work);
-            if (look.lost) {
-                s->event = look.lost;
-                return NO_VALUE;
-            }
-            if (!(seen > s->time)) {
-                s->pole = look.pole;
-                return INFINITE;
-            }
+            const int why = why_stopped(seen, &look, s);
+            if (why != GOOD) return why;
             if (seen < end) {
                 if (seen == look.cut) asked = seen;
                 longest = larger(seen, s->time + FINEST * whole) - s->time;

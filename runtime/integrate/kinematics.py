@@ -18,6 +18,7 @@ from .crossing import (
     note_unresolved,
     seen_end,
     told_end,
+    why_stopped,
 )
 from .dense_output import hermite_cubic
 from .methods import METHODS
@@ -324,12 +325,9 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
             seen = watched_end(s, end, part, look) if work.scene.sees else end
-            if look.lost:
-                state.event = float(look.lost)
-                return Status.NO_VALUE
-            if not seen > state.time:
-                state.pole = float(look.pole)
-                return Status.INFINITE
+            why = why_stopped(seen, look)
+            if why != Status.GOOD:
+                return why
             if not seen < end:
                 break
             asked = seen if seen == look.cut else asked

@@ -237,7 +237,7 @@ def trust_of(
                 f"{name} {shortly(size)} of a length of the scene, wanted at most {shortly(most)}"
             )
     problems += [*beyond, *[f"try {advice}"] * bool(beyond)]
-    if single["branch_points"] and not is_driven:
+    if single["branch_points"] and not is_led:
         count = f"{single['branch_points']:.0f} step{'s' * (single['branch_points'] > 1)}"
         problems.append(
             f"{count} went by a singular configuration, the first to t ="
