@@ -19,8 +19,10 @@ if TYPE_CHECKING:
 CART = """
 name = "cart"
 unit = "m"
-[bodies]
-cart = {{ position = [0, 0, 0], velocity = [1, 0, 0], mass = 1 }}
+[bodies.cart]
+position = [0, 0, 0]
+velocity = [1, 0, 0]
+boxes = [{{ mass = 1, size = [0.2, 0.2, 0.2] }}]
 [joints]
 rail = {{ type = "prismatic", bodies = ["ground", "cart"], at = [0, 0, 0], axis = [1, 0, 0] }}
 [coordinates]
