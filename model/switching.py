@@ -135,7 +135,7 @@ def seen_of(system: System) -> Seen:
     infinite: dict[Expression, None] = {}
     for text, key in _texts(system):
         if text and key:
-            for part in varying(parsed[text]):
+            for part in _summands(parsed[text]):
                 own = dict.fromkeys(_poles_of(part, {TIME, *of_state}), key)
                 poles = own | poles
                 infinite |= dict.fromkeys([part] * bool(own))
@@ -254,6 +254,14 @@ def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Express
         for zero in _zeros_of(place) if place is not None else ():
             if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
                 yield zero
+
+
+def _summands(formula: Expression) -> Iterator[Expression]:
+    """Yield what a formula is a sum of: a product may be finite where a factor is not."""
+    if isinstance(formula, Apply) and formula.function in {Function.ADD, Function.NEG}:
+        yield from chain.from_iterable(map(_summands, formula.args))
+    else:
+        yield formula
 
 
 def _zeros_of(place: Expression) -> Iterator[Expression]:

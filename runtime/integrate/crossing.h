@@ -371,14 +371,14 @@ static void sizes_beside(double way, double time, const double *read, const Look
 }
 
 /* whether a force is infinite where a function gets on a side of zero at a time, so that no motion
- * leads through: it grows as 1/x or faster on both sides. What is 0/0 there, or jumps, does not
+ * leads through: it grows as 1/x or faster on a side. What is 0/0 there, or jumps, does not
  * grow, and what grows less, as 1/sqrt(x), has a finite integral */
 static int is_infinite(
     size_t k, int side, double time, const Look *look, const State *s, Work *work)
 {
     double near[ROOM(N_INFINITE)], there[ROOM(N_INFINITE)], away[ROOM(N_INFINITE)];
     double read[ROOM(N_READ)], far = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
-    int is_pole[ROOM(N_INFINITE)], any = 0;
+    int is_pole = 0;
     Node a, b;
     read_at(time, look, s, work, read);
     for (;;) {
@@ -397,11 +397,10 @@ static int is_infinite(
             const double both = near[i] * away[i], square = there[i] * there[i];
             const int grows = near[i] > STEEP * there[i] && there[i] > STEEP * away[i] &&
                               both <= EVENLY * square && square <= EVENLY * both;
-            is_pole[i] = (n == 0 || is_pole[i]) && (grows || !isfinite(near[i]));
+            is_pole = is_pole || grows || isinf(near[i]);
         }
     }
-    for (size_t i = 0; i != N_INFINITE; ++i) any = any || is_pole[i];
-    return any;
+    return is_pole;
 }
 
 /* finds the first pole of a force between two nodes, but behind nothing else that crosses there,

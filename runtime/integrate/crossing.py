@@ -494,7 +494,7 @@ def sizes_beside(way: float, time: float, read: Array, look: Look) -> Array:
 def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
     """Return whether a force is infinite where a function gets on a side of zero at a time.
 
-    So that no motion leads through: it grows as 1/x or faster on both sides. What is 0/0 there, or
+    So that no motion leads through: it grows as 1/x or faster on a side. What is 0/0 there, or
     jumps, does not grow, and what grows less, as 1/sqrt(x), has a finite integral.
     """
     read, far = read_at(time, look), ROUNDINGS * SMALLEST * larger(abs(time), look.h)
@@ -505,7 +505,7 @@ def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
         far *= FURTHER
         if not far < look.state.stride:
             return True  # rounding hides that
-    is_pole = np.ones(len(look.work.w.infinite) // 4, dtype=bool)
+    is_pole = np.zeros(len(look.work.w.infinite) // 4, dtype=bool)
     for way in (-far, far):
         near = sizes_beside(FURTHER * FURTHER * way, time, read, look)
         there = sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, look)
@@ -513,7 +513,7 @@ def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
         grows = (near > STEEP * there) & (there > STEEP * away)
         both, square = near * away, there * there
         grows &= (both <= EVENLY * square) & (square <= EVENLY * both)
-        is_pole &= grows | ~np.isfinite(near)
+        is_pole |= grows | np.isinf(near)
     return bool(is_pole.any())
 
 
