@@ -8,7 +8,8 @@ enum { NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED), NOT_PROJECTED = PUBLIC(NOT_PROJECT
 enum {
     STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL),
     NO_VALUE = PUBLIC(NO_VALUE),
-    BENDS = PUBLIC(BENDS)
+    BENDS = PUBLIC(BENDS),
+    INFINITE = PUBLIC(INFINITE)
 };
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */

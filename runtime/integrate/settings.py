@@ -72,6 +72,7 @@ class Status(IntEnum):
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
+    ``INFINITE``: a force is infinite right behind the time that was reached.
     """
 
     GOOD = 0
@@ -87,6 +88,7 @@ class Status(IntEnum):
     NOT_CLOSED = -6
     NO_VALUE = -7
     BENDS = -8
+    INFINITE = -9
 
 
 class Doubt(IntFlag):

@@ -95,7 +95,7 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     branch_point_time : float or None [s]
-        When the motion last went so near to where branches of it meet that rounding, or the length
+        When the motion first went so near to where branches of it meet that rounding, or the length
         of steps, decides which of them goes on.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
@@ -208,7 +208,7 @@ def judge(
     if is_free:  # else corrections take away all of the error of a step or row
         doubts |= beyond(single["drift"], off, Doubt.DRIFT)
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
-    if not is_driven:
+    if settings.method != len(METHODS):
         doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
@@ -266,7 +266,7 @@ def trust_of(
         f" {shortly(single['row_drift'])} {far}",
         OF_STEPS: f"try {advice}",
         Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
-        f" configuration, the last to t = {single['branch_point_time']:.6g} s: the motion may be"
+        f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
     }
     problems = [text for doubt, text in told.items() if doubt & verdict.doubts]

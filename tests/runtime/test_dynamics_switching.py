@@ -77,6 +77,18 @@ def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
         assert run.ledger.steps < 300
 
 
+@pytest.mark.parametrize("law", ["((t - 5)^2)^(3/2)", "((t - 5)^4)^0.625"])
+@pytest.mark.parametrize("method", ["kinematics", "dopri5", "dop853"])
+def test_roots_of_even_powers_have_their_derivatives_where_they_are_zero(
+    solver_of: Callable[..., Any], law: str, method: str
+) -> None:
+    run = solver_of(SHAFT.format(law=f"({law})/100", load="0"))
+    motion = run.simulate(END, samples=11, method=method)
+    assert np.isfinite(motion.rows).all()
+    speed = 0.75 if "3/2" in law else 0.025 * 5**1.5
+    assert motion.angular_velocity["shaft"][-1, 2] == pytest.approx(speed, rel=1e-12)
+
+
 @pytest.mark.parametrize("rows", [2, 11, 100, 101, 102, 201])
 @pytest.mark.parametrize(
     ("law", "load", "work"),
