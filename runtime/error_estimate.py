@@ -79,7 +79,9 @@ def second_options(options: Options) -> Options:
     if options.step is not None:
         return replace(again, method="dop853", step=SHORTER * options.step)
     method = "dopri5" if options.method == "dop853" else "dop853"
-    return replace(again, method=method, tolerance=max(STRICTER * options.tolerance, LEAST_TOLERANCE))
+    return replace(
+        again, method=method, tolerance=max(STRICTER * options.tolerance, LEAST_TOLERANCE)
+    )
 
 
 def second_times(times: Array, options: Options) -> Array:

@@ -267,7 +267,7 @@ def test_solver_that_is_called_alone_refuses_what_a_run_refuses(
     settings = solver.begin(TIMES).options.settings()
     rows = np.empty((len(TIMES), solver.target.row_size))
 
-    def status_with(**given: float) -> int:
+    def status_with(**given: Any) -> int:
         """Return what the first call of a new run returns."""
         run = solver.begin(TIMES)
         memory = Memory(run.state, run._memory.work)
