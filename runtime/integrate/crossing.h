@@ -36,6 +36,9 @@
 #define SOON 0.1
 /* what rates are known to of a length in a step, in units of the tolerance */
 #define SLOW 1e-4
+/* a function is near to zero where it is less than so many times what it is known to; what that is
+ * further away tells nothing of how near it comes between */
+#define BANDS 16.0
 
 enum {
     N_SEEN = N_CROSSINGS + N_NARROW,
@@ -199,11 +202,12 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
     const double falls = side < 0 ? -bounds[3] : bounds[2];
     const double rises = side < 0 ? -bounds[2] : bounds[3];
     const double band = larger(half_width(a, k), half_width(b, k));
+    const double first = sign * middle(a, k), last = sign * middle(b, k);
+    const double within = side == 0 || smaller(first, last) < BANDS * band ? band : 0.0;
     if (side != 0 && side_at(b, k) == -side) return rises <= 0.0;
-    if (least > -band || falls >= 0.0 || rises <= 0.0) return 1;
+    if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
     if (side == 0) return bounds[1] < band;
-    const double first = sign * middle(a, k) + band, last = sign * middle(b, k) + band;
-    return stays_positive(first, last, falls, rises, b->time - a->time);
+    return stays_positive(first + within, last + within, falls, rises, b->time - a->time);
 }
 
 /* whether a function has a value at a node */

@@ -59,6 +59,9 @@ ROUNDINGS = 64.0
 SOON = 0.1
 #: What rates are known to of a length in a step, in units of the tolerance.
 SLOW = 1e-4
+#: A function is near to zero where it is less than so many times what it is known to; what that is
+#: further away tells nothing of how near it comes between.
+BANDS = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -260,9 +263,11 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
     band = largest(half_width(a)[:n], half_width(b)[:n])
-    is_clear = (least > -band) | (falls >= 0.0) | (rises <= 0.0)
-    first, last = sign * middle(a)[:n] + band, sign * middle(b)[:n] + band
-    is_positive = stays_positive(first, last, falls, rises, b.time - a.time)
+    first, last = sign * middle(a)[:n], sign * middle(b)[:n]
+    is_near = (sides == 0.0) | (smallest(first, last) < BANDS * band)
+    within = np.where(is_near, band, 0.0)
+    is_clear = (least > -within) | (falls >= 0.0) | (rises <= 0.0)
+    is_positive = stays_positive(first + within, last + within, falls, rises, b.time - a.time)
     stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     told: Flags = np.where(crosses, rises <= 0.0, stays)

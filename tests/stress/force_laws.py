@@ -148,6 +148,7 @@ wall = {{ type = "along", coordinate = "x", force = "{law}" }}
 WALLS = {
     "triangle_wall": ("-height*max(0, 1 - abs(2*(x - place)/width - 1))", 0.5),
     "step_wall": ("-height*(sign(x - place) + 1)*(sign(place + width - x) + 1)/4", 1.0),
+    "cap_wall": ("-height*max(0, 1 - (2*(x - place)/width - 1)^2)", 2.0 / 3.0),
     "gauss_wall": ("-height*exp(-(12*(x - place)/width - 6)^2)", math.sqrt(math.pi) / 12.0),
     "trapezoid_wall": (
         "-height*max(0, min(1, (x - place)/(0.1*width), (place + width - x)/(0.1*width)))",
