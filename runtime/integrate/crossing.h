@@ -201,12 +201,14 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
     const double least = side < 0 ? -bounds[1] : bounds[0];
     const double falls = side < 0 ? -bounds[3] : bounds[2];
     const double rises = side < 0 ? -bounds[2] : bounds[3];
-    const double band = larger(half_width(a, k), half_width(b, k));
+    const double band_a = half_width(a, k), band_b = half_width(b, k);
     const double first = sign * middle(a, k), last = sign * middle(b, k);
-    const double within = side == 0 || smaller(first, last) < BANDS * band ? band : 0.0;
+    const double near_a = side == 0 || first < BANDS * band_a ? band_a : 0.0;
+    const double near_b = side == 0 || last < BANDS * band_b ? band_b : 0.0;
+    const double within = larger(near_a, near_b);
     if (side != 0 && side_at(b, k) == -side) return rises <= 0.0;
     if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
-    if (side == 0) return bounds[1] < band;
+    if (side == 0) return bounds[1] < within;
     return stays_positive(first + within, last + within, falls, rises, b->time - a->time);
 }
 

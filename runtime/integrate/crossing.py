@@ -262,13 +262,14 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band = largest(half_width(a)[:n], half_width(b)[:n])
+    band_a, band_b = half_width(a)[:n], half_width(b)[:n]
     first, last = sign * middle(a)[:n], sign * middle(b)[:n]
-    is_near = (sides == 0.0) | (smallest(first, last) < BANDS * band)
-    within = np.where(is_near, band, 0.0)
+    near_a = np.where((sides == 0.0) | (first < BANDS * band_a), band_a, 0.0)
+    near_b = np.where((sides == 0.0) | (last < BANDS * band_b), band_b, 0.0)
+    within = largest(near_a, near_b)
     is_clear = (least > -within) | (falls >= 0.0) | (rises <= 0.0)
     is_positive = stays_positive(first + within, last + within, falls, rises, b.time - a.time)
-    stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
+    stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     told: Flags = np.where(crosses, rises <= 0.0, stays)
     return told
