@@ -95,6 +95,10 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
             return div(add(mul(dy, x), neg(mul(y, dx))), square)
         case Function.MAX | Function.MIN:
             return _of_extreme(part, *slopes)
+        case Function.LOG_SUM:
+            (a, b), (da, db) = args, slopes
+            shares = [apply(Function.SHARE, add(x, neg(y))) for x, y in ((a, b), (b, a))]
+            return add(mul(shares[0], da), mul(shares[1], db))
         case _:
             return mul(_slope(part), slopes[0])
 
@@ -139,6 +143,8 @@ def _slope(part: Apply) -> Expression:
             return div(ONE, x)
         case Function.ABS:
             return apply(Function.SIGN, x)
+        case Function.SHARE:
+            return mul(part, apply(Function.SHARE, neg(x)))
         case _:  # SIGN
             return ZERO
 

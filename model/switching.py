@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.decode import join
 from kousoku.model.derivative import derivative
+from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
@@ -123,7 +124,7 @@ def seen_of(system: System) -> Seen:
     varying = partial(varying_parts, varying={TIME, *of_state})
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
-    narrow = found(varying, is_state=True)
+    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
     laws: dict[Expression, str] = {}
     for one in system.constraints:
         if one.law:
@@ -142,7 +143,7 @@ def seen_of(system: System) -> Seen:
     read = set(chain.from_iterable(map(names_of, (*crossings, *narrow, *poles, *infinite))))
     return Seen(
         tuple(dict.fromkeys(switches)),
-        found(varying, is_state=False),
+        tuple(map(without_overflow, found(varying, is_state=False))),
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
         narrow,

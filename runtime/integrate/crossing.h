@@ -44,6 +44,9 @@
  * where the way is this part of its longest step */
 #define CLOSER 0.9
 #define NO_WAY 1e-6
+/* a function is near to zero where it is less than so many times what it is known to; what that is
+ * further away tells nothing of how near it comes between */
+#define BANDS 16.0
 
 enum {
     N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
@@ -215,12 +218,15 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
     const double least = side < 0 ? -bounds[1] : bounds[0];
     const double falls = side < 0 ? -bounds[3] : bounds[2];
     const double rises = side < 0 ? -bounds[2] : bounds[3];
-    const double band = larger(half_width(a, k), half_width(b, k));
+    const double band_a = half_width(a, k), band_b = half_width(b, k);
+    const double first = sign * middle(a, k), last = sign * middle(b, k);
+    const double near_a = side == 0 || first < BANDS * band_a ? band_a : 0.0;
+    const double near_b = side == 0 || last < BANDS * band_b ? band_b : 0.0;
+    const double within = larger(near_a, near_b);
     if (side != 0 && side_at(b, k) == -side) return rises <= 0.0;
-    if (least > -band || falls >= 0.0 || rises <= 0.0) return 1;
-    if (side == 0) return bounds[1] < band;
-    const double first = sign * middle(a, k) + band, last = sign * middle(b, k) + band;
-    return stays_positive(first, last, falls, rises, b->time - a->time);
+    if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
+    if (side == 0) return bounds[1] < within;
+    return stays_positive(first + within, last + within, falls, rises, b->time - a->time);
 }
 
 /* whether a function has a value at a node */

@@ -67,6 +67,9 @@ EVENLY = 1.5
 #: where the way is this part of its longest step.
 CLOSER = 0.9
 NO_WAY = 1e-6
+#: A function is near to zero where it is less than so many times what it is known to; what that is
+#: further away tells nothing of how near it comes between.
+BANDS = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -277,11 +280,14 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band = largest(half_width(a)[:n], half_width(b)[:n])
-    is_clear = (least > -band) | (falls >= 0.0) | (rises <= 0.0)
-    first, last = sign * middle(a)[:n] + band, sign * middle(b)[:n] + band
-    is_positive = stays_positive(first, last, falls, rises, b.time - a.time)
-    stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
+    band_a, band_b = half_width(a)[:n], half_width(b)[:n]
+    first, last = sign * middle(a)[:n], sign * middle(b)[:n]
+    near_a = np.where((sides == 0.0) | (first < BANDS * band_a), band_a, 0.0)
+    near_b = np.where((sides == 0.0) | (last < BANDS * band_b), band_b, 0.0)
+    within = largest(near_a, near_b)
+    is_clear = (least > -within) | (falls >= 0.0) | (rises <= 0.0)
+    is_positive = stays_positive(first + within, last + within, falls, rises, b.time - a.time)
+    stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     told: Flags = np.where(crosses, rises <= 0.0, stays)
     return told

@@ -14,6 +14,8 @@ enum {
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0
+/* tolerances are from this one on, and below 1; settings.py has it, too */
+#define LEAST_TOLERANCE 1e-15
 /* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
  * it changes unevenly in that time where its law bends. settings.py has both, too */
 #define NO_TIME 8.0
