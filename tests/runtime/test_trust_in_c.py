@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, get_type_hints
+from typing import TYPE_CHECKING, Any, cast, get_type_hints
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 import kousoku
 from kousoku.codegen.dynamics.assembly.assemble import assemble
@@ -18,6 +19,7 @@ from kousoku.model.errors import MotionError
 from kousoku.model.families import n_four_bar
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
+from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.integrate.settings import Doubt, Settings, Status
 from kousoku.runtime.integrate.trust import CheckedRows, Verdict, judge
@@ -153,6 +155,22 @@ def test_works_that_steps_did_not_see_are_doubted(monkeypatch: pytest.MonkeyPatc
     run.finish()
     compiled = load_dynamics(solver.target.sources.place(), target="c")
     assert same(compiled, run.options.settings(), run.state) == Doubt.WORKS
+
+
+@pytest.mark.usefixtures("numpy_solver", "shipped_flags")
+def test_a_row_without_a_value_hides_nothing_of_the_others(bodies_folder: Any) -> None:
+    """Both targets keep the largest residuals; C forgot those before a NaN of accelerations."""
+    load = 'type = "torque", body = "crank", torque = [0, 0, "sin(t - 0.5)/(t - 0.5)"]'
+    free = to_toml(replace(four_bar(), drivers={}, parameters={}, gravity=(0, -9.81, 0)))
+    scene = scene_from_toml(f"{free}\n[forces]\nm = {{ {load} }}\n")
+    folder, found = bodies_folder(scene, ("accelerations",)), []
+    for target in ("c", "numpy"):
+        solver = load_dynamics(folder, target=cast("Any", target))
+        run = solver.begin(np.linspace(0.0, 1.0, 11))
+        assert "first at t = 0.5 s" in run.finish().ledger.trust.why
+        found.append(solver.state["violations"].view(run.state).copy())
+    assert np.isfinite(found[0]).all()
+    np.testing.assert_array_equal(*found)
 
 
 def loosened(folder: Path) -> DynamicsSolver:
