@@ -13,6 +13,9 @@ enum {
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0
+/* bodies that a step moves by no more than that, in lengths and radians, count as at rest: their
+ * velocities are compared with that */
+#define NOTHING_MOVES 1e-4
 /* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
  * it changes unevenly in that time where its law bends. settings.py has both, too */
 #define NO_TIME 8.0

@@ -25,6 +25,16 @@ static double largest_residual(const State *s, size_t first, size_t end)
 /* a doubt where a number is larger than it may be, or a NaN */
 static int beyond(double size, double most, int doubt) { return size <= most ? 0 : doubt; }
 
+/* how much larger energies are of the velocities with which errors are compared: 1 unless bodies
+ * are at rest in the longest step: what moves there is then rounding, and what steps make of it,
+ * and all of its energy may be an error */
+static double at_rest(const State *s)
+{
+    const double way = s->fastest * s->stride;
+    const double part = 0.0 < way && way < NOTHING_MOVES ? NOTHING_MOVES / way : 1.0;
+    return part * part;
+}
+
 /* what speaks against a run; no energy is known of drivers that move what has no mass: they do no
  * work. Where joints hold all that could move what energy there is is rounding */
 static void judge(const Settings *settings, const State *s, Verdict *verdict)
@@ -39,7 +49,7 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
     if (s->fallbacks > 0.0 && missed > MISSES) tolerance = larger(tolerance, missed);
     const double limit = many * tolerance, off = many * larger(tolerance, LEAST);
     const double known = larger(larger(fabs(s->energy), fabs(s->potential)), moved);
-    const double energy_limit = larger(larger(limit * moved, KNOWN * known), HEAT);
+    const double energy_limit = larger(larger(limit * moved * at_rest(s), KNOWN * known), HEAT);
     /* without signs, so that errors of steps add up that are none in all */
     const double work_limit = larger(energy_limit, s->steps * tolerance * moved);
     int doubts = beyond(s->not_finite, 0.0, PUBLIC(DOUBT_NOT_FINITE));

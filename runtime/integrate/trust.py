@@ -13,7 +13,7 @@ import numpy as np
 from .methods import METHODS
 from .result import key_of, listed, shortly
 from .scene import larger
-from .settings import CLEARLY, Doubt
+from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -176,6 +176,17 @@ def beyond(size: float, most: float, doubt: Doubt) -> Doubt:
     return Doubt(0) if size <= most else doubt
 
 
+def at_rest(single: Mapping[str, float]) -> float:
+    """Return how much larger energies are of the velocities with which errors are compared.
+
+    It is 1 unless bodies are at rest in the longest step: what moves there is then rounding, and
+    what steps make of it, and all of its energy may be an error.
+    """
+    way = single["fastest"] * single["stride"]
+    part = NOTHING_MOVES / way if 0.0 < way < NOTHING_MOVES else 1.0
+    return part * part
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
@@ -200,7 +211,7 @@ def judge(
         tolerance = larger(tolerance, missed)
     limit, off = many * tolerance, many * larger(tolerance, LEAST)
     known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
-    energy_limit = larger(larger(limit * moved, KNOWN * known), HEAT)
+    energy_limit = larger(larger(limit * moved * at_rest(single), KNOWN * known), HEAT)
     # without signs, so that errors of steps add up that are none in all
     work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
