@@ -48,7 +48,7 @@ GROWTH = {
     "chain_2": 230.0,
     "chain_10": 20.0,
     "chain_30": 1.7,
-    "governor": 1.0,
+    "governor": 2.6,
     "slider_crank": 57.0,
     "bricard": 460.0,
     "driven_pendulum": 15.0,
