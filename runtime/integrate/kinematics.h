@@ -198,7 +198,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     s->time_before = end > asked ? s->time : end;
     s->time = end;
     s->steps += 1;
-    note_motion(h, s);
+    note_motion(h, last.y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(f_before, s->f, NY * sizeof *s->y);
     memcpy(s->y, last.y, NY * sizeof *s->y);

@@ -263,7 +263,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
-    note_motion(h, state, work)
+    note_motion(h, last.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
     state.f[:] = last.f

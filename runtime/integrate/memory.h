@@ -16,6 +16,9 @@ enum {
 #define CLEARLY 10.0
 /* tolerances are from this one on, and below 1; settings.py has it, too */
 #define LEAST_TOLERANCE 1e-15
+/* bodies that a step moves by no more than that, in lengths and radians, count as at rest: their
+ * velocities are compared with that */
+#define NOTHING_MOVES 1e-4
 /* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
  * it changes unevenly in that time where its law bends. settings.py has both, too */
 #define NO_TIME 8.0

@@ -24,6 +24,9 @@ LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
 #: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
 #: memory.h has it, too.
 CLEARLY = 10.0
+#: Bodies that a step moves by no more than that, in lengths of the scene and radians, count as at
+#: rest: their velocities are compared with that. memory.h has it, too.
+NOTHING_MOVES = 1e-4
 #: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
 #: it changes unevenly in that time where its law bends. memory.h has both, too.
 NO_TIME = 8.0

@@ -52,7 +52,6 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define PART 0.05
-#define NOTHING_MOVES 1e-4
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
@@ -81,21 +80,24 @@ static void add_to_start(const double *start, double *y, double *low)
     }
 }
 
-/* the largest speed so far, in lengths of the scene and radians [1/s] */
-static double fastest(const State *s) { return larger(s->fastest, size_of(s->y + NQ)); }
+/* the largest speed so far and at the end of a step, in lengths of the scene and radians [1/s] */
+static double fastest(const double *end, const State *s)
+{
+    return larger(larger(s->fastest, size_of(s->y + NQ)), size_of(end + NQ));
+}
 
 /* what the rates of a step are compared with, in lengths of the scene and radians [1/s]: told by
  * the motion, in other units of time it is the same */
 static double usual_rate(double h, const double *end, const State *s)
 {
-    const double known = larger(fastest(s), size_of(end + NQ));
+    const double known = fastest(end, s);
     return smaller(PART / h, larger(NOTHING_MOVES / larger(s->stride, h), known));
 }
 
 /* notes what later steps are compared with */
-static void note_motion(double h, State *s)
+static void note_motion(double h, const double *end, State *s)
 {
-    s->fastest = fastest(s);
+    s->fastest = fastest(end, s);
     s->stride = larger(s->stride, h);
 }
 
@@ -289,7 +291,7 @@ static void accept(
     s->steps += 1;
     note_branch_point(s->time, trial->leaps, s);
     s->position_ratio = trial->last_ratio;
-    note_motion(h, s);
+    note_motion(h, work->y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);

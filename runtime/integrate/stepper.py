@@ -41,7 +41,7 @@ from .projection import (
     take_normal_part,
 )
 from .row_switch import forget_trials
-from .settings import Status
+from .settings import NOTHING_MOVES, Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -106,7 +106,6 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
-NOTHING_MOVES = 1e-4
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
@@ -163,9 +162,10 @@ def add_to_start(start: Array, y: Array, low: Array | None) -> None:
     y[:] = total
 
 
-def fastest(state: State, work: Work) -> float:
-    """Return the largest speed so far, in lengths of the scene and radians [1/s]."""
-    return larger(state.fastest, work.w.size_of(state.y[work.scene.nq :]))
+def fastest(end: Array, state: State, work: Work) -> float:
+    """Return the largest speed so far and at the end of a step, in lengths and radians [1/s]."""
+    size_of, nq = work.w.size_of, work.scene.nq
+    return larger(larger(state.fastest, size_of(state.y[nq:])), size_of(end[nq:]))
 
 
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
@@ -173,13 +173,13 @@ def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
 
     It is told by the motion: in other units of time it is the same.
     """
-    known = larger(fastest(state, work), work.w.size_of(end[work.scene.nq :]))
+    known = fastest(end, state, work)
     return smaller(PART / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
 
 
-def note_motion(h: float, state: State, work: Work) -> None:
+def note_motion(h: float, end: Array, state: State, work: Work) -> None:
     """Note what later steps are compared with."""
-    state.fastest = fastest(state, work)
+    state.fastest = fastest(end, state, work)
     state.stride = larger(state.stride, h)
 
 
@@ -384,7 +384,7 @@ def accept(
     state.steps += 1
     note_branch_point(state.time, state, is_there=trial.leaps)
     state.position_ratio = trial.last_ratio
-    note_motion(h, state, work)
+    note_motion(h, work.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low

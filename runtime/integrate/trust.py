@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger
 from .methods import METHODS
 from .result import key_of, listed, shortly
-from .settings import CLEARLY, Doubt
+from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -170,6 +170,19 @@ def beyond(size: float, most: float, doubt: Doubt) -> Doubt:
     return Doubt(0) if size <= most else doubt
 
 
+def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) -> float:
+    """Return which part of the energy that has moved may be lost.
+
+    It is the limit, unless bodies move so little in the longest step that velocities and their
+    errors are compared with more: at rest all that moves may be such an error.
+    """
+    way = single["fastest"] * single["stride"]
+    if settings.fixed_step > 0.0 or not 0.0 < way < NOTHING_MOVES:
+        return limit
+    part = limit * (NOTHING_MOVES / way)
+    return part + part * part
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
@@ -194,7 +207,8 @@ def judge(
         tolerance = larger(tolerance, missed)
     limit, off = many * tolerance, many * larger(tolerance, LEAST)
     known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
-    energy_limit = larger(larger(limit * moved, KNOWN * known), HEAT)
+    part = allowed_part(limit, settings, single)
+    energy_limit = larger(larger(part * moved, KNOWN * known), HEAT)
     # without signs, so that errors of steps add up that are none in all
     work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
