@@ -22,7 +22,6 @@ __all__ = ["entries", "find", "keys", "prove"]
 def entries() -> tuple[Entry, ...]:
     """Return all entries, document by document, in the order of reading."""
     from kousoku.ledger import (
-        lecture_7_1,
         lecture_8_2,
         lecture_8_2_parallel,
         link_element,
@@ -30,9 +29,10 @@ def entries() -> tuple[Entry, ...]:
         link_method,
         mass_points,
     )
+    from kousoku.ledger.documents import lecture_7_1
+    from kousoku.ledger.reading import read
 
     parts = (
-        lecture_7_1,
         lecture_8_2,
         lecture_8_2_parallel,
         link_element,
@@ -40,7 +40,7 @@ def entries() -> tuple[Entry, ...]:
         link_examples,
         mass_points,
     )
-    return tuple(entry for part in parts for entry in part.ENTRIES)
+    return (*read(lecture_7_1), *(entry for part in parts for entry in part.ENTRIES))
 
 
 @cache

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from functools import partial
 
+from kousoku.ledger.checks import different, equal
 from kousoku.ledger.entry import LECTURE_8_2, Check, Entry
 from kousoku.ledger.priming import only_with
-from kousoku.ledger.proof import different, equal
 from kousoku.ledger.two_vectors import offset, primed, words
 from kousoku.ledger.two_vectors_code import in_code, varied_in_code
 from kousoku.ledger.two_vectors_rows import (

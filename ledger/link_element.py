@@ -6,9 +6,9 @@ from functools import partial
 
 from kousoku.ledger import link_checks as checks
 from kousoku.ledger import link_steps as steps
+from kousoku.ledger.checks import equal
 from kousoku.ledger.entry import LINK_PAPER, Check, Entry
 from kousoku.ledger.link_words import derived, words
-from kousoku.ledger.proof import equal
 from kousoku.symbolic.matrices import elements
 
 _entry = partial(Entry, LINK_PAPER)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import sympy
 from sympy.matrices.expressions import BlockMatrix, MatrixSymbol, ZeroMatrix
 
+from kousoku.ledger.checks import different, equal
 from kousoku.ledger.entry import MASS_POINTS, Check, Entry
 from kousoku.ledger.mass_sums import (
     CENTRE,
@@ -35,7 +36,7 @@ from kousoku.ledger.mass_words import (
     unreadable,
     words,
 )
-from kousoku.ledger.proof import different, equal, equality, value_of
+from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.turning import along
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.mass import OMEGA_B

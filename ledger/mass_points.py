@@ -9,6 +9,7 @@ from sympy import S
 from sympy.matrices.expressions import MatrixSymbol, ZeroMatrix
 
 from kousoku.ledger import mass_matrix, mass_sums
+from kousoku.ledger.checks import different, equal
 from kousoku.ledger.entry import MASS_POINTS, Check, Entry
 from kousoku.ledger.mass_words import (
     ACCELERATION,
@@ -27,7 +28,7 @@ from kousoku.ledger.mass_words import (
     scaled,
     words,
 )
-from kousoku.ledger.proof import difference, different, equal, equality
+from kousoku.ledger.proof import difference, equality
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity

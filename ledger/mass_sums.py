@@ -6,6 +6,7 @@ from functools import partial
 
 from sympy.matrices.expressions import Transpose, ZeroMatrix
 
+from kousoku.ledger.checks import different, equal
 from kousoku.ledger.entry import MASS_POINTS, Check, Entry
 from kousoku.ledger.mass_words import (
     ACCELERATION,
@@ -17,7 +18,6 @@ from kousoku.ledger.mass_words import (
     unreadable,
     words,
 )
-from kousoku.ledger.proof import different, equal
 from kousoku.symbolic.matrices import Skew
 
 _entry = partial(Entry, MASS_POINTS)

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 from sympy import S
 from sympy.matrices.expressions import Identity, MatrixSymbol
 
+from kousoku.ledger.checks import equal
 from kousoku.ledger.entry import Check
-from kousoku.ledger.proof import equal, refuted
+from kousoku.ledger.proof import refuted
 from kousoku.ledger.turning import along, flat, orientation, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 from sympy.matrices.expressions import BlockMatrix, MatAdd
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.ledger.proof import equal, value_of
+from kousoku.ledger.checks import equal
+from kousoku.ledger.proof import value_of
 from kousoku.ledger.two_vectors import offset, words
 from kousoku.model.rows import ROWS
 from kousoku.symbolic import derive

@@ -14,8 +14,8 @@ import sympy
 from sympy import Rational, S
 from sympy.matrices.expressions import ZeroMatrix
 
+from kousoku.ledger.checks import equal
 from kousoku.ledger.entry import Check
-from kousoku.ledger.proof import equal
 from kousoku.ledger.two_vectors import offset
 from kousoku.ledger.two_vectors_code import derived, outputs, packages, selection
 from kousoku.model.errors import LedgerError

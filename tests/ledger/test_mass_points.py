@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 import pytest
 
 from kousoku.ledger import find, mass_words
+from kousoku.ledger.checks import equal
 from kousoku.ledger.entry import MASS_POINTS
 from kousoku.ledger.mass_points import ENTRIES
 from kousoku.ledger.mass_words import centred, in_step, one_point, unreadable, words
-from kousoku.ledger.proof import equal, prove, proved, refuted
+from kousoku.ledger.proof import prove, proved, refuted
 from kousoku.model.errors import LedgerError
 from kousoku.symbolic import derive
 from kousoku.symbolic.matrices import neg
