@@ -22,25 +22,25 @@ __all__ = ["entries", "find", "keys", "prove"]
 def entries() -> tuple[Entry, ...]:
     """Return all entries, document by document, in the order of reading."""
     from kousoku.ledger import (
-        lecture_8_2,
-        lecture_8_2_parallel,
         link_element,
         link_examples,
         link_method,
         mass_points,
     )
-    from kousoku.ledger.documents import lecture_7_1
+    from kousoku.ledger.documents import lecture_7_1, lecture_8_2
     from kousoku.ledger.reading import read
 
     parts = (
-        lecture_8_2,
-        lecture_8_2_parallel,
         link_element,
         link_method,
         link_examples,
         mass_points,
     )
-    return (*read(lecture_7_1), *(entry for part in parts for entry in part.ENTRIES))
+    return (
+        *read(lecture_7_1),
+        *read(lecture_8_2),
+        *(entry for part in parts for entry in part.ENTRIES),
+    )
 
 
 @cache
