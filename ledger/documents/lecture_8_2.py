@@ -147,7 +147,7 @@ def _jacobian_of(package: str, latex: str) -> Value:
     return BlockMatrix([blocks])
 
 
-# -- states ----------------------------------------------------------------------------------------
+# -- states --------------------------------------------------------------------------------------
 
 _AXES = {"i": (Rational(1, 2), S(3), S(-2)), "j": (S(1), Rational(-5, 3), S(4))}
 
@@ -373,7 +373,7 @@ def largest_in_space_changes() -> str:
     return "x, then y; a′ is constant, so that in the frame of i the choice is made once"
 
 
-# -- blocks of the Jacobian -----------------------------------------------------------------------
+# -- blocks of the Jacobian ----------------------------------------------------------------------
 
 
 @NAMES.proof()
