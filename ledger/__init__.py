@@ -21,18 +21,18 @@ __all__ = ["entries", "find", "keys", "prove"]
 @cache
 def entries() -> tuple[Entry, ...]:
     """Return all entries, document by document, in the order of reading."""
-    from kousoku.ledger import mass_points
     from kousoku.ledger.documents import (
         lecture_7_1,
         lecture_8_2,
         link_element,
         link_examples,
         link_method,
+        mass_points,
     )
     from kousoku.ledger.reading import read
 
-    parts = (lecture_7_1, lecture_8_2, link_element, link_method, link_examples)
-    return (*(entry for part in parts for entry in read(part)), *mass_points.ENTRIES)
+    parts = (lecture_7_1, lecture_8_2, link_element, link_method, link_examples, mass_points)
+    return tuple(entry for part in parts for entry in read(part))
 
 
 @cache

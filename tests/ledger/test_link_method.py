@@ -9,6 +9,7 @@ import pytest
 import sympy
 
 from kousoku.ledger.documents import link_method
+from kousoku.ledger.documents.link_element import code
 from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, determinant
 from kousoku.ledger.proof import prove
 from kousoku.ledger.reading import read
@@ -100,7 +101,7 @@ def test_a_proof_fails_where_the_code_derives_something_else(
     monkeypatch: pytest.MonkeyPatch, left: str, key: str
 ) -> None:
     prove(ENTRIES[key])
-    true = link_method.code()
+    true = code()
     steps = tuple(replace(s, right=-s.right) if str(s.left) == left else s for s in true.steps)
     monkeypatch.setattr(link_method, "code", lambda: replace(true, steps=steps))
     with pytest.raises(LedgerError, match=f"the code's step for {left}".replace("^*", r"\^\*")):
@@ -110,7 +111,7 @@ def test_a_proof_fails_where_the_code_derives_something_else(
 def test_the_step_that_substitutes_is_compared_multiplied_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    true = link_method.code()
+    true = code()
     steps = tuple(replace(s, left=2 * s.left) if s.source == "20" else s for s in true.steps)
     monkeypatch.setattr(link_method, "code", lambda: replace(true, steps=steps))
     with pytest.raises(LedgerError, match="the code's step"):
