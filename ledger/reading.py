@@ -24,9 +24,6 @@ if TYPE_CHECKING:
 
     from kousoku.ledger.names import Names, Seen
 
-#: Arguments that are formulas; a number is that side of the entry's own one.
-_FORMULAS = ("formula", "left", "right")
-
 
 def read(part: ModuleType) -> tuple[Entry, ...]:
     """Return the entries of the TOML file that stands beside a module, with its names.
@@ -76,8 +73,8 @@ def _entry(table: dict[str, Any], document: Document, names: Names, words: str) 
 def _check(table: dict[str, Any], entry: Entry, names: Names, words: str) -> Check:
     """Return a check: the proof that is named, with its arguments.
 
-    ``words`` are by default the entry's, and ``formula`` is its own, as it is true, or as ``of``
-    says.
+    ``words`` are by default the entry's. So is the ``formula``: as it is true, or as ``of`` says;
+    ``side`` means one side of it.
     """
     method = names.method(table.pop("proof"))
     statement = table.pop("statement", "") or method.statement.format(**table)
@@ -85,11 +82,9 @@ def _check(table: dict[str, Any], entry: Entry, names: Names, words: str) -> Che
     wanted = signature(method.function)
     if "words" in wanted.parameters:
         table["words"] = names.vocabulary(table.get("words", words))
-    if "formula" in wanted.parameters:
-        table.setdefault("formula", form)
-    for name in _FORMULAS:
-        if isinstance(table.get(name), int):
-            table[name] = Side(form, table[name])
+    if "formula" in wanted.parameters and "formula" not in table:
+        is_whole = "side" in wanted.parameters or "side" not in table
+        table["formula"] = form if is_whole else Side(form, table.pop("side"))
     wanted.bind(**table)
     return Check(statement, partial(_seen, method.function, table))
 

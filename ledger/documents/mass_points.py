@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any
 from sympy import S
 from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, Transpose, ZeroMatrix
 
+from kousoku.ledger import find
 from kousoku.ledger.names import Names
-from kousoku.ledger.proof import GENERAL, difference, equality, value_of
+from kousoku.ledger.proof import GENERAL, difference, different, equality, value_of
 from kousoku.ledger.turning import along, flat, orientation, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
@@ -358,6 +359,12 @@ def are_coefficients(formula: str) -> str:
     column = BlockMatrix([[symbol(q)] for q in changes])
     equality(changing, MatrixSymbol("second", 6, 1), ZeroMatrix(6, 1))
     return equality(changing, MatrixSymbol("first", 6, 1), mul(matrix, column))
+
+
+@NAMES.proof("with N_A as printed, C_OA in place of its transpose, it does not hold")
+def fails_with_printed_torque(formula: str | Side) -> str:
+    """Prove that a balance of moments has another value than N_A as it is printed."""
+    return different(words, formula, find("torque-definition").printed)
 
 
 @NAMES.proof()
