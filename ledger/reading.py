@@ -31,12 +31,15 @@ def read(part: ModuleType) -> tuple[Entry, ...]:
     Raises
     ------
     LedgerError
-        An entry has a key, a name or an argument that there is not; the message names it.
+        The file cannot be read, or an entry has a key, a name or an argument that there is not.
     """
     path = Path(str(part.__file__)).with_suffix(".toml")
-    data = _joined(tomllib.loads(path.read_text(encoding="utf-8")))
+    try:
+        data = _joined(tomllib.loads(path.read_text(encoding="utf-8")))
+    except tomllib.TOMLDecodeError as problem:
+        raise LedgerError(f"{path.name}: {problem}") from None
     (document,) = (d for d in DOCUMENTS if d.title == data["document"])
-    return tuple(_entry(table, document, part.NAMES, data["words"]) for table in data["entry"])
+    return tuple(entry_of(table, document, part.NAMES, data["words"]) for table in data["entry"])
 
 
 def _joined(data: Any) -> Any:
@@ -51,42 +54,68 @@ def _joined(data: Any) -> Any:
     return data
 
 
-def _entry(table: dict[str, Any], document: Document, names: Names, words: str) -> Entry:
-    """Return an entry; the words of its proofs are its own, or those that ``words`` names."""
+def entry_of(table: dict[str, Any], document: Document, names: Names, words: str) -> Entry:
+    """Return the entry that a table of the file says.
+
+    Parameters
+    ----------
+    table : dict
+        The fields of :class:`Entry` by their names. One that has ``words`` is a formula, which is
+        read with them; one that has none is a sentence.
+    document : Document
+        Where it stands.
+    names : Names
+        The words and proofs that it may name.
+    words : str
+        The words of the proofs of a sentence.
+    """
+    fields = dict(table)
+    key = fields.get("equation", "an entry without an equation")
     try:
-        if table["verdict"] not in get_args(Verdict):
-            raise LedgerError(f"no verdict {table['verdict']!r}")
-        own = table.pop("words", "")
-        refutation, checks = (table.pop(kind, []) for kind in ("refutation", "checks"))
-        table["aliases"] = tuple(table.get("aliases", ()))
+        own = fields.pop("words", "")
         read = names.vocabulary(own) if own else None
-        entry = Entry(document, **table, vocabulary=read, is_sentence=read is None)
-        check = partial(_check, entry=entry, names=names, words=own or words)
-        return replace(
-            entry, refutation=tuple(map(check, refutation)), checks=tuple(map(check, checks))
+        tables = {kind: fields.pop(kind, []) for kind in ("refutation", "checks")}
+        fields["aliases"] = tuple(fields.get("aliases", ()))
+        entry = Entry(document, **fields, vocabulary=read, is_sentence=read is None)
+        if entry.verdict not in get_args(Verdict):
+            raise LedgerError(f"no verdict {entry.verdict!r}")
+        refutation, checks = (
+            tuple(_check(check, entry, names, own or words) for check in tables[kind])
+            for kind in ("refutation", "checks")
         )
-    except (KeyError, TypeError, LedgerError) as problem:
-        key = table.get("equation", "an entry without an equation")
+        return replace(entry, refutation=refutation, checks=checks)
+    except (TypeError, LedgerError) as problem:
         raise LedgerError(f"{key} ({document.title}): {problem}") from None
 
 
 def _check(table: dict[str, Any], entry: Entry, names: Names, words: str) -> Check:
-    """Return a check: the proof that is named, with its arguments.
+    """Return the check that a table says: the proof that it names, with its arguments.
 
-    ``words`` are by default the entry's. So is the ``formula``: as it is true, or as ``of`` says;
-    ``side`` means one side of it.
+    ``words`` are by default the entry's. So is the ``formula``, in the form that is true, or as
+    ``of`` says; ``side`` means one side of it.
     """
-    method = names.method(table.pop("proof"))
-    statement = table.pop("statement", "") or method.statement.format(**table)
-    form = {"printed": entry.printed, "": entry.true_form}[table.pop("of", "")]
+    arguments = dict(table)
+    method = names.method(arguments.pop("proof", ""))
+    statement = arguments.pop("statement", "")
     wanted = signature(method.function)
     if "words" in wanted.parameters:
-        table["words"] = names.vocabulary(table.get("words", words))
-    if "formula" in wanted.parameters and "formula" not in table:
-        is_whole = "side" in wanted.parameters or "side" not in table
-        table["formula"] = form if is_whole else Side(form, table.pop("side"))
-    wanted.bind(**table)
-    return Check(statement, partial(_seen, method.function, table))
+        arguments["words"] = names.vocabulary(arguments.get("words", words))
+    if "formula" in wanted.parameters and "formula" not in arguments:
+        form = _form(entry, arguments.pop("of", ""))
+        is_whole = "side" in wanted.parameters or "side" not in arguments
+        arguments["formula"] = form if is_whole else Side(form, arguments.pop("side"))
+    wanted.bind(**arguments)
+    statement = statement or method.statement.format(**arguments)
+    if not statement:
+        raise LedgerError(f"the proof {table['proof']!r} has no statement")
+    return Check(statement, partial(_seen, method.function, arguments))
+
+
+def _form(entry: Entry, name: str) -> str:
+    forms = {"": entry.true_form, "printed": entry.printed, "corrected": entry.corrected}
+    if not forms.get(name):
+        raise LedgerError(f"the entry has no form {name!r}")
+    return forms[name]
 
 
 def _seen(function: Callable[..., Seen], arguments: Mapping[str, Any]) -> str:

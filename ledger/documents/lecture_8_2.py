@@ -14,8 +14,8 @@ from sympy import Rational, S
 from sympy.matrices.expressions import BlockMatrix, MatAdd, ZeroMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.ledger.documents import two_vectors
-from kousoku.ledger.documents.two_vectors import offset, primed, together, words
+from kousoku.ledger.documents import lecture_8_2_words
+from kousoku.ledger.documents.lecture_8_2_words import offset, primed, together, words
 from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.priming import ways_that_agree
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from kousoku.ledger.vocabulary import Value
     from kousoku.symbolic.derivation import Output
 
-NAMES = Names(two_vectors.NAMES)
+NAMES = Names(lecture_8_2_words.NAMES)
 
 Scalar = Any
 

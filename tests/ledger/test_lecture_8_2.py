@@ -23,7 +23,7 @@ from kousoku.ledger.documents.lecture_8_2 import (
     vanishing,
     varied_in_code,
 )
-from kousoku.ledger.documents.two_vectors import frames, offset, primed, words
+from kousoku.ledger.documents.lecture_8_2_words import frames, offset, primed, words
 from kousoku.ledger.entry import LECTURE_8_2
 from kousoku.ledger.parser import parse
 from kousoku.ledger.priming import readings
