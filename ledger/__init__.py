@@ -1,6 +1,7 @@
 """The ledger: every equation of the documents, as printed, as it should read, and proved.
 
-Listing the entries runs no proof; :func:`prove` runs that of one entry.
+The entries are data, ``documents/*.toml``. Listing them runs no proof; :func:`prove` runs that of
+one entry.
 """
 
 from __future__ import annotations

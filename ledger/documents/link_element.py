@@ -310,7 +310,7 @@ def in_code(step: str, formula: str | Side) -> str:
 
 @NAMES.proof("the code's step for {step}")
 def at_reference_in_code(step: str, formula: str | Side) -> str:
-    """Prove it of a step about the reference position."""
+    """Prove that a step about the reference position says what a formula says."""
     x = sympy.MatrixSymbol("x_0", 6, 1)
     values = {x[k, 0]: value for k, value in enumerate(reference())}
     return equality(words(), derived(step).xreplace(values), value_of(formula, words()))
