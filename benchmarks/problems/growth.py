@@ -14,6 +14,7 @@ import numpy as np
 
 from benchmarks.problems.catalog import PROBLEMS
 from benchmarks.problems.problem import GROWTH, TIMES, kousoku_call, loaded
+from kousoku.runtime.motion import Motion
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from benchmarks.problems.problem import Problem
-    from kousoku.runtime.motion import Motion
+    from kousoku.mechanism import Mechanism
 
     Array = npt.NDArray[np.float64]
 
@@ -43,24 +44,30 @@ def growth(problem: Problem) -> float:
     """
     mechanism, rng = loaded(problem), np.random.default_rng(1981)
     times = problem.end * np.arange(TIMES + 1) / TIMES
-    motion = mechanism.simulate(times=times, **OPTIONS)
+    motion = _moved(mechanism, times=times)
     states = [motion.state(k) for k in range(TIMES)]
     speeds = np.max([np.abs(v) for _, _, v in states], axis=0)
     sizes = problem.length, _largest(motion.velocity), _largest(motion.angular_velocity)
     largest = 0.0
     for time, q, v in states[: 1 if mechanism.scene.drivers else None : EVERY]:
         later = times[times >= time] - time
-        usual = mechanism.simulate(times=later, q0=q, v0=v, **OPTIONS)
+        usual = _moved(mechanism, times=later, q0=q, v0=v)
         for k in range(DIRECTIONS):
             turn, push = (
                 MOVE * part * rng.choice([-1.0, 1.0], len(x))
                 for part, x in zip(MOVED[k % len(MOVED)], (q, v), strict=True)
             )
             start = {"q0": q + problem.length * turn, "v0": v + speeds * push}
-            moved = mechanism.simulate(times=later, **start, **OPTIONS)
+            moved = _moved(mechanism, times=later, **start)
             apart = float(np.abs(problem.observe(moved) - problem.observe(usual)).max())
             largest = max(largest, apart / problem.length / _first(usual, moved, sizes))
     return largest
+
+
+def _moved(mechanism: Mechanism, **options: Any) -> Motion:
+    motion = mechanism.simulate(**options, **OPTIONS)
+    assert isinstance(motion, Motion)
+    return motion
 
 
 def _largest(vectors: Mapping[str, Array]) -> float:

@@ -98,4 +98,4 @@ def test_both_targets_come_as_far_with_the_same_bits(
         with suppress(MotionError):
             begun.finish()
         states.append(begun.state.copy())
-    np.testing.assert_array_equal(*states)
+    np.testing.assert_array_equal(states[0], states[1])

@@ -89,7 +89,7 @@ def test_what_is_held_at_rest_is_trusted(load: str, method: Any, tolerance: floa
     mechanism = kousoku.load({**CART, "bodies": at_rest, "forces": loads}, target="c")
     for end in (0.1, 2.0, 50.0):
         run = mechanism.simulate(end, samples=3, method=method, tolerance=tolerance)
-        assert np.abs(run.position["cart"]).max() < tolerance
+        assert np.abs(run.body("cart").position).max() < tolerance
         assert run.ledger.trust.is_trusted, run.ledger.trust
 
 
