@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -29,6 +29,7 @@ from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
 from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
+from kousoku.model.own_kind import FRAMES, input_name
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from kousoku.model.errors import Problem
     from kousoku.model.joints import Part
     from kousoku.model.mass import MassProperties
+    from kousoku.model.own_kind import OwnInput, OwnKind
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
 
@@ -204,7 +206,10 @@ def _constraints(
     problems: list[Problem] = []
     for name, joint in scene.joints.items():
         try:
-            made += _instances(name, joint, frames, coordinates)
+            if joint.type in scene.kinds:
+                made.append(_own_instance(name, joint, scene.kinds[joint.type], frames, scene))
+            else:
+                made += _instances(name, joint, frames, coordinates)
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -237,6 +242,36 @@ def _instances(
         if package == "distance":
             constants["length"] = (_length(name, joint, ends, points, unit),)
         yield Instance(name, package, ends[0].index, ends[1].index, tuple(constants.items()))
+
+
+def _own_instance(
+    name: str, joint: Joint, kind: OwnKind, frames: Mapping[str, BodyFrame], scene: Scene
+) -> Instance:
+    """Return a joint of one's own: its frames in the principal ones, and its inputs in SI units."""
+    unit = precise.number(METRES[scene.unit])
+    ends = frames[joint.ends[0]], frames[joint.ends[1]]
+    constants = [
+        *((f"s_{body}_b", end.point(ZERO, unit)) for body, end in zip("ij", ends, strict=True)),
+        *((key, to_quaternion(end.axes)) for key, end in zip(FRAMES, ends, strict=True)),
+        *(
+            (input_name(key), _own_value(one, (joint.inputs or {})[key], unit))
+            for key, one in kind.inputs.items()
+        ),
+    ]
+    return Instance(
+        name, kind.kernels, ends[0].index, ends[1].index, tuple(constants), unit=kind.unit
+    )
+
+
+def _own_value(one: OwnInput, value: Any, unit: High) -> tuple[float, ...]:
+    """Return an input of a kind of one's own; directions have norm one."""
+    factor = unit if one.unit == "m" else precise.number(1)
+    if not one.vector:
+        return (precise.double(factor * precise.number(value)),)
+    vector = precise.triple(value)
+    if one.is_direction:
+        return precise.rounded(precise.unit(vector))
+    return to_vector(precise.scale(factor, vector))
 
 
 def _require_near(

@@ -314,7 +314,7 @@ class _SpatialShapes:
 
         turning = []
         for joint in self._scene.joints.values():
-            kind = JOINTS.get(NAMES[joint.type])
+            kind = JOINTS.get(NAMES.get(joint.type, ""))
             if kind is not None and kind.axes and NAMES[joint.type] not in SLIDING:
                 ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
                 axis = joint_axes(ends, joint)[0]

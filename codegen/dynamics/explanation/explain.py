@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.simplification.weights import weighted
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.own_kind import kind_name
 from kousoku.model.system import system_of
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
@@ -178,7 +179,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         if found.joints
         else freedom,
         removed=tuple(
-            f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
+            f"{row.joint}: row {row.row} of {kind_name(system.constraints[row.instance].kind)}"
             for row in freedom.dropped
         ),
         drivers=drivers_of(system),

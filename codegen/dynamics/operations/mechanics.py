@@ -9,9 +9,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.store import load_frozen
 from kousoku.model.mechanism import COMBINATION
+from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -25,8 +27,11 @@ COLUMNS = 6
 
 @cache
 def frozen(package: str, name: str) -> Kernel:
-    """Return a kernel of a kind that is shipped."""
-    return next(kernel for kernel in load_frozen(package).kernels if kernel.name == name)
+    """Return a kernel of a kind that is shipped, or of one's own, for principal frames."""
+    found = load_frozen(package)
+    if is_own(package):
+        found = framed(found, frozen("rotation", "orientation"))
+    return next(kernel for kernel in found.kernels if kernel.name == name)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +77,7 @@ def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
 
 
 def _title(parts: Sequence[Part]) -> str:
-    return " + ".join(part.kind for part in parts)
+    return " + ".join(kind_name(part.kind) for part in parts)
 
 
 def _evaluate(

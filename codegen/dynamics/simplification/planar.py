@@ -36,6 +36,7 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
@@ -66,6 +67,8 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     """
     if not all(_starts_in_plane(body) for body in system.bodies):
         return False
+    if any(is_own(one.kind) for one in system.constraints):
+        return False  # what it does across the plane away from the start nobody has proved
     if leaves_with_parameters(system, NORMAL):
         return False
     fixed = fixed_system(system)
