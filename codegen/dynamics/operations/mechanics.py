@@ -16,10 +16,11 @@ from kousoku.model.mechanism import COMBINATION
 from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.kernel import Kernel
+    from kousoku.model.mechanism import Coordinate, Instance
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
 COLUMNS = 6
@@ -32,6 +33,16 @@ def frozen(package: str, name: str) -> Kernel:
     if is_own(package):
         found = framed(found, frozen("rotation", "orientation"))
     return next(kernel for kernel in found.kernels if kernel.name == name)
+
+
+def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Yield what is fixed and a length: ``i`` or ``j`` of points of a body, else ``""``; [m]."""
+    units = {}
+    if is_own(source.kind):
+        units = {one.name: one.unit for one in frozen(source.kind, "constraint").inputs}
+    for name, values in source.constants:
+        if units.get(name) == "m" or name in {"s_i_b", "s_j_b", "length"}:
+            yield name[-3] if name.endswith(("_i_b", "_j_b")) else "", values
 
 
 @dataclass(frozen=True, slots=True)
