@@ -5,6 +5,8 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.mechanics import lengths_of
+
 if TYPE_CHECKING:
     from kousoku.model.mechanism import Coordinate, Instance, System
 
@@ -27,14 +29,12 @@ def characteristic_length(system: System) -> float:
     sources: tuple[Instance | Coordinate, ...] = (*system.constraints, *system.coordinates)
     lengths, ground = [0.0], []
     for source in sources:
-        for name, numbers in source.constants:
-            if name == "length":
+        bodies = {"i": source.i, "j": source.j}
+        for end, numbers in lengths_of(source):
+            if bodies.get(end, 0) < 0:
+                ground.append([float(x) for x in numbers])
+            else:
                 lengths += map(abs, numbers)
-            elif name.startswith("s_"):
-                if is_ground_point(source, name):
-                    ground.append([float(x) for x in numbers])
-                else:
-                    lengths += map(abs, numbers)
     lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
     places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
     return max(max(lengths) or 1.0, LEAST * max(map(abs, places), default=0.0))
