@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from kousoku.codegen.dynamics.operations.own_frames import COLUMNS, PLACES, RATES, own_inputs
 from kousoku.codegen.graph import Graph
@@ -82,7 +82,7 @@ def _kernel(package: Package, name: str) -> Kernel | None:
 
 
 def _input(one: Quantity) -> OwnInput:
-    unit: Literal["-", "rad", "m"] = one.unit  # type: ignore[assignment]  # checked above
+    unit = cast("Literal['-', 'rad', 'm']", one.unit)  # as was checked
     return OwnInput(unit=unit, vector=one.shape == (3,), body=_body_of(one), meaning=one.meaning)
 
 

@@ -203,7 +203,8 @@ class SceneBuilder:
         Parameters
         ----------
         kinds : mapping of str to OwnKind, optional
-            Kinds of one's own that joints may be of: :func:`kousoku.load` gives those that it got.
+            Kinds of one's own that joints may be of, such as those of another scene;
+            :func:`kousoku.load` gives those that it got.
 
         Raises
         ------

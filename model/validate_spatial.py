@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 PARALLEL = 1e-9
 """Sine of the smallest angle between two directions that are told apart."""
 
-OF_ONES_OWN = "; a kind of your own comes with kinds=[...], see docs/own_kind.md"
+OF_ONES_OWN = "kind of your own comes with kinds=[...], see docs/own_kind.md"
 """What is said of a type that is unknown, behind the nearest one."""
 
 TURNING = ("orientation", "angular_velocity")
@@ -169,7 +169,8 @@ def _kind(scene: Scene, joint: Joint, key: str) -> JointKind:
     if joint.type not in NAMES:
         known = (*NAMES, *scene.kinds)
         problem = unknown(f"joint {joint.type[:40]!r}", joint.type, known)
-        raise SceneError(f"{problem}{OF_ONES_OWN}", key=f"{key}.type")
+        hint = f" A {OF_ONES_OWN}" if problem.endswith("?") else f"; a {OF_ONES_OWN}"
+        raise SceneError(f"{problem}{hint}", key=f"{key}.type")
     return JOINTS[NAMES[joint.type]]
 
 

@@ -44,7 +44,7 @@ def _given(record: msgspec.Struct) -> dict[str, object]:
     found = {
         field.encode_name: getattr(record, field.name)
         for field in msgspec.structs.fields(record)
-        if field.required or getattr(record, field.name) != field.default
+        if field.required or getattr(record, field.name) not in (field.default, {})
     }
     flat = found.pop(getattr(record, "FLAT", ""), None)
     return found | flat if isinstance(flat, dict) else found

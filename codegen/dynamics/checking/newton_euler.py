@@ -287,9 +287,7 @@ class BodyEquations:
         here anew.
         """
         own = {name: [Jet(x) for x in self._numbers(values)] for name, values in one.constants}
-        inputs = {
-            name.removeprefix(PREFIX): values for name, values in own.items() if is_own(name)
-        }
+        inputs = {name.removeprefix(PREFIX): values for name, values in own.items() if is_own(name)}
         for body, place in zip("ij", (one.i, one.j), strict=True):
             course, origin = at[place], dict(one.constants)[f"s_{body}_b"]
             inputs[f"r_{body}"] = [*course.point(self._numbers(origin))]

@@ -105,7 +105,11 @@ def _missed(
 def _moving(system: System) -> npt.NDArray[np.bool_]:
     """Return which columns are coordinates: points do not turn."""
     return np.array(
-        [not (body.is_point and k >= COLUMNS // 2) for body in system.bodies for k in range(COLUMNS)]
+        [
+            not (body.is_point and k >= COLUMNS // 2)
+            for body in system.bodies
+            for k in range(COLUMNS)
+        ]
     )
 
 
