@@ -103,10 +103,9 @@ def keep_own(package: Package) -> str:
     name = f"{PREFIX}{package.name}:{hashlib.sha256(text.encode()).hexdigest()[:32]}"
     if name not in _OWN:
         _OWN[name] = parse(text)
-        with suppress(OSError):
-            path = _kept_at(name)
-            if not path.is_file():
-                write_atomically(path, text.encode())
+    with suppress(OSError):
+        if not (path := _kept_at(name)).is_file():
+            write_atomically(path, text.encode())
     return name
 
 

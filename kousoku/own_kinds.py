@@ -78,17 +78,13 @@ def _package(kind: object) -> Package:
 def _of_library(library: Library) -> Package:
     """Return the package that the files of a library are made of."""
     from kousoku.codegen.store import GRAPH_FILE, parse
-    from kousoku.model.compressed import content
 
-    name = library.manifest.package
-    try:
-        data = library.files.get(GRAPH_FILE) or (library.folder / GRAPH_FILE).read_bytes()
-        return parse(content(GRAPH_FILE, data).decode())
-    except (OSError, ValueError) as problem:
+    if GRAPH_FILE not in library.files:
         raise DerivationError(
-            f"kinds: the kernels of {name} have no {GRAPH_FILE} to make joints of: {problem};"
-            " derive it again"
-        ) from None
+            f"kinds: the kernels of {library.manifest.package} have no {GRAPH_FILE}, which joints"
+            " are made of; derive it again"
+        )
+    return parse(library.files[GRAPH_FILE].decode())
 
 
 @lru_cache(maxsize=REMEMBERED)

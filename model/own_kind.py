@@ -15,9 +15,9 @@ from kousoku.model.design import Design, Place
 PREFIX = "own:"
 """What the names of kernels of one's own begin with; no kind that is shipped does."""
 
-FRAMES = ("frame_i", "frame_j")
-"""Inputs of their kernels in a scene: Euler parameters from the body frame that the scene gives to
-the principal frame. ``s_i_b`` and ``s_j_b`` are where its origin is in the principal frame [m]."""
+ORIGINS, FRAMES = ("origin_i", "origin_j"), ("frame_i", "frame_j")
+"""Inputs of their kernels in a scene: where the origin of the body frame that the scene gives is in
+the principal frame [m], and Euler parameters from the former to the latter."""
 
 KEYS = ("type", "bodies")
 """Keys of a joint that no input of a kind can be called."""
@@ -74,6 +74,11 @@ class OwnKind(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=T
     unit: Literal["m", "rad"]
     turns: tuple[bool, bool]
     inputs: Mapping[str, OwnInput] = {}
+
+    def point_of(self, body: str) -> str:
+        """Return the input that is the first point of body ``i`` or ``j``, empty of none."""
+        names = (k for k, x in self.inputs.items() if x.body == body and x.unit == "m")
+        return next(names, "")
 
 
 class OwnKinds(msgspec.Struct, frozen=True):

@@ -29,7 +29,7 @@ from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
 from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
-from kousoku.model.own_kind import FRAMES, input_name
+from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
@@ -247,17 +247,24 @@ def _instances(
 def _own_instance(
     name: str, joint: Joint, kind: OwnKind, frames: Mapping[str, BodyFrame], scene: Scene
 ) -> Instance:
-    """Return a joint of one's own: its frames in the principal ones, and its inputs in SI units."""
+    """Return a joint of one's own: its frames in the principal ones, and its inputs in SI units.
+
+    Its point in a body is the first that its kind has there, or else the origin of the body frame.
+    """
     unit = precise.number(METRES[scene.unit])
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
-    constants = [
-        *((f"s_{body}_b", end.point(ZERO, unit)) for body, end in zip("ij", ends, strict=True)),
-        *((key, to_quaternion(end.axes)) for key, end in zip(FRAMES, ends, strict=True)),
-        *(
-            (input_name(key), _own_value(one, (joint.inputs or {})[key], unit))
-            for key, one in kind.inputs.items()
-        ),
-    ]
+    given = joint.inputs or {}
+    names = [kind.point_of(body) for body in "ij"]
+    points = [precise.triple(given[own]) if own else ZERO for own in names]
+    constants: list[tuple[str, tuple[float, ...]]] = []
+    for body, end, point in zip("ij", ends, points, strict=True):
+        constants.append((f"s_{body}_b", end.point(point, unit)))
+    for key, end in zip(ORIGINS, ends, strict=True):
+        constants.append((key, end.point(ZERO, unit)))
+    for key, end in zip(FRAMES, ends, strict=True):
+        constants.append((key, to_quaternion(end.axes)))
+    for key, one in kind.inputs.items():
+        constants.append((input_name(key), _own_value(one, given[key], unit)))
     return Instance(
         name, kind.kernels, ends[0].index, ends[1].index, tuple(constants), unit=kind.unit
     )

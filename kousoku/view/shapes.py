@@ -341,13 +341,9 @@ class _SpatialShapes:
     def _own_points(self, joint: Joint) -> tuple[Any, ...]:
         """Return the first point of each body that a joint of one's own has, if both have one."""
         kind = self._scene.kinds.get(joint.type)
-        inputs = {} if kind is None else kind.inputs
-        points = {
-            end: [name for name, one in inputs.items() if one.body == end and one.unit == "m"]
-            for end in "ij"
-        }
+        names = [] if kind is None else [kind.point_of(end) for end in "ij"]
         given = joint.inputs or {}
-        return tuple(given[names[0]] for names in points.values()) if all(points.values()) else ()
+        return tuple(given[name] for name in names) if all(names) else ()
 
     def _placed(self, body: int, points: Array) -> Array:
         if body == 0:

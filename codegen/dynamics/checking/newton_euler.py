@@ -289,7 +289,7 @@ class BodyEquations:
         own = {name: [Jet(x) for x in self._numbers(values)] for name, values in one.constants}
         inputs = {name.removeprefix(PREFIX): values for name, values in own.items() if is_own(name)}
         for body, place in zip("ij", (one.i, one.j), strict=True):
-            course, origin = at[place], dict(one.constants)[f"s_{body}_b"]
+            course, origin = at[place], dict(one.constants)[f"origin_{body}"]
             inputs[f"r_{body}"] = [*course.point(self._numbers(origin))]
             inputs[f"p_{body}"] = [*composed(course.p, own[f"frame_{body}"])]
         kernel = next(k for k in load_frozen(one.kind).kernels if k.name == "constraint")

@@ -8,7 +8,7 @@ from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, Part, frozen
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, Part, frozen, inputs_of
 from kousoku.codegen.dynamics.recording.recorder import Block, column, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
 from kousoku.model.errors import SceneError
@@ -114,8 +114,8 @@ def joints_of(
             live = live_rows(system, instance, recorder, body)
             chosen = tuple(row for row in live if row in rows.get(place, live))
             if chosen:
-                names = tuple(name for name, _ in instance.constants)
-                blocks = tuple(recorder.constant(values) for _, values in instance.constants)
+                names = tuple(name for name, _ in inputs_of(instance))
+                blocks = tuple(recorder.constant(values) for _, values in inputs_of(instance))
                 kept.append((place, Part(instance.kind, chosen, names), blocks))
                 bodies += instance.others
         count = sum(len(part.rows) for _, part, _ in kept)
@@ -149,10 +149,10 @@ def _live(
     one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     i, j = body(one.i), body(one.j)
-    constants = [recorder.constant(values) for _, values in one.constants]
+    constants = [recorder.constant(values) for _, values in inputs_of(one)]
     pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
     columns = (*i.columns, *(COLUMNS + k for k in j.columns))
-    names = tuple(name for name, _ in one.constants)
+    names = tuple(name for name, _ in inputs_of(one))
     return _live_rows(one.kind, names, pattern, tuple(lengths), columns)
 
 

@@ -6,6 +6,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import lengths_of
+from kousoku.model.own_kind import ORIGINS
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import Coordinate, Instance, System
@@ -17,7 +18,8 @@ it, which is less than what corrections settle at, and what is left of constrain
 
 def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
     """Return whether a constant is a point in frame O."""
-    return name.startswith("s_") and (source.i if name[2] == "i" else source.j) < 0
+    is_point = name in {"s_i_b", "s_j_b", *ORIGINS}
+    return is_point and (source.i if "_i" in name else source.j) < 0
 
 
 def characteristic_length(system: System) -> float:

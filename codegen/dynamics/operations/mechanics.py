@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.store import load_frozen
-from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name
 
@@ -37,28 +36,26 @@ def frozen(package: str, name: str) -> Kernel:
 
 
 def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
-    """Yield what is fixed and a length: ``i`` or ``j`` of points of a body, else ``""``; [m].
+    """Yield what is fixed and a length: ``i`` or ``j`` of points of a body, else ``""``; [m]."""
+    numbers, points = {"length"}, {"s_i_b", "s_j_b"}
+    if is_own(source.kind):
+        lengths = [one for one in frozen(source.kind, "constraint").inputs if one.unit == "m"]
+        numbers = {one.name for one in lengths if is_own(one.name) and not one.shape}
+        fixed = {one.name[-4:] for one in lengths if is_own(one.name) and one.shape}
+        ends = (("s_i_b", source.i), ("s_j_b", source.j))
+        # The origin of frame O is no point of a joint.
+        points = {name for name, body in ends if body != GROUND_INDEX or name[1:] in fixed}
+    for name, values in source.constants:
+        if name in points:
+            yield name[2], values
+        elif name in numbers:
+            yield "", values
 
-    A kind of one's own that has no point of a body that moves knows the origin of its frame.
-    """
-    if not is_own(source.kind):
-        for name, values in source.constants:
-            if name in {"s_i_b", "s_j_b", "length"}:
-                yield name[2] if name != "length" else "", values
-        return
-    given = {name: tuple(map(float, values)) for name, values in source.constants}
-    lengths = [one for one in frozen(source.kind, "constraint").inputs if one.unit == "m"]
-    own = [(one.name, given[one.name]) for one in lengths if is_own(one.name)]
-    for body, place in zip("ij", (source.i, source.j), strict=True):
-        origin, turn = given[f"s_{body}_b"], given[f"frame_{body}"]
-        points = [x for name, x in own if len(x) == 3 and name.endswith(f"_{body}_b")]
-        if not points and place != GROUND_INDEX:
-            yield body, origin
-        for point in points:
-            a, b, c, d = map(precise.number, turn)
-            seen = precise.rounded(precise.rotate((a, b, c, d), precise.triple(point)))
-            yield body, tuple(x + y for x, y in zip(origin, seen, strict=True))
-    yield from (("", x) for name, x in own if not name.endswith(("_i_b", "_j_b")))
+
+def inputs_of(source: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    """Return what kernels take of what is fixed: those of one's own know other points."""
+    unread = {"s_i_b", "s_j_b"} if is_own(source.kind) else set()
+    return tuple((name, values) for name, values in source.constants if name not in unread)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
-from kousoku.model.own_kind import FRAMES, input_name
+from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def framed(package: Package, orientation: Kernel) -> Package:
     Returns
     -------
     Package
-        Its kernels take ``s_i_b``, ``frame_i`` and those of j, and own inputs by the names that
+        Its kernels take ``origin_i``, ``frame_i`` and those of j, and own inputs by the names that
         :func:`kousoku.model.own_kind.input_name` gives them.
     """
     constraint, rates = (
@@ -91,7 +91,10 @@ class _Framed:
         self.graph, self.kernel, self.own = Graph(), kernel, own
         self._orientation = orientation
         self.inputs: dict[str, Quantity] = {}
-        self.ends = {body: self._end(body, frame) for body, frame in zip("ij", FRAMES, strict=True)}
+        self.ends = {
+            body: self._end(body, *names)
+            for body, *names in zip("ij", ORIGINS, FRAMES, strict=True)
+        }
         self.given: dict[str, Sequence[int]] = {
             one.name: self._input(input_name(one.name), one.shape, one.unit, one.meaning).flat
             for one in own
@@ -136,9 +139,9 @@ class _Framed:
             parts += (*force.flat, *turned.flat)
         return tuple(parts)
 
-    def _end(self, body: str, frame: str) -> _End:
+    def _end(self, body: str, origin: str, frame: str) -> _End:
         r, p = (self._input(name.format(body), (n,), unit) for name, n, unit in PLACES)
-        point = self._input(f"s_{body}_b", (3,), "m", f"origin of the frame of {body}")
+        point = self._input(origin, (3,), "m", f"origin of the frame of {body}")
         axes = self._input(frame, (4,), "-", f"from the frame of {body} to the principal frame")
         orientation, turn = self._turning(p), self._turning(axes)
         return _End(point, orientation, turn, r + orientation @ point, self._composed(p, axes))

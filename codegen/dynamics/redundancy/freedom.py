@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.combinations import fixed_law
+from kousoku.codegen.dynamics.composition.length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
@@ -194,9 +195,9 @@ def near_origin(system: System) -> System:
         return system
 
     def seen(one: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        ends = {f"s_{k}_b" for k, body in (("i", one.i), ("j", one.j)) if body == GROUND_INDEX}
         return tuple(
-            (name, _less(value, origin) if name in ends else value) for name, value in one.constants
+            (name, _less(value, origin) if is_ground_point(one, name) else value)
+            for name, value in one.constants
         )
 
     return replace(
