@@ -161,7 +161,7 @@ def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError |
 
 
 def _scene(tree: object, text: str, file: str, kinds: Mapping[str, OwnKind] | None) -> Scene:
-    problems = Problems(_written_kinds(tree) | (kinds or {}))
+    problems = Problems({**_written_kinds(tree), **(kinds or {})})
     try:
         scene = decode_parts(tree, Scene, {"name": "unnamed", "unit": "m"}, problems)
     except SceneError as error:

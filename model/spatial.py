@@ -168,6 +168,12 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         assert self.bodies is not None
         return self.bodies
 
+    def vector(self, name: str) -> tuple[float, float, float]:
+        """Return an input of a kind of one's own that is a vector."""
+        value = (self.inputs or {})[name]
+        assert isinstance(value, tuple)
+        return value
+
 
 class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A number that says where bodies are, and that has a name.

@@ -255,7 +255,7 @@ def _own_instance(
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     given = joint.inputs or {}
     names = [kind.point_of(body) for body in "ij"]
-    points = [precise.triple(given[own]) if own else ZERO for own in names]
+    points = [precise.triple(joint.vector(own)) if own else ZERO for own in names]
     constants: list[tuple[str, tuple[float, ...]]] = []
     for body, end, point in zip("ij", ends, points, strict=True):
         constants.append((f"s_{body}_b", end.point(point, unit)))

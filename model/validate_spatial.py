@@ -190,8 +190,8 @@ def _check_inputs(joint: Joint, kind: OwnKind, key: str) -> None:
                 f"is missing; {with_a(joint.type)} joint wants {what}: {one.meaning}",
                 key=f"{key}.{name}",
             )
-    directions = {name: x for name, x in given.items() if kind.inputs[name].is_direction}
-    _check_lengths({f"{key}.{name}": axis for name, axis in directions.items()})
+    directions = [name for name, one in kind.inputs.items() if one.is_direction]
+    _check_lengths({f"{key}.{name}": joint.vector(name) for name in directions})
 
 
 def _check_own_points(scene: Scene, joint: Joint, kind: OwnKind, key: str) -> None:
@@ -205,8 +205,8 @@ def _check_own_points(scene: Scene, joint: Joint, kind: OwnKind, key: str) -> No
                 "could keep; wanted a body that is no point",
                 key=f"{key}.bodies[{'ij'.index(end)}]",
             )
-        for own, value in (joint.inputs or {}).items():
-            if kind.inputs[own].body == end and any(value):
+        for own, one in kind.inputs.items():
+            if one.body == end and any(joint.vector(own)):
                 raise SceneError(
                     f"{name} is a point; wanted [0, 0, 0], its only point", key=f"{key}.{own}"
                 )

@@ -342,8 +342,7 @@ class _SpatialShapes:
         """Return the first point of each body that a joint of one's own has, if both have one."""
         kind = self._scene.kinds.get(joint.type)
         names = [] if kind is None else [kind.point_of(end) for end in "ij"]
-        given = joint.inputs or {}
-        return tuple(given[name] for name in names) if all(names) else ()
+        return tuple(map(joint.vector, names)) if all(names) else ()
 
     def _placed(self, body: int, points: Array) -> Array:
         if body == 0:
