@@ -110,7 +110,7 @@ def keep_own(package: Package) -> str:
 
 
 def _kept_at(name: str) -> Path:
-    return cache_folder() / "kinds" / f"{name.rpartition(':')[2]}.json"
+    return cache_folder() / "derived" / f"own-{name.rpartition(':')[2]}.json"
 
 
 def _load_own(name: str) -> Package:

@@ -34,13 +34,15 @@ DEEPEST_KEY = 32
 """Parts of the longest key; a parser takes hours for one of a hundred thousand."""
 
 
-def read_scene(path: str | Path) -> Scene:
+def read_scene(path: str | Path, *, kinds: Mapping[str, OwnKind] | None = None) -> Scene:
     """Read and check a scene file.
 
     Parameters
     ----------
     path : str or Path
         A TOML file in the format of ``docs/scenes.md``.
+    kinds : mapping of str to OwnKind, optional
+        Kinds of one's own that joints may be of, by name.
 
     Raises
     ------
@@ -48,7 +50,7 @@ def read_scene(path: str | Path) -> Scene:
         The file cannot be read, is not TOML, or does not describe a mechanism that can be solved;
         the message names the file, the key, the reason and what was wanted.
     """
-    return scene_from_toml(text_of(path), file=str(path))
+    return scene_from_toml(text_of(path), file=str(path), kinds=kinds)
 
 
 def text_of(path: str | Path) -> str:
