@@ -222,10 +222,7 @@ class Run:
             {one.name: one.view(self.state) for one in fields(scene.state_sizes)},
             CheckedRows(*checked),
             self._layout,
-            self.method,
-            tolerance=self._settings.tolerance,
-            step=self._settings.fixed_step or None,
-            checks=bool(self._settings.checks),
+            self._settings,
             is_weighed=data["is_weighed"],
             is_driven=data["is_driven"],
         )

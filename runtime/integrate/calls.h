@@ -158,6 +158,15 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
     return GOOD;
 }
 
+int PUBLIC(trust)(const Settings *settings, const double *state, Verdict *verdict)
+{
+    const State *s = (const State *)state;
+    if (!(s->key == KEY)) return WRONG_STATE;
+    if (!are_possible(settings, s)) return BAD_ARGUMENT;
+    judge(settings, s, verdict);
+    return verdict->doubts;
+}
+
 /* puts a state as it is into the workspace, and finds its accelerations */
 static int accelerate_at(
     double time, const double *q, const double *v, const double *parameters, double *w)

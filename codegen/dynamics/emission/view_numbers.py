@@ -92,7 +92,7 @@ def tables(
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
     switched, seen = has_row_switch(program), seen_of(system)
-    left = (*program.left_out, *program.reduced)
+    rows = (*program.rows, *program.left_out, *program.reduced)
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
@@ -121,9 +121,7 @@ def tables(
             for one, jumps in zip(system.events, seen.jumps, strict=True)
         ],
         "row_is_length": [
-            (name, int(unit == "m"))
-            for name, unit in (row_of(row, system) for row in (*program.rows, *left))
-            if left
+            (name, int(unit == "m")) for name, unit in (row_of(row, system) for row in rows)
         ],
         "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
     }

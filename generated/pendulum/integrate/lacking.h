@@ -160,7 +160,7 @@ static const size_t drivers[ROOM(DRIVERS)][2];
 /* what depends on parameters at the start: places in y and in the design; what must be positive */
 static const size_t starts[ROOM(STARTS)][2];
 static const size_t positive[ROOM(POSITIVE)];
-/* for each row of the constraints whether its residual is a length, if some are left out */
+/* for each row of the constraints whether its residual is a length */
 static const unsigned char row_is_length[ROOM(NCHECK)];
 /* what errors of measures are compared with; of events the direction, what a run does then, and
  * whether the formula may jump */

@@ -20,6 +20,7 @@ enum {
 
 typedef PUBLIC(settings) Settings;
 typedef PUBLIC(state) State;
+typedef PUBLIC(verdict) Verdict;
 
 enum {
     NY = NQ + NV, /* count of numbers in y */

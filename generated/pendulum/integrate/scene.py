@@ -93,7 +93,7 @@ class Scene:
     positive : (n,) array
         Places of the design with numbers that must be positive.
     row_lengths : (n,) array
-        What residuals of rows are compared with, as corrections are, if some rows are left out.
+        What residuals of rows are compared with, as corrections are.
     measure_sizes : (n,) array
         What errors are compared with of what formulas read.
     events : (n, 3) array

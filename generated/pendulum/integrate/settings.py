@@ -5,7 +5,7 @@ The header is written from here, field by field and code by code.
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import NamedTuple
 
 #: What runs may be told, and how many steps they make unless told otherwise.
@@ -87,3 +87,16 @@ class Status(IntEnum):
     NOT_CLOSED = -6
     NO_VALUE = -7
     BENDS = -8
+
+
+class Doubt(IntFlag):
+    """What speaks against a run, in bits; ``OPEN`` are rows that were left out."""
+
+    NOT_FINITE = 1
+    OPEN = 2
+    ENERGY = 4
+    WORKS = 8
+    CONSTRAINTS = 16
+    DRIFT = 32
+    ROW_DRIFT = 64
+    BRANCH_POINTS = 128
