@@ -381,18 +381,33 @@ def test_what_is_built_takes_kinds_when_it_is_loaded(slant: Derivation) -> None:
     assert ks.load(built.build(kinds=loaded.scene.kinds), target="numpy").scene == loaded.scene
 
 
-def test_no_momentum_is_said_to_be_kept_and_no_plane_is_left(restated: list[Derivation]) -> None:
+def two_bodies(x: float) -> str:
+    """Return two free bodies, the second at x, and the head of a joint of them."""
     bodies = "".join(
         f"[bodies.{name}]\nposition = [{x}, 0, 0]\nmass = 1\n"
         "inertia = { xx = 1, yy = 1, zz = 1 }\n"
-        for name, x in (("a", 0), ("b", 2))
+        for name, x in (("a", 0.0), ("b", x))
     )
-    head = f'name = "two"\nunit = "m"\n{bodies}[joints.bar]\nbodies = ["a", "b"]\n'
+    return f'name = "two"\nunit = "m"\n{bodies}[joints.bar]\nbodies = ["a", "b"]\n'
+
+
+def test_no_momentum_is_said_to_be_kept(restated: list[Derivation]) -> None:
+    head = two_bodies(2.0)
     mine = f'{head}type = "stick"\ns_i_b = [0, 0, 0]\ns_j_b = [0, 0, 0]\nlength = 2\n'
     theirs = f'{head}type = "rod"\npoints = [[0, 0, 0], [0, 0, 0]]\nlength = 2\n'
     own, shipped = (composed(read(text, *restated), ()).program for text in (mine, theirs))
     assert shipped.kept and not own.kept
-    assert shipped.is_planar and not own.is_planar
+    assert shipped.is_planar and own.is_planar
+
+
+def test_a_plane_is_taken_only_where_nothing_ever_leads_out_of_it() -> None:
+    d = BODY_J.r - BODY_I.r
+    chance = ks.derive("chance", C=d[1] + d[0] * d[2] / ks.number("h", "m"))
+    plain = ks.derive("plain", C=d[1] + d[0] * d[0] / ks.number("h", "m"))
+    for kind, is_planar in ((chance, False), (plain, True)):
+        # ∂C/∂z is zero where both bodies start, and of the first not where they go.
+        text = f'{two_bodies(0.0)}type = "{kind.name}"\nh = 1\n'
+        assert composed(read(text, kind), ()).program.is_planar is is_planar
 
 
 def test_rows_that_repeat_others_are_left_out(slant: Derivation) -> None:

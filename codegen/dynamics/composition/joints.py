@@ -149,28 +149,30 @@ def _live(
     one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     i, j = body(one.i), body(one.j)
+    columns = (*i.columns, *(COLUMNS + k for k in j.columns))
+    rows = enumerate(slopes_of(one, recorder, body))
+    return tuple(row for row, there in rows if any(there[k] for k in columns))
+
+
+def slopes_of(
+    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+) -> tuple[tuple[bool, ...], ...]:
+    """Return which elements of the Jacobian (rows, 12) are not structurally zero."""
+    i, j = body(one.i), body(one.j)
     constants = [recorder.constant(values) for _, values in inputs_of(one)]
     pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
-    columns = (*i.columns, *(COLUMNS + k for k in j.columns))
     names = tuple(name for name, _ in inputs_of(one))
-    return _live_rows(one.kind, names, pattern, tuple(lengths), columns)
+    return _slopes(one.kind, names, pattern, tuple(lengths))
 
 
 @cache
-def _live_rows(
-    kind: str,
-    names: tuple[str, ...],
-    pattern: Pattern,
-    lengths: tuple[int, ...],
-    columns: tuple[int, ...],
-) -> tuple[int, ...]:
+def _slopes(
+    kind: str, names: tuple[str, ...], pattern: Pattern, lengths: tuple[int, ...]
+) -> tuple[tuple[bool, ...], ...]:
     trace = Trace(lengths)
     nodes = [trace.matrix(*block).flat for block in pattern]
     inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
     jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
     width = 2 * COLUMNS
-    return tuple(
-        row
-        for row in range(len(jacobian) // width)
-        if any(trace.graph.value(jacobian[row * width + k]) != 0 for k in columns)
-    )
+    there = [trace.graph.value(node) != 0 for node in jacobian]
+    return tuple(tuple(there[row : row + width]) for row in range(0, len(there), width))
