@@ -186,7 +186,7 @@ def outlined(system: System, wanted: Sequence[str], *, may_be_planar: bool = Tru
     fixed = fixed_system(system)
     require_unmoved_rows_hold(fixed, outline)
     freedom = freedom_of(fixed, outline)
-    require_own_rows_implied(fixed, freedom)
+    require_own_rows_implied(fixed, freedom, is_planar=outline.is_planar)
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
     return Independent(outline, freedom, system)

@@ -20,7 +20,7 @@ from kousoku.model.own_kind import is_own, kind_name
 from kousoku.runtime.integrate.settings import CLEARLY
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Sequence
 
     import numpy.typing as npt
 
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
     Array = npt.NDArray[np.float64]
 
+#: Columns of a body that lead out of the xy-plane.
+OUT = (2, 3, 4)
 #: How far bodies are moved, in lengths of the scene and radians, and in how many directions.
 STEP, DIRECTIONS = 0.1, 3
 #: What a row misses then that others do not imply, as a part of the square of the step.
@@ -39,7 +41,7 @@ ZERO = 1e-9
 MOST_STEPS, CLOSED = 20, 1e-12
 
 
-def require_own_rows_implied(system: System, freedom: Freedom) -> None:
+def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: bool) -> None:
     """Refuse rows of kinds of one's own that would be left out, though others do not imply them.
 
     Parameters
@@ -48,6 +50,8 @@ def require_own_rows_implied(system: System, freedom: Freedom) -> None:
         The scene, assembled, its numbers fixed.
     freedom : Freedom
         Which rows depend on others.
+    is_planar : bool
+        Whether all bodies stay in planes parallel to the xy-plane.
 
     Raises
     ------
@@ -61,8 +65,9 @@ def require_own_rows_implied(system: System, freedom: Freedom) -> None:
     rows = Residuals.of(system, system.constraints)
     length = characteristic_length(system)
     place = {(row.instance, row.row): rows.first[row.instance] + row.row for row in freedom.dropped}
-    by = np.where(rows.in_metres, 1 / length, 1.0)
-    for missed in _missed(system, rows, sorted(place.values()), by, length):
+    columns = [k for k in _columns(system) if not (is_planar and k % COLUMNS in OUT)]
+    moves = _Moves(system, rows, sorted(place.values()), columns, length)
+    for missed in moves.missed():
         worst = max(left, key=lambda row: missed[place[row.instance, row.row]])
         if not missed[place[worst.instance, worst.row]] <= max(MISSED * STEP**2, nearly):
             kind = kind_name(system.constraints[worst.instance].kind)
@@ -74,53 +79,68 @@ def require_own_rows_implied(system: System, freedom: Freedom) -> None:
             )
 
 
-def _missed(
-    system: System, rows: Residuals, left: list[int], by: Array, length: float
-) -> Iterator[Array]:
-    """Yield what all rows miss after small motions that those allow which are kept."""
-    stream = Stream(f"own rows of {system.name}")
-    kept = [k for k in range(rows.rows) if k not in set(left)]
-    sizes = np.where(np.arange(rows.columns) % COLUMNS < COLUMNS // 2, length, 1.0)
-    start = places_of(system.bodies)
-    for _ in range(DIRECTIONS):
-        wish = np.array([stream.sign() * stream.magnitude() for _ in range(rows.columns)])
-        _, matrix = rows.doubles(*start)
-        scaled = matrix[kept] * by[kept, None] * sizes
-        change = wish - np.linalg.pinv(scaled, rcond=ZERO) @ (scaled @ wish)
-        change[~_moving(system)] = 0.0
-        largest = np.abs(change).max(initial=0.0)
-        if largest < STEP**2:
-            return
-        r, p = _moved(*start, STEP * change / largest * sizes)
-        for _ in range(MOST_STEPS):
-            c, matrix = rows.doubles(r, p)
-            if np.abs(c[kept] * by[kept]).max(initial=0.0) <= CLOSED:
-                yield np.abs(c * by)
-                break
-            scaled = matrix[kept] * by[kept, None] * sizes
-            back = np.linalg.pinv(scaled, rcond=ZERO) @ (c[kept] * by[kept])
-            r, p = _moved(r, p, -back * sizes)
+class _Moves:
+    """Small motions that those rows allow which are kept."""
+
+    def __init__(
+        self,
+        system: System,
+        rows: Residuals,
+        left: Sequence[int],
+        columns: Sequence[int],
+        length: float,
+    ) -> None:
+        self._rows, self._columns = rows, list(columns)
+        self._kept = [k for k in range(rows.rows) if k not in set(left)]
+        self._rows_by = np.where(rows.in_metres, 1 / length, 1.0)
+        is_length = np.arange(rows.columns) % COLUMNS < COLUMNS // 2
+        self._columns_by = np.where(is_length, length, 1.0)[self._columns]
+        self._start = places_of(system.bodies)
+        self._stream = Stream(f"own rows of {system.name}")
+
+    def missed(self) -> Iterator[Array]:
+        """Yield what all rows miss after a motion, in lengths of the scene and radians."""
+        for _ in range(DIRECTIONS):
+            pairs = [(self._stream.sign(), self._stream.magnitude()) for _ in self._columns]
+            wish = np.array([sign * size for sign, size in pairs])
+            _, kept = self._at(*self._start)
+            change = wish - np.linalg.pinv(kept, rcond=ZERO) @ (kept @ wish)
+            largest = np.abs(change).max(initial=0.0)
+            if largest < STEP**2:
+                return
+            places = self._moved(*self._start, STEP * change / largest)
+            for _ in range(MOST_STEPS):
+                c, kept = self._at(*places)
+                if np.abs(c[self._kept]).max(initial=0.0) <= CLOSED:
+                    yield np.abs(c)
+                    break
+                back = np.linalg.pinv(kept, rcond=ZERO) @ c[self._kept]
+                places = self._moved(*places, -back)
+
+    def _at(self, r: Array, p: Array) -> tuple[Array, Array]:
+        """Return all rows, and the Jacobian of those that are kept, scaled."""
+        c, matrix = self._rows.doubles(r, p)
+        kept = matrix[np.ix_(self._kept, self._columns)]
+        return c * self._rows_by, kept * self._rows_by[self._kept, None] * self._columns_by
+
+    def _moved(self, r: Array, p: Array, change: Array) -> tuple[Array, Array]:
+        """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        full = np.zeros(self._rows.columns)
+        full[self._columns] = change * self._columns_by
+        by_body = full.reshape(-1, COLUMNS)
+        r, p = r.copy(), p.copy()
+        r[:-1] += by_body[:, :3]
+        w, v, half = p[:-1, :1], p[:-1, 1:], by_body[:, 3:] / 2
+        scalar = w - (v * half).sum(axis=1, keepdims=True)
+        turned = np.hstack([scalar, v + w * half + np.cross(v, half)])
+        p[:-1] = turned / np.sqrt((turned * turned).sum(axis=1, keepdims=True))
+        return r, p
 
 
-def _moving(system: System) -> npt.NDArray[np.bool_]:
-    """Return which columns are coordinates: points do not turn."""
-    return np.array(
-        [
-            not (body.is_point and k >= COLUMNS // 2)
-            for body in system.bodies
-            for k in range(COLUMNS)
-        ]
-    )
-
-
-def _moved(r: Array, p: Array, change: Array) -> tuple[Array, Array]:
-    """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
-    by_body = change.reshape(-1, COLUMNS)
-    r, p = r.copy(), p.copy()
-    r[:-1] += by_body[:, :3]
-    w, v, half = p[:-1, :1], p[:-1, 1:], by_body[:, 3:] / 2
-    turned = np.hstack(
-        [w - (v * half).sum(axis=1, keepdims=True), v + w * half + np.cross(v, half)]
-    )
-    p[:-1] = turned / np.sqrt((turned * turned).sum(axis=1, keepdims=True))
-    return r, p
+def _columns(system: System) -> list[int]:
+    """Return the columns that are coordinates: points do not turn."""
+    return [
+        COLUMNS * k + n
+        for k, body in enumerate(system.bodies)
+        for n in range(COLUMNS // 2 if body.is_point else COLUMNS)
+    ]
