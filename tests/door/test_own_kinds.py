@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 from dataclasses import replace
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.kernel import Package
     from kousoku.model.scene import Scene
+    from kousoku.runtime.library import Library
 
 BODY_I, BODY_J = ks.body("i"), ks.body("j")
 LENGTH = ks.number("length", "m")
@@ -57,6 +59,12 @@ def restated() -> list[Derivation]:
         ks.derive("stick", C=(d.dot(d) - LENGTH**2) / (2 * LENGTH)),
         ks.derive("square", C=BODY_I.axis().dot(BODY_J.axis())),
     ]
+
+
+@pytest.fixture(scope="module")
+def written(slant: Derivation, tmp_path_factory: pytest.TempPathFactory) -> Library:
+    """Return the kernels of two vectors at an angle, in a folder."""
+    return ks.kernels(slant, tmp_path_factory.mktemp("kinds") / "slant", target="numpy")
 
 
 TOP = """
@@ -316,9 +324,9 @@ print(mechanism, ks.explain({text!r}, kinds=[{folder!r}]))
 """
 
 
-def test_the_folder_of_a_kind_is_enough(slant: Derivation, tmp_path: Path) -> None:
-    ks.kernels(slant, tmp_path / "slant", target="numpy")
-    program = ALONE.format(text=TOP + TILT, folder=str(tmp_path / "slant"))
+def test_the_folder_of_a_kind_is_enough(written: Library, tmp_path: Path) -> None:
+    folder = shutil.copytree(written.folder, tmp_path / "slant")
+    program = ALONE.format(text=TOP + TILT, folder=str(folder))
     environment = os.environ | {"KOUSOKU_CACHE": str(tmp_path / "cache")}
     found = subprocess.run(
         [sys.executable, "-c", program],
@@ -328,13 +336,13 @@ def test_the_folder_of_a_kind_is_enough(slant: Derivation, tmp_path: Path) -> No
         check=False,
     )
     assert "2 degrees of freedom" in found.stdout, found.stderr
-    (tmp_path / "slant" / "graph.json.gz").unlink()
-    with pytest.raises((LoadError, DerivationError)):
-        ks.load(TOP + TILT, kinds=[tmp_path / "slant"], target="numpy")
+    (folder / store.GRAPH_FILE).unlink()
+    with pytest.raises(LoadError, match=store.GRAPH_FILE):
+        ks.load(TOP + TILT, kinds=[folder], target="numpy")
 
 
-def test_kernels_are_kinds_too(slant: Derivation) -> None:
-    by_kernels = ks.load(TOP + TILT, kinds=[ks.kernels(slant, target="numpy")], target="numpy")
+def test_kernels_are_kinds_too(slant: Derivation, written: Library) -> None:
+    by_kernels = ks.load(TOP + TILT, kinds=[written], target="numpy")
     assert by_kernels.text == ks.load(TOP + TILT, kinds=[slant], target="numpy").text
 
 
@@ -420,6 +428,34 @@ def test_rows_that_repeat_others_are_left_out(slant: Derivation) -> None:
     text = TOP + "a_i_b = [1, 2, 3]\na_j_b = [0, 0, 1]\n"
     aligned = ks.load(text.replace("slant", "aligned"), kinds=[parallel], target="numpy")
     assert len(solver_of(aligned).left_out) == 1
+
+
+def test_they_move_as_drivers_say(restated: list[Derivation]) -> None:
+    places = {"crank": 0, "rod": 1, "slider": 3}
+    bodies = "".join(f"[bodies.{name}]\nposition = [{x}, 0, 0]\n" for name, x in places.items())
+    text = f"""
+name = "driven"
+unit = "m"
+{bodies}
+[joints]
+a = {{ type = "hinge", bodies = ["ground", "crank"], at = [0, 0, 0], axis = [0, 0, 1] }}
+b = {{ type = "touch", bodies = ["crank", "rod"], s_i_b = [1, 0, 0], s_j_b = [0, 0, 0] }}
+c = {{ type = "hinge", bodies = ["rod", "slider"], at = [3, 0, 0], axis = [0, 0, 1] }}
+d = {{ type = "slider", bodies = ["ground", "slider"], at = [3, 0, 0], axis = [1, 0, 0] }}
+[drivers.motor]
+joint = "a"
+value = "0.3 + t"
+"""
+    made = composed(read(text, *restated), ())
+    assert (made.degrees, made.program.is_planar) == (0, True)
+    slider = made.system.bodies[2].r[0]
+    assert slider == pytest.approx(np.cos(0.3) + (4 - np.sin(0.3) ** 2) ** 0.5, rel=1e-12)
+    twin = (
+        'twin = { type = "touch", bodies = ["crank", "rod"], s_i_b = [1, 0, 0], s_j_b = [0, 0, 0] }'
+    )
+    twice = text.replace("[drivers", f"{twin}\n[drivers", 1)
+    rows = composed(read(twice, *restated), ()).program.left_out
+    assert len(rows) == 2  # in the plane, from both of the same kind
 
 
 def test_bodies_are_not_joined_through_them_nor_put_onto_them(restated: list[Derivation]) -> None:
