@@ -63,6 +63,8 @@ def _problems(package: Package) -> Iterator[str]:
             yield f"it has no kernel {name} that gives {' and '.join(outputs)}"
             return
         rows = found[outputs[0]]
+        if len(rows) != 1 or not 1 <= rows[0] <= COLUMNS:
+            yield f"{outputs[0]} has shape {rows}, and a joint has 1 to {COLUMNS} rows"
         if name == "constraint" and found["C_q"] != (*rows, 2 * COLUMNS):
             yield f"C_q has shape {found['C_q']} for C of shape {rows}"
         for one in () if kernel is None else kernel.inputs:

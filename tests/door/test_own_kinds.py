@@ -287,9 +287,11 @@ def test_what_is_no_constraint_of_two_bodies_is_refused(slant: Derivation, tmp_p
     function = Function("kernel", "title", "y = x", "this test", (x,), (y,))
     length = Derivation("own", "own", "title", "this test", (), (function,))
     apart = ks.derive("revolute", C=BODY_J.r - BODY_I.r)
+    many = ks.derive("many", C=[BODY_J.r - BODY_I.r, BODY_J.r + BODY_I.r, BODY_J.r[0]])
     other = ks.derive("slant", C=BODY_I.axis().dot(BODY_J.axis()))
     refused: list[tuple[Any, str]] = [
         ([length], "own cannot be the type of a joint: it has no kernel constraint that gives C"),
+        ([many], "C has shape (7,), and a joint has 1 to 6 rows"),
         ([apart], "revolute cannot be the type of a joint: 'revolute' is a type of joints that"),
         ([ks.derive("n1")], "'n1' is taken by a kind that kousoku ships"),
         ([slant, other], "two kinds are called slant"),
@@ -428,6 +430,55 @@ def test_rows_that_repeat_others_are_left_out(slant: Derivation) -> None:
     text = TOP + "a_i_b = [1, 2, 3]\na_j_b = [0, 0, 1]\n"
     aligned = ks.load(text.replace("slant", "aligned"), kinds=[parallel], target="numpy")
     assert len(solver_of(aligned).left_out) == 1
+
+
+SWEEP = """
+name = "sweep"
+unit = "m"
+gravity = [0, 0, -9.81]
+outputs = ["velocities", "accelerations", "reactions"]
+[bodies.arm]
+position = [0, 0, 0]
+mass = 1
+center = [0.1, 0.5, 0]
+inertia = { xx = 0.1, yy = 0.05, zz = 0.12, xy = 0.01 }
+angular_velocity = [6, 0, 0]
+[bodies.wheel]
+position = [0, 1, 0]
+mass = 1
+center = [0, 0.1, 0]
+inertia = { xx = 0.02, yy = 0.03, zz = 0.02 }
+velocity = [0, 0, 6]
+angular_velocity = [6, 0, 0]
+[joints]
+shaft = { type = "revolute", bodies = ["ground", "arm"], at = [0, 0, 0], axis = [1, 0, 0] }
+pin = { type = "spherical", bodies = ["arm", "wheel"], at = [0, 1, 0] }
+"""
+
+
+@pytest.mark.usefixtures("compiler", "numpy_solver")
+def test_rows_of_one_joint_that_repeat_each_other_carry_nothing() -> None:
+    kind = ks.derive("aligned", C=BODY_I.axis().cross(BODY_J.axis()))
+    axes = "[0.3, 0.2, 1]"
+    head = 'bodies = ["arm", "wheel"]'
+    mine = f'{SWEEP}par = {{ type = "aligned", {head}, a_i_b = {axes}, a_j_b = {axes} }}\n'
+    theirs = f"{{ type = 'parallel_axes', {head}, axes = [{axes}, {axes}] }}\n"
+    both = f"{mine}twin = {theirs}"
+    # The two rows that are kept at the start lose their rank on the way, and others take over.
+    own, shipped, shared = (
+        ks.load(text, kinds=[kind]).simulate(1.5, samples=31, tolerance=1e-11)
+        for text in (mine, f"{SWEEP}par = {theirs}", both)
+    )
+    assert "factorisations of all rows" in str(own.ledger)
+    for name in shipped.columns():
+        assert np.allclose(own[name], shipped[name], rtol=0, atol=1e-8), name
+    assert not any("not unique" in note for note in own.notes)
+    assert any("not unique" in note and "joints.twin" in note for note in shared.notes)
+    for name in ("par", "twin"):
+        torque = 2 * shared.joint(name).torque
+        assert np.allclose(torque, shipped.joint("par").torque, rtol=0, atol=1e-8)
+    for text in (mine, both):
+        ks.verify(ks.load(text, kinds=[kind])).check()
 
 
 def test_they_move_as_drivers_say(restated: list[Derivation]) -> None:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     import numpy.typing as npt
 
+    from kousoku.codegen.dynamics.recording.program import Row
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
     from kousoku.model.mechanism import System
 
@@ -77,6 +78,32 @@ def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: boo
                 " rank where C = 0, or another start",
                 key=f"joints.{worst.joint}",
             )
+
+
+def repeated_rows(system: System, freedom: Freedom) -> tuple[Row, ...]:
+    """Return rows that are left out, and that others of the same joint of one's own imply.
+
+    The joint does the same with any multipliers of these: they carry nothing.
+    """
+    found: list[Row] = []
+    for place, instance in enumerate(system.constraints):
+        left = [row for row in freedom.dropped if row.instance == place]
+        if not left or not is_own(instance.kind):
+            continue
+        _, matrix = Residuals.of(system, [instance]).doubles(*places_of(system.bodies))
+        taken = [k for k in range(len(matrix)) if k not in {row.row for row in left}]
+        for row in left:
+            ranks = [_rank(matrix[[*taken, *more]]) for more in ((), (row.row,))]
+            if ranks[0] == ranks[1]:
+                found.append(row)
+            else:
+                taken.append(row.row)
+    return tuple(found)
+
+
+def _rank(matrix: Array) -> int:
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return int((values > ZERO * values.max(initial=0.0)).sum())
 
 
 class _Moves:
