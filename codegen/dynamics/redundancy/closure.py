@@ -302,13 +302,17 @@ def _is_good(position: Position, places: Sequence[int]) -> bool:
 
 def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
     """Yield notes on rows that were taken as redundant, and on scenes in which nothing moves."""
+    fixed = fixed_system(system)
+    # with other ones rows may miss more, and what holds here may move
+    depends = fixed.constraints != system.constraints or system.given
+    given = ", with the parameters of the scene" if depends else ""
     worst: dict[tuple[str, bool], float] = {}
     for one in freedom.closed:
         key = (key_of(system.constraints[one.row.instance]), one.is_length)
         worst[key] = max(worst.get(key, 0.0), one.missed)
     if max(worst.values(), default=0.0) > HOLDS:
         size, unit = (
-            characteristic_length(fixed_system(system)) / system.unit,
+            characteristic_length(fixed) / system.unit,
             UNIT_NAMES[system.unit],
         )
         texts = [
@@ -318,11 +322,11 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
         more = f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else ""
         yield (
             f"redundant within closure_tolerance, {system.closure_tolerance:g}: other joints imply"
-            f" rows of {', '.join(texts[:SHOWN])}{more}; they are left out, and miss so much along"
-            " the motion"
+            f" rows of {', '.join(texts[:SHOWN])}{more}{given}; they are left out, and miss so much"
+            " along the motion"
         )
     if not freedom.degrees and not any(one.is_driver for one in system.constraints):
-        yield "nothing can move: joints hold all bodies where they are"
+        yield f"nothing can move: joints hold all bodies where they are{given}"
 
 
 def _listed(names: Sequence[str]) -> str:
