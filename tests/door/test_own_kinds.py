@@ -226,6 +226,13 @@ def frozen_own(kind: Derivation) -> Package:
     return store.load_frozen(own_kinds([kind])[kind.name].kernels)
 
 
+def test_a_kind_that_is_stated_by_hand_may_hold_quotients_and_angles() -> None:
+    turn = replace(ks.derive("angle"), name="turn", kind="turn")
+    text = TOP.replace("slant", "turn").replace("[0, 0, 30]", "[1, 2, 3]")
+    text += "a_i_b = [1, 0, 0]\nb_i_b = [0, 1, 0]\na_j_b = [1, 0.1, 0]\n"
+    ks.verify(ks.load(text, kinds=[turn], target="numpy"), target="numpy").check()
+
+
 WRONG = {
     "no kinds": (TOP + TILT, "line 18: joints.tilt.type: unknown joint 'slant'; known here"),
     "missing": (TOP, "joints.tilt.a_i_b: is missing; a slant joint wants a list of 3 numbers"),
