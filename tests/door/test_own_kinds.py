@@ -227,10 +227,11 @@ def frozen_own(kind: Derivation) -> Package:
 
 
 def test_a_kind_that_is_stated_by_hand_may_hold_quotients_and_angles() -> None:
-    turn = replace(ks.derive("angle"), name="turn", kind="turn")
+    kind = own_kind_of(replace(store.load_frozen("angle"), name="turn"))
     text = TOP.replace("slant", "turn").replace("[0, 0, 30]", "[1, 2, 3]")
     text += "a_i_b = [1, 0, 0]\nb_i_b = [0, 1, 0]\na_j_b = [1, 0.1, 0]\n"
-    ks.verify(ks.load(text, kinds=[turn], target="numpy"), target="numpy").check()
+    scene = scene_from_toml(text, kinds={"turn": kind})
+    ks.verify(ks.load(scene, target="numpy"), target="numpy").check()
 
 
 WRONG = {
