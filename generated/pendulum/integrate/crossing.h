@@ -294,7 +294,7 @@ static double valued_end(const Node *a, const Node *b, Look *look, const State *
  * polynomial, and a force is infinite there */
 static const double *noise_of(size_t k, const Look *look)
 {
-    const int is_exact = k >= N_SWITCHING || ((int)k < EVENTS && events[k][2]);
+    const int is_exact = (int)k >= N_SWITCHING || ((int)k < EVENTS && events[k][2]);
     return is_exact ? look->rounding : look->noise;
 }
 
@@ -347,7 +347,7 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
 static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
     double first = HUGE_VAL;
-    for (size_t k = EVENTS; k < N_SWITCHING; ++k) {
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
         const int now = side_at(b, k);
         if (s->sides[k] != 0.0 || now == 0 || now * middle(a, k) > 0.0) continue;
         first = smaller(first, time_of(k, a, b, look, s, work));
@@ -474,7 +474,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
             look->crosses[k] = side != 0 && side_at(&b, k) == -side;
-            if (N_POLES > 0 && k >= N_SWITCHING) {
+            if (N_POLES > 0 && (int)k >= N_SWITCHING) {
                 const size_t pole = k - N_SWITCHING;
                 const int now = passed[pole] ? -side : side;
                 look->crosses[k] = 0;
@@ -502,7 +502,7 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         bound_seen(&a, &b, work->w);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             int side = (int)s->sides[k];
-            if (N_POLES > 0 && k >= N_SWITCHING && passed[k - N_SWITCHING]) side = -side;
+            if (N_POLES > 0 && (int)k >= N_SWITCHING && passed[k - N_SWITCHING]) side = -side;
             if (is_lost && !has_value(&b, k)) continue; /* it ends where that has no value */
             if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
         }
