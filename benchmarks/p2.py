@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from benchmarks.limits import aligned
-from kousoku.codegen.tape import record, run
+from kousoku.codegen.dual import evaluate_dual
+from kousoku.codegen.freeze_components import freeze_components
 from kousoku.symbolic.kinds import derive
 
 if TYPE_CHECKING:
@@ -119,15 +120,14 @@ class Judge:
 
     def __init__(self) -> None:
         function = next(f for f in derive(PACKAGE).functions if f.name == "constraint")
-        tape = record(function)
+        components = freeze_components(function)
         self.inputs = inputs(SAMPLE)
         self._wanted = []
         for k in range(SAMPLE):
             point = {name: x[k].tolist() for name, x in zip(SIZES, self.inputs, strict=True)}
-            duals = run(tape, point)
-            numbers = [point[name][index] for name, index in tape.inputs]
+            duals = evaluate_dual(components, point)
             for place, dual in enumerate([*duals["C"], *duals["C_q"]]):
-                moved = sum(abs(numbers[i] * x) for i, x in dual.gradient.items())
+                moved = sum(abs(point[name][i] * x) for (name, i), x in dual.gradient.items())
                 unit = 2.0**-53 * float(abs(dual.value) + moved)
                 self._wanted.append((k, place, dual.value, unit))
 

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.dual import DUAL, Dual, variable
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
-from kousoku.codegen.linkage_dual import DUAL, Dual, variable
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
 from kousoku.codegen.unit import columns

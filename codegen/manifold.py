@@ -4,21 +4,23 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.dual import evaluate_dual
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import is_euler_parameters
-from kousoku.codegen.tape import run
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.tape import Tape
-    from kousoku.model.quantity import Quantity
+    from kousoku.codegen.kernel import Kernel
+
+    #: An element of an input: the input's name and the element's place, row-major.
+    Place = tuple[str, int]
 
 MOST_ITERATIONS = 30
 
 
 def solve_constraint(
-    tape: Tape, output: str, inputs: Sequence[Quantity], start: Mapping[str, Sequence[float]]
+    kernel: Kernel, output: str, start: Mapping[str, Sequence[float]]
 ) -> dict[str, tuple[float, ...]] | None:
     """Return a point near ``start`` where an output vanishes to rounding and p·p = 1.
 
@@ -26,12 +28,10 @@ def solve_constraint(
 
     Parameters
     ----------
-    tape : Tape
-        The function that holds the constraint.
+    kernel : Kernel
+        The components of the function that holds the constraint.
     output : str
         The name of the constraint among its outputs.
-    inputs : sequence of Quantity
-        The inputs of the function.
     start : mapping of str to sequence of float
         Where to start, flat row-major.
 
@@ -40,10 +40,14 @@ def solve_constraint(
     dict or None
         The point in doubles; None where the iteration does not converge.
     """
-    numbers = [HIGH_CONTEXT.mpf(start[name][index]) for name, index in tape.inputs]
+    numbers = {
+        (quantity.name, k): HIGH_CONTEXT.mpf(start[quantity.name][k])
+        for quantity in kernel.inputs
+        for k in range(quantity.size)
+    }
     for _ in range(MOST_ITERATIONS):
         try:
-            values, rows = _equations(tape, output, inputs, numbers)
+            values, rows = _equations(kernel, output, numbers)
             if max(map(abs, values)) < HIGH_CONTEXT.mpf(10) ** -40:
                 break
             step = _least_step(values, rows)
@@ -54,33 +58,27 @@ def solve_constraint(
     else:
         return None
     return {
-        quantity.name: tuple(
-            float(number)
-            for number, (name, _) in zip(numbers, tape.inputs, strict=True)
-            if name == quantity.name
-        )
-        for quantity in inputs
+        quantity.name: tuple(float(numbers[quantity.name, k]) for k in range(quantity.size))
+        for quantity in kernel.inputs
     }
 
 
 def _equations(
-    tape: Tape, output: str, inputs: Sequence[Quantity], numbers: Sequence[Any]
-) -> tuple[list[Any], list[dict[int, Any]]]:
+    kernel: Kernel, output: str, numbers: Mapping[Place, Any]
+) -> tuple[list[Any], list[dict[Place, Any]]]:
     """Return residuals and sparse rows of their derivatives: the constraint, then p·p = 1."""
-    arrays: dict[str, list[Any]] = {}
-    for number, (name, _) in zip(numbers, tape.inputs, strict=True):
-        arrays.setdefault(name, []).append(number)
-    duals = run(tape, arrays)[output]
+    arrays = {q.name: [numbers[q.name, k] for k in range(q.size)] for q in kernel.inputs}
+    duals = evaluate_dual(kernel, arrays)[output]
     values = [dual.value for dual in duals]
     rows = [dict(dual.gradient) for dual in duals]
-    for quantity in filter(is_euler_parameters, inputs):
-        places = [k for k, (name, _) in enumerate(tape.inputs) if name == quantity.name]
-        values.append(sum(numbers[k] ** 2 for k in places) - 1)
-        rows.append({k: 2 * numbers[k] for k in places})
+    for quantity in filter(is_euler_parameters, kernel.inputs):
+        p = {(quantity.name, k): numbers[quantity.name, k] for k in range(quantity.size)}
+        values.append(sum(x**2 for x in p.values()) - 1)
+        rows.append({place: 2 * x for place, x in p.items()})
     return values, rows
 
 
-def _least_step(values: Sequence[Any], rows: Sequence[Mapping[int, Any]]) -> dict[int, Any]:
+def _least_step(values: Sequence[Any], rows: Sequence[Mapping[Place, Any]]) -> dict[Place, Any]:
     """Return the smallest x with J x = −values: x = Jᵀ (J Jᵀ)⁻¹ (−values)."""
     count = len(rows)
     square = HIGH_CONTEXT.matrix(count, count)
@@ -88,7 +86,7 @@ def _least_step(values: Sequence[Any], rows: Sequence[Mapping[int, Any]]) -> dic
         for j in range(count):
             square[i, j] = sum(x * rows[j].get(k, 0) for k, x in rows[i].items())
     multipliers = HIGH_CONTEXT.lu_solve(square, HIGH_CONTEXT.matrix([-value for value in values]))
-    step: dict[int, Any] = {}
+    step: dict[Place, Any] = {}
     for multiplier, row in zip(multipliers, rows, strict=True):
         for place, derivative in row.items():
             step[place] = step.get(place, 0) + multiplier * derivative

@@ -10,15 +10,16 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import HIGH_CONTEXT
-from kousoku.codegen.tape import curved_inputs, degrees
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kousoku.codegen.graph import Node
+    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.stream import Stream
-    from kousoku.codegen.tape import Tape
     from kousoku.model.quantity import Quantity
 
     Numbers = Mapping[str, tuple[float, ...]]
@@ -78,28 +79,27 @@ def scattered(numbers: Numbers, stream: Stream, exponent: int) -> dict[str, tupl
     }
 
 
-def finite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream, turn: int) -> list[Point]:
+def finite_points(components: Kernel, stream: Stream, turn: int) -> list[Point]:
     """Return points at which every output is finite: one of each sort, another at each turn.
 
     Parameters
     ----------
-    tape : Tape
-        The function; it says how far its inputs can be scaled.
-    inputs : sequence of Quantity
-        The inputs of the function.
+    components : Kernel
+        Formulas of the function; they say how far its inputs can be scaled.
     stream : Stream
         Where the digits come from.
     turn : int
         Which of the arrays or axes a sort picks, where it picks one.
     """
+    inputs = components.inputs
 
     def ordinary_numbers() -> dict[str, tuple[float, ...]]:
         return ordinary(inputs, stream)
 
     points = [
         Point("ordinary", ordinary_numbers()),
-        Point("badly scaled arrays", _scaled_arrays(tape, ordinary_numbers(), stream, turn)),
-        Point("badly scaled elements", _scaled_elements(tape, ordinary_numbers(), stream)),
+        Point("badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, turn)),
+        Point("badly scaled elements", _scaled_elements(components, ordinary_numbers(), stream)),
         Point("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
         Point("near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)),
         Point("small integers", _integers(inputs, stream)),
@@ -109,19 +109,20 @@ def finite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream, turn: 
     points.append(Point(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
     if any(map(is_euler_parameters, inputs)):
         points.append(Point("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream)))
-    if group := _subnormal_group(tape, inputs, turn):
-        numbers = _integers(inputs, stream) | _powers_of_two(tape, inputs, stream)
+    if group := _subnormal_group(components, turn):
+        numbers = _integers(inputs, stream) | _powers_of_two(components, stream)
         tiny = {name: tuple(x * SUBNORMAL for x in numbers[name]) for name in group}
         points.append(Point(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
     return points
 
 
-def infinite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream) -> list[Point]:
+def infinite_points(components: Kernel, stream: Stream) -> list[Point]:
     """Return points with one number that is not finite.
 
     An infinity is left out where something finite can come of it, as with 1/∞.
     """
-    bad_numbers = (math.nan,) if tape.has_limits else (math.nan, math.inf, -math.inf)
+    inputs = components.inputs
+    bad_numbers = (math.nan,) if _has_limits(components) else (math.nan, math.inf, -math.inf)
     points = []
     for turn, bad in enumerate(bad_numbers):
         quantity = inputs[(stream.integer(16) + turn) % len(inputs)]
@@ -135,10 +136,10 @@ def infinite_points(tape: Tape, inputs: Sequence[Quantity], stream: Stream) -> l
 
 
 def _scaled_arrays(
-    tape: Tape, numbers: Numbers, stream: Stream, turn: int
+    components: Kernel, numbers: Numbers, stream: Stream, turn: int
 ) -> dict[str, tuple[float, ...]]:
     """Scale one array as far as doubles allow, all others with what is left."""
-    held = degrees(tape)
+    held = degrees(components)
     names = [name for name in numbers if held[name]]
     left = EXPONENT_BUDGET
     exponents = dict.fromkeys(numbers, 0)
@@ -154,9 +155,11 @@ def _scaled_arrays(
     return {name: tuple(math.ldexp(x, scales[name]) for x in xs) for name, xs in numbers.items()}
 
 
-def _scaled_elements(tape: Tape, numbers: Numbers, stream: Stream) -> dict[str, tuple[float, ...]]:
+def _scaled_elements(
+    components: Kernel, numbers: Numbers, stream: Stream
+) -> dict[str, tuple[float, ...]]:
     """Scale each number on its own."""
-    largest = min(LARGEST_EXPONENT, EXPONENT_BUDGET // max(1, sum(degrees(tape).values())))
+    largest = min(LARGEST_EXPONENT, EXPONENT_BUDGET // max(1, sum(degrees(components).values())))
     return {
         name: tuple(math.ldexp(x, stream.between(-largest, largest)) for x in xs)
         for name, xs in numbers.items()
@@ -218,14 +221,12 @@ def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[flo
     }
 
 
-def _powers_of_two(
-    tape: Tape, inputs: Sequence[Quantity], stream: Stream
-) -> dict[str, tuple[float, ...]]:
+def _powers_of_two(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]]:
     """Return 1, 2 or 4 for the numbers under a quotient, so that it stays exact."""
-    curved = curved_inputs(tape)
+    curved = curved_inputs(components)
     return {
         q.name: tuple(float(1 << stream.between(0, 2)) for _ in range(q.size))
-        for q in inputs
+        for q in components.inputs
         if q.name in curved and not is_euler_parameters(q)
     }
 
@@ -243,7 +244,7 @@ def _unnormalised(
     }
 
 
-def _subnormal_group(tape: Tape, inputs: Sequence[Quantity], turn: int) -> tuple[str, ...]:
+def _subnormal_group(components: Kernel, turn: int) -> tuple[str, ...]:
     """Return arrays that are made subnormal together: those of one unit, or a single pure one.
 
     The other inputs are small integers at these points and divisors powers of two, so that products
@@ -253,10 +254,51 @@ def _subnormal_group(tape: Tape, inputs: Sequence[Quantity], turn: int) -> tuple
     limit. Arrays under a root, in a quotient or in an angle are left out: their squares vanish, in
     the derivation's formula as in any code.
     """
-    curved = curved_inputs(tape)
-    free = [q for q in inputs if q.name not in curved and not is_euler_parameters(q)]
+    curved = curved_inputs(components)
+    free = [q for q in components.inputs if q.name not in curved and not is_euler_parameters(q)]
     groups = dict.fromkeys(q.name if q.unit == "-" else q.unit for q in free)
     if not groups:
         return ()
     chosen = list(groups)[turn % len(groups)]
     return tuple(q.name for q in free if chosen in {q.name, q.unit})
+
+
+def curved_inputs(kernel: Kernel) -> tuple[str, ...]:
+    """Input arrays of which a root, a quotient or an angle function is taken."""
+    held: list[dict[str, None]] = []
+    curved: dict[str, None] = {}
+    for node in kernel.nodes:
+        own = [node.symbol[0]] if node.symbol else []
+        names = dict.fromkeys([*own, *(name for k in node.args for name in held[k])])
+        held.append(names)
+        if node.op in {Op.SQRT, Op.SIN, Op.COS, Op.ATAN2}:
+            curved.update(names)
+        elif node.op is Op.DIV:
+            curved.update(held[node.args[1]])
+    return tuple(curved)
+
+
+def degrees(kernel: Kernel) -> dict[str, int]:
+    """Highest degree in which any node of a kernel holds an input array, for each of them.
+
+    Scaling the array by 2^k scales no intermediate result by more than 2^(k · degree).
+    """
+    held: list[dict[str, int]] = []
+    for node in kernel.nodes:
+        held.append({node.symbol[0]: 1} if node.symbol else _degree(node, held))
+    return {q.name: max(degree.get(q.name, 0) for degree in held) for q in kernel.inputs}
+
+
+def _degree(node: Node, held: Sequence[Mapping[str, int]]) -> dict[str, int]:
+    args = [held[k] for k in node.args]
+    names = dict.fromkeys(name for arg in args for name in arg)
+    if node.op in {Op.MUL, Op.DIV}:
+        return {name: sum(arg.get(name, 0) for arg in args) for name in names}
+    if node.op is Op.SQRT:
+        return {name: math.ceil(args[0][name] / 2) for name in names}
+    return {name: max(arg.get(name, 0) for arg in args) for name in names}
+
+
+def _has_limits(kernel: Kernel) -> bool:
+    """Whether something finite can come of an infinite operand, as with 1/∞."""
+    return any(node.op in {Op.DIV, Op.ATAN2} for node in kernel.nodes)

@@ -12,6 +12,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.dual import Dual, evaluate_dual
+from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.known import known_errors, units_off
 from kousoku.codegen.manifold import solve_constraint
@@ -24,7 +26,6 @@ from kousoku.codegen.points import (
 )
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.stream import Stream
-from kousoku.codegen.tape import Dual, record, run
 from kousoku.codegen.unit import columns
 from kousoku.model.errors import DerivationError
 from kousoku.model.jsontext import to_text
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.known import KnownError
-    from kousoku.codegen.tape import Tape
-    from kousoku.model.quantity import Quantity
     from kousoku.symbolic.derivation import Function, Output
 
 FORMAT = 1
@@ -88,11 +87,11 @@ def references(
 def _kernels(
     package: Package, functions: Sequence[Function], is_thorough: bool
 ) -> list[dict[str, object]]:
-    tapes = [record(function) for function in functions]
+    every = [freeze_components(function) for function in functions]
     kernels: list[dict[str, object]] = []
-    for kernel, function, tape in zip(package.kernels, functions, tapes, strict=True):
-        points = _points(function, tape, list(zip(functions, tapes, strict=True)), is_thorough)
-        found = [(point, values_at(kernel, function, tape, point)) for point in points]
+    for kernel, function, components in zip(package.kernels, functions, every, strict=True):
+        points = _points(function, components, every, is_thorough)
+        found = [(point, values_at(kernel, function, components, point)) for point in points]
         known = [(point, values) for point, values in found if values is not None]
         if not any(_is_finite(point) for point, _ in known):
             raise DerivationError(
@@ -100,14 +99,17 @@ def _kernels(
                 "with inputs of order one; state it so that it holds for such inputs"
             )
         beyond = [
-            _known(kernel, function, tape, x) for x in known_errors(package.name, kernel.name)
+            _known(kernel, function, components, error)
+            for error in known_errors(package.name, kernel.name)
         ]
-        every = [values for _, values in known] + beyond
-        kernels.append({"name": kernel.name, "points": every})
+        rows = [values for _, values in known] + beyond
+        kernels.append({"name": kernel.name, "points": rows})
     return kernels
 
 
-def _known(kernel: Kernel, function: Function, tape: Tape, error: KnownError) -> dict[str, object]:
+def _known(
+    kernel: Kernel, function: Function, components: Kernel, error: KnownError
+) -> dict[str, object]:
     """Return a point at which an output is beyond the limit, with its own limit.
 
     Raises
@@ -116,7 +118,7 @@ def _known(kernel: Kernel, function: Function, tape: Tape, error: KnownError) ->
         It is further off than is known.
     """
     point = Point("known to be off", error.inputs)
-    values: dict[str, Any] | None = values_at(kernel, function, tape, point)
+    values: dict[str, Any] | None = values_at(kernel, function, components, point)
     assert values is not None
     found = units_off(kernel, error.output, error.inputs, values["outputs"][error.output])
     if not found <= error.units:
@@ -132,7 +134,7 @@ def _is_finite(point: Point) -> bool:
 
 
 def _points(
-    function: Function, tape: Tape, package: Sequence[tuple[Function, Tape]], is_thorough: bool
+    function: Function, components: Kernel, package: Sequence[Kernel], is_thorough: bool
 ) -> list[Point]:
     """Return the points of one function, fewer of them where it has many outputs."""
     stream = Stream(function.name)
@@ -142,21 +144,19 @@ def _points(
         turns = min(len(function.inputs), MOST_NUMBERS_OF_ALL_TURNS // numbers)
     points: list[Point] = []
     for turn in range(max(1, turns)):
-        points += finite_points(tape, function.inputs, stream, turn)
+        points += finite_points(components, stream, turn)
         points += _manifold_points(function, package, stream)
         points += motion_points(function.inputs, Stream(f"{function.name} {turn}"), turn)
     if all(output.at_pole is not None for output in function.outputs):
         points += coincident_points(function.inputs, Stream(f"{function.name} pole"))
-    return points + infinite_points(tape, function.inputs, stream)
+    return points + infinite_points(components, stream)
 
 
-def _manifold_points(
-    function: Function, package: Sequence[tuple[Function, Tape]], stream: Stream
-) -> list[Point]:
+def _manifold_points(function: Function, package: Sequence[Kernel], stream: Stream) -> list[Point]:
     """Return a point on the constraint manifold of the package, and one near it."""
-    for other, tape in package:
-        if CONSTRAINT in (output.quantity.name for output in other.outputs):
-            solution = _solution(tape, other.inputs, stream)
+    for other in package:
+        if CONSTRAINT in (output.name for output in other.outputs):
+            solution = _solution(other, stream)
             if solution is not None:
                 names = [quantity.name for quantity in function.inputs]
                 shared = {name: solution[name] for name in names if name in solution}
@@ -166,26 +166,26 @@ def _manifold_points(
     return []
 
 
-def _solution(
-    tape: Tape, inputs: Sequence[Quantity], stream: Stream
-) -> dict[str, tuple[float, ...]] | None:
+def _solution(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]] | None:
     """Return a point on the constraint manifold; None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
     for own in (stream, *(Stream(f"start {number}") for number in range(1, MOST_STARTS))):
-        found = solve_constraint(tape, CONSTRAINT, inputs, ordinary(inputs, own))
+        start = ordinary(components.inputs, own)
+        found = solve_constraint(components, CONSTRAINT, start)
         if found is not None:
             return found
     return None
 
 
 def values_at(
-    kernel: Kernel, function: Function, tape: Tape, point: Point
+    kernel: Kernel, function: Function, components: Kernel, point: Point
 ) -> dict[str, object] | None:
     """Return one point with its references; None where it happens to be no number."""
     bad = [
-        place
-        for place, (name, index) in enumerate(tape.inputs)
-        if not math.isfinite(point.inputs[name][index])
+        (name, k)
+        for name, xs in point.inputs.items()
+        for k, x in enumerate(xs)
+        if not math.isfinite(x)
     ]
     # Where an input is not finite, any number shows which outputs depend on it, and is nothing to
     # those that do not.
@@ -193,11 +193,10 @@ def values_at(
         name: [x if math.isfinite(x) else 1.25 for x in xs] for name, xs in point.inputs.items()
     }
     numbers = {
-        place: HIGH_CONTEXT.mpf(finite[name][index])
-        for place, (name, index) in enumerate(tape.inputs)
+        (name, k): HIGH_CONTEXT.mpf(x) for name, xs in finite.items() for k, x in enumerate(xs)
     }
     try:
-        duals = run(tape, finite)
+        duals = evaluate_dual(components, finite)
     except ArithmeticError:
         if any(output.at_pole is None for output in function.outputs):
             return None

@@ -2,28 +2,20 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH_CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
+    from kousoku.codegen.dual import Dual
+
 SMALLEST_SUBNORMAL = 5e-324
 #: u, the rounding of a double.
 ROUNDING = HIGH_CONTEXT.mpf(2) ** -53
 #: A derivative below this, at numbers of order one, is a zero that 50 digits left over.
 NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
-
-
-class Dual(Protocol):
-    """A number in 50 digits, and its derivatives by the inputs that it depends on."""
-
-    @property
-    def value(self) -> Any: ...
-
-    @property
-    def gradient(self) -> Mapping[Any, Any]: ...
 
 
 def columns(

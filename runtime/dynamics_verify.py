@@ -21,7 +21,7 @@ from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.independent_verify import independent_rows
 from kousoku.runtime.integrate.result import key_of
-from kousoku.runtime.integrate.settings import Status
+from kousoku.runtime.integrate.settings import Doubt, Status
 from kousoku.runtime.notice import silent
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
@@ -136,11 +136,13 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
     if HEADER not in files:
         return
     text = files[HEADER].decode()
-    for status in Status:
-        found = re.search(rf"_{status.name} = (.*?),?\n", text)
-        if found is None or found[1] != str(int(status)):
+    codes = {status.name: status.value for status in Status}
+    codes |= {f"DOUBT_{doubt.name}": doubt.value for doubt in Doubt}
+    for name, value in codes.items():
+        found = re.search(rf"_{name} = (.*?),?\n", text)
+        if found is None or found[1] != str(value):
             got = "none" if found is None else found[1]
-            yield f"{folder / HEADER}: {status.name} is {got}, wanted {int(status)}"
+            yield f"{folder / HEADER}: {name} is {got}, wanted {value}"
 
 
 def _solvers(

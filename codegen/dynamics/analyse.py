@@ -23,6 +23,7 @@ from kousoku.codegen.dynamics.composition.momentum import kept_of
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.left_out import by_instance, shares_out, take_over
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
 from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.simplification.merge import merged
@@ -124,11 +125,6 @@ class Analysed:
         """Momenta that parts of it keep, in the axes of the plane."""
         return kept_of(in_xy_plane(self).system, is_planar=self.outline.is_planar)
 
-    @property
-    def groups(self) -> Sequence[Sequence[str]]:
-        """The joints of each set of rows that depend on each other: forces are not unique there."""
-        return [one.joints for one in self.freedom.dependent if one.is_everywhere]
-
 
 def analyse(system: System, wanted: Collection[str]) -> Analysed:
     """Return an assembled system with what all analyses found that need no program.
@@ -183,6 +179,8 @@ def ranked(system: System, shift: int | None) -> Analysed:
     fixed = fixed_system(system)
     require_unmoved_rows_hold(fixed, found.outline)
     freedom = freedom_of(fixed, found.outline)
+    require_own_rows_implied(fixed, freedom, is_planar=found.outline.is_planar)
+    freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
         found = with_all_rows(system, None if shift is None else plane_of(system))

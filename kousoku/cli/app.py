@@ -29,16 +29,37 @@ from kousoku.cli.wording import as_typed, refused
 from kousoku.model.errors import KousokuError
 
 
+def _discard() -> None:
+    """Discard what is left in the buffer: it would be written, in vain, when Python ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def _is_lost() -> bool:
+    """Return whether what is printed cannot be written: not even the end of a line."""
+    try:
+        os.write(sys.stdout.fileno(), b"\n")
+    except OSError:
+        return True
+    return False
+
+
 @contextmanager
 def _until_unread() -> Iterator[None]:
-    """Leave where a reader has seen enough, as ``head`` does: no disagreement, which 1 would be."""
+    """Leave where a reader has seen enough, as ``head`` does: no disagreement, which 1 would be.
+
+    A disk that is full has no name in its error where what is printed goes there.
+    """
     try:
         yield
         sys.stdout.flush()
     except BrokenPipeError:
-        # What is left in the buffer would be written, in vain, when Python ends.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _discard()
         raise typer.Exit(UNREAD) from None
+    except OSError as error:
+        if error.filename is not None or not _is_lost():
+            raise
+        _discard()
+        raise KousokuError(f"standard output: cannot be written: {error.strerror}") from None
 
 
 class _Commands(TyperGroup):

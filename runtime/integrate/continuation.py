@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, mean_square, smaller
 from .pivot_monitor import WEAK, pivot_ratio
 from .projection import project, take_normal_part
 from .row_switch import ALL_OF_THEM
 from .rows import are_closed
-from .scene import larger, mean_square, smaller
 from .settings import CLEARLY
 from .state import SINGLE
 

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from .result import refusal, shown, unknown
+from .settings import LEAST_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -267,8 +268,9 @@ def require_steps(
                 f"{scene}: step {step!r} with largest_step {largest_step!r}; wanted one of them, or"
                 " steps that are no longer"
             )
-    if not 1e-15 <= tolerance < 1.0:
-        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted one from 1e-15, below 1")
+    if not LEAST_TOLERANCE <= tolerance < 1.0:
+        wanted = f"one from {LEAST_TOLERANCE:g}, below 1"
+        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted {wanted}")
     for name, value in (("largest_step", largest_step), ("most_steps", most_steps)):
         if not value > 0.0:
             raise refusal(f"{scene}: {name} {shown(value)}; wanted one above 0")

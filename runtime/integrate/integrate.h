@@ -38,6 +38,7 @@
 #include "kinematics.h"
 #include "rows.h"
 #include "continuation.h"
+#include "trust.h"
 #include "calls.h"
 
 #endif

@@ -129,11 +129,14 @@ static void bending(double *w) { (void)w; }
 #ifndef HAS_CROSSING
 #define N_MEASURES 0
 #define N_CROSSINGS 0
+#define N_POLES 0
 #define N_NARROW 0
+#define N_INFINITE 0
 #define EVENTS 0
 #define W_MEASURES 0
 #define W_RANGES 0
 #define W_CROSSINGS 0
+#define W_POLES 0
 #define W_NARROW 0
 static void measure(double *w) { (void)w; }
 static void crossing(double *w) { (void)w; }
@@ -160,7 +163,7 @@ static const size_t drivers[ROOM(DRIVERS)][2];
 /* what depends on parameters at the start: places in y and in the design; what must be positive */
 static const size_t starts[ROOM(STARTS)][2];
 static const size_t positive[ROOM(POSITIVE)];
-/* for each row of the constraints whether its residual is a length, if some are left out */
+/* for each row of the constraints whether its residual is a length */
 static const unsigned char row_is_length[ROOM(NCHECK)];
 /* what errors of measures are compared with; of events the direction, what a run does then, and
  * whether the formula may jump */

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .pivot_monitor import pivot_ratio
-from .scene import larger, smaller
 
 if TYPE_CHECKING:
     import numpy.typing as npt

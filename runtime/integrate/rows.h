@@ -23,19 +23,19 @@ static int are_closed(const double *misses, double times)
 /* notes what is left of the constraints, and what of energy and momenta is not as at the start */
 static void note_checks(double *w, State *s)
 {
-    /* of rows that are left out, too: they stand behind C */
+    /* of rows that are left out, too: they stand behind C; a NaN is none of them */
     const double *left[3] = { w + W_C, w + W_C_DOT, w + W_C_DDOT };
     check(w);
     for (size_t level = 0; level < 3; ++level) {
         double *worst = s->violations[level];
-        for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(worst[k], fabs(left[level][k]));
+        for (size_t k = 0; k != NCHECK; ++k) worst[k] = larger(fabs(left[level][k]), worst[k]);
     }
     s->energy_error = larger(s->energy_error, fabs(energy_balance(w, s)));
     s->energy_moved = larger(s->energy_moved, energy_moved(w, w + W_Q, s));
     if (MOMENTA > 0) momentum(w);
     for (size_t k = 0; k != MOMENTA; ++k) {
         const double change = fabs(w[W_MOMENTA + k] - s->momenta[k]);
-        s->momentum_errors[k] = larger(s->momentum_errors[k], change);
+        s->momentum_errors[k] = larger(change, s->momentum_errors[k]);
     }
 }
 

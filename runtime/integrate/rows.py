@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger
 from .dense_output import differentiate, interpolate
 from .methods import METHODS
 from .pivot_monitor import VAGUE, WEAK, pivot_ratio
 from .projection import accelerate, project, ratio_at
 from .row_switch import find_geometry, forget_trials, least_norm_reactions, take_multipliers
-from .scene import larger
 from .settings import CLEARLY, Status
 from .stepper import energy_moved
 

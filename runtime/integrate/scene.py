@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import rounding_of_sum
 from .methods import METHODS
 from .state import State, size_of_state
 from .tasks import Kernel, numbers, places, run_tasks, segment_of
@@ -93,7 +94,7 @@ class Scene:
     positive : (n,) array
         Places of the design with numbers that must be positive.
     row_lengths : (n,) array
-        What residuals of rows are compared with, as corrections are, if some rows are left out.
+        What residuals of rows are compared with, as corrections are.
     measure_sizes : (n,) array
         What errors are compared with of what formulas read.
     events : (n, 3) array
@@ -216,6 +217,11 @@ class Scene:
         return "ranges" in self.regions
 
     @property
+    def n_poles(self) -> int:
+        """Count of functions that are zero where forces may be infinite."""
+        return self.size("poles") // 4
+
+    @property
     def has_narrow(self) -> bool:
         """Whether formulas vary with the state beyond polynomials."""
         return "narrow" in self.regions
@@ -244,7 +250,7 @@ class Scene:
             "N_PARAMETERS": self.size("parameters"),
             "MOMENTA": self.size("momenta"),
             "NCHECK": self.nc + self.size("C_left_out"),
-            "N_CROSSINGS": self.size("crossings") // 4,
+            "N_CROSSINGS": self.size("crossings") // 4 + self.n_poles,
             "EVENTS": len(self.events),
         }
 
@@ -300,7 +306,9 @@ class Workspace:
     measures: Array
     ranges: Array
     crossings: Array
+    poles: Array
     narrow: Array
+    infinite: Array
     constants: Array
 
     def __init__(self, scene: Scene, slots: Array) -> None:
@@ -314,8 +322,10 @@ class Workspace:
         rows = scene.nc + scene.size("C_left_out")
         self.all_C = slots[base : base + rows]
         # those that vary with the state behind those that cross
-        base = scene.regions.get("crossings", scene.regions.get("narrow", (0, 0)))[0]
-        self.seen = slots[base : base + len(self.crossings) + len(self.narrow)]
+        names = ("crossings", "poles", "narrow", "infinite")
+        base, size = scene.regions.get("ranges", (0, 0))
+        base += size
+        self.seen = slots[base : base + sum(map(scene.size, names))]
 
     def run(self, segment: str) -> None:
         """Compute a segment; one that the scene lacks does nothing."""
@@ -392,24 +402,3 @@ class RowMemory:
 def state_of(scene: Scene, numbers: Array) -> State:
     """Return a state by names."""
     return State(numbers, scene.state_sizes)
-
-
-def larger(a: float, b: float) -> float:
-    """Return the larger number, the second if the first is a NaN."""
-    return a if a > b else b
-
-
-def smaller(a: float, b: float) -> float:
-    """Return the smaller number, the second if the first is a NaN."""
-    return a if a < b else b
-
-
-def rounding_of_sum(a: Array, b: Array, total: Array) -> Array:
-    """Return what the rounding of total = a + b has left over, exactly (Knuth's TwoSum)."""
-    part = total - a
-    return (a - (total - part)) + (b - part)
-
-
-def mean_square(x: Array, count: int) -> float:
-    """Return the sum of squares over a count, added up in the order of C: both take equal steps."""
-    return float(np.cumsum(x * x)[-1]) / count

@@ -5,7 +5,7 @@ The header is written from here, field by field and code by code.
 
 from __future__ import annotations
 
-from enum import IntEnum
+from enum import IntEnum, IntFlag
 from typing import NamedTuple
 
 #: What runs may be told, and how many steps they make unless told otherwise.
@@ -14,6 +14,8 @@ OPTIONS = (
     *("initial", "q0", "v0"),
 )
 MOST_STEPS = 1_000_000
+#: Tolerances are from this one on, and below 1; memory.h has it, too.
+LEAST_TOLERANCE = 1e-15
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
 #: The least tolerance at which each of the others needs the fewest evaluations to the error that it
@@ -22,6 +24,9 @@ LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
 #: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
 #: memory.h has it, too.
 CLEARLY = 10.0
+#: Bodies that a step moves by no more than that, in lengths of the scene and radians, count as at
+#: rest: their velocities are compared with that. memory.h has it, too.
+NOTHING_MOVES = 1e-4
 #: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
 #: it changes unevenly in that time where its law bends. memory.h has both, too.
 NO_TIME = 8.0
@@ -72,6 +77,7 @@ class Status(IntEnum):
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
+    ``INFINITE``: a force is infinite right behind the time that was reached.
     """
 
     GOOD = 0
@@ -87,3 +93,17 @@ class Status(IntEnum):
     NOT_CLOSED = -6
     NO_VALUE = -7
     BENDS = -8
+    INFINITE = -9
+
+
+class Doubt(IntFlag):
+    """What speaks against a run, in bits; ``OPEN`` are rows that were left out."""
+
+    NOT_FINITE = 1
+    OPEN = 2
+    ENERGY = 4
+    WORKS = 8
+    CONSTRAINTS = 16
+    DRIFT = 32
+    ROW_DRIFT = 64
+    BRANCH_POINTS = 128

@@ -1,4 +1,4 @@
-"""Verdict on a run: how far it can be trusted, and what speaks against that."""
+"""Verdict on a run: what speaks against it, decided as in ``trust.h``, and put into words."""
 
 from __future__ import annotations
 
@@ -7,8 +7,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from .arithmetic import larger
+from .methods import METHODS
 from .result import key_of, listed, shortly
-from .settings import CLEARLY, KINEMATICS
+from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -17,21 +19,25 @@ if TYPE_CHECKING:
     import numpy.typing as npt
 
     from .motion import Layout
+    from .settings import Settings
 
     Array: TypeAlias = npt.NDArray[np.float64]
 
 #: What a healthy run may lose, in tolerances, in each thousand steps.
-HEALTHY, PER_STEPS = 100.0, 1000.0
+HEALTHY = 100.0
+PER_STEPS = 1000.0
 #: Instead of the tolerance where steps have a fixed length: no error decides that.
 FIXED = 1e-9
 #: The least tolerance of corrections: near singular configurations they have more of rounding.
 LEAST = 1e-11
 #: What energies are known to, and constraints, relative to what they are compared with.
-ROUNDING = 1e-12
+KNOWN = 1e-12
 #: What rows that are left out miss is rounding below that, in lengths of the scene or radians.
 MISSES = 1e-9
 #: An energy that is no motion: that of heat, of one freedom at room temperature [J].
 HEAT = 4e-21
+#: What shorter steps mend.
+OF_STEPS = Doubt.ENERGY | Doubt.WORKS | Doubt.CONSTRAINTS | Doubt.DRIFT | Doubt.ROW_DRIFT
 
 
 class CheckedRows(NamedTuple):
@@ -47,6 +53,18 @@ class CheckedRows(NamedTuple):
     rows: Sequence[tuple[str, str]]
     left_out: Sequence[tuple[str, str]]
     reduced: Sequence[tuple[str, str]]
+
+
+class Verdict(NamedTuple):
+    """What speaks against a run, bits of :class:`Doubt`, and its limits; ``solver.h`` has units."""
+
+    doubts: int
+    limit: float
+    correction_limit: float
+    energy_limit: float
+    work_limit: float
+    constraints: float
+    missed: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +95,7 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     branch_point_time : float or None [s]
-        When the motion last went so near to where branches of it meet that rounding, or the length
+        When the motion first went so near to where branches of it meet that rounding, or the length
         of steps, decides which of them goes on.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
@@ -121,7 +139,7 @@ class Trust:
             yield f"energy {shortly(self.energy_error)} of {shortly(self.energy_moved, 2)} J"
         if self.constraints is None:
             yield "rows not checked"
-        elif self.constraints <= ROUNDING:
+        elif self.constraints <= KNOWN:
             yield "constraints at rounding"
         else:
             yield f"constraints {shortly(self.constraints)}"
@@ -147,15 +165,74 @@ class Trust:
         return "; ".join(self.problems)
 
 
+def beyond(size: float, most: float, doubt: Doubt) -> Doubt:
+    """Return a doubt where a number is larger than it may be, or a NaN."""
+    return Doubt(0) if size <= most else doubt
+
+
+def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) -> float:
+    """Return which part of the energy that has moved may be lost.
+
+    It is the limit, unless bodies move so little in the longest step that velocities and their
+    errors are compared with more: at rest all that moves may be such an error.
+    """
+    way = single["fastest"] * single["stride"]
+    if settings.fixed_step > 0.0 or not 0.0 < way < NOTHING_MOVES:
+        return limit
+    part = limit * (NOTHING_MOVES / way)
+    return part + part * part
+
+
+def judge(
+    state: Mapping[str, Array],
+    rows: CheckedRows,
+    layout: Layout,
+    settings: Settings,
+    *,
+    is_weighed: bool,
+    is_driven: bool,
+) -> Verdict:
+    """Return what speaks against a run; :func:`trust_of` says what is what."""
+    single = {name: float(field) for name, field in state.items() if field.ndim == 0}
+    units = [unit for part in rows for _, unit in part]
+    lengths = [layout.length if unit == "m" else 1.0 for unit in units]
+    residuals, held = state["violations"][0] / lengths, len(rows.rows) + len(rows.reduced)
+    ends = (residuals[:held], residuals[held:])
+    constraints, missed = (float(np.max(part, initial=0.0)) for part in ends)  # a NaN stays
+    moved, is_free = single["energy_moved"], layout.sizes["v"] != held
+    many = HEALTHY * larger(1.0, single["steps"] / PER_STEPS)
+    tolerance = FIXED if settings.fixed_step > 0.0 else settings.tolerance
+    # where rows take over from others bodies go on where these hold: as far off as rows miss
+    if single["fallbacks"] > 0.0 and missed > MISSES:
+        tolerance = larger(tolerance, missed)
+    limit, off = many * tolerance, many * larger(tolerance, LEAST)
+    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
+    part = allowed_part(limit, settings, single)
+    energy_limit = larger(larger(part * moved, KNOWN * known), HEAT)
+    # without signs, so that errors of steps add up that are none in all
+    work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
+    doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
+    doubts |= beyond(missed, CLEARLY * layout.closure_tolerance, Doubt.OPEN)
+    # where joints hold all that could move what energy there is is rounding
+    if settings.checks and is_weighed and (is_driven or is_free):
+        doubts |= beyond(single["energy_error"], energy_limit, Doubt.ENERGY)
+        if settings.method == len(METHODS):
+            doubts |= beyond(single["work_error"], work_limit, Doubt.WORKS)
+    doubts |= beyond(constraints, off, Doubt.CONSTRAINTS)
+    if is_free:  # else corrections take away all of the error of a step or row
+        doubts |= beyond(single["drift"], off, Doubt.DRIFT)
+        doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
+    if settings.method != len(METHODS):
+        doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
+    return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
+
+
 def trust_of(
     state: Mapping[str, Array],
     rows: CheckedRows,
     layout: Layout,
-    method: str,
+    settings: Settings,
     *,
-    tolerance: float,
-    step: float | None,
-    checks: bool,
     is_weighed: bool,
     is_driven: bool,
     error: Any = None,
@@ -170,97 +247,59 @@ def trust_of(
         What was checked.
     layout : Layout
         What stands where in a row.
-    method, tolerance, step, checks
+    settings : Settings
         How it was made.
     is_weighed, is_driven : bool
         Whether energies are known, and whether drivers determine the motion.
     error : kousoku.runtime.error_estimate.ErrorEstimate, optional
         Of its rows.
     """
+    verdict = judge(state, rows, layout, settings, is_weighed=is_weighed, is_driven=is_driven)
     single = {name: float(field) for name, field in state.items() if field.ndim == 0}
-    joints = missed_by(state["violations"][0], rows, layout) if checks else {}
-    missed = max((one.part for one in joints.values()), default=0.0)
-    constraints = _constraints(state["violations"][0], rows, layout) if checks else None
-    is_determined = layout.sizes["v"] == len(rows.rows) + len(rows.reduced)
-    # joints hold all that could move: what energy there is is rounding
-    is_still = is_determined and not is_driven
-    is_led, advice = method == KINEMATICS, "a smaller tolerance or largest_step"
-    if step is not None:
-        tolerance, advice = FIXED, "a smaller step"
-    many = HEALTHY * max(1.0, single["steps"] / PER_STEPS)
-    # where rows take over from others bodies go on where these hold: as far off as rows miss
-    took_over = single["fallbacks"] > 0 and missed > MISSES
-    tolerance = max(tolerance, missed) if took_over else tolerance
-    limit, corrections = many * tolerance, many * max(tolerance, LEAST)
+    checks, is_led = bool(settings.checks), settings.method == len(METHODS)
     knows_energy = checks and is_weighed
-    lost, moved, unseen = (
-        single[name] if knows_energy else None
-        for name in ("energy_error", "energy_moved", "work_error")
-    )
-    unseen = unseen if is_led else None
-    drift, row_drift = (None if is_determined else single[name] for name in ("drift", "row_drift"))
+    is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
+    advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
-    problems, beyond = [], []
-    if single["not_finite"]:
-        problems.append(
-            f"numbers of rows are not finite, of {single['not_finite']:.0f} in all, first at t ="
-            f" {single['not_finite_time']:.9g} s: a formula has no value there; ask for other"
-            " times, or write it without the quotient that is 0/0"
-        )
-    if opened := released(joints, layout):
-        problems.append(
-            f"{listed([key_of(name) for name in opened])} came open by more than ten times"
-            f" closure_tolerance, {layout.closure_tolerance:g}: this is not the motion of the scene"
-        )
-    if lost is not None and moved is not None and not is_still:
-        known = ROUNDING * max(abs(single["energy"]), abs(single["potential"]), moved)
-        allowed = max(limit * moved, known, HEAT)
-        if not lost <= allowed:
-            beyond.append(
-                f"energy is off by {shortly(lost)} J of {shortly(moved, 2)} J, wanted at most"
-                f" {shortly(allowed)} J"
-            )
-        # without signs, so that errors of steps add up that are none in all
-        allowed = max(allowed, single["steps"] * tolerance * moved)
-        if unseen is not None and not unseen <= allowed:
-            beyond.append(
-                f"works are off by {shortly(unseen)} J of {shortly(moved, 2)} J, as positions"
-                f" between those of steps tell, wanted at most {shortly(allowed)} J"
-            )
-    for name, size, most in (
-        ("constraints are left by", constraints, corrections),
-        ("a step left the constraints by", drift, corrections),
-        ("rows between steps are off the constraints by", row_drift, corrections),
-    ):
-        if size is not None and not size <= most:
-            beyond.append(
-                f"{name} {shortly(size)} of a length of the scene, wanted at most {shortly(most)}"
-            )
-    problems += [*beyond, *[f"try {advice}"] * bool(beyond)]
-    if single["branch_points"] and not is_driven:
-        count = f"{single['branch_points']:.0f} step{'s' * (single['branch_points'] > 1)}"
-        problems.append(
-            f"{count} went by a singular configuration, the last to t ="
-            f" {single['branch_point_time']:.6g} s: the motion may be that of another branch, try"
-            f" {advice}"
-        )
+    opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
+    moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
+    far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
+    told = {
+        Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
+        f" first at t = {single['not_finite_time']:.9g} s: a formula has no value there; ask for"
+        " other times, or write it without the quotient that is 0/0",
+        Doubt.OPEN: f"{listed([*opened])} came open by more than ten times"
+        f" closure_tolerance, {layout.closure_tolerance:g}: this is not the motion of the scene",
+        Doubt.ENERGY: f"energy is off by {shortly(single['energy_error'])} J of {moved} J, wanted"
+        f" at most {shortly(verdict.energy_limit)} J",
+        Doubt.WORKS: f"works are off by {shortly(single['work_error'])} J of {moved} J, as"
+        f" positions between those of steps tell, wanted at most {shortly(verdict.work_limit)} J",
+        Doubt.CONSTRAINTS: f"constraints are left by {shortly(verdict.constraints)} {far}",
+        Doubt.DRIFT: f"a step left the constraints by {shortly(single['drift'])} {far}",
+        Doubt.ROW_DRIFT: "rows between steps are off the constraints by"
+        f" {shortly(single['row_drift'])} {far}",
+        OF_STEPS: f"try {advice}",
+        Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
+        f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
+        f" that of another branch, try {advice}",
+    }
+    problems = [text for doubt, text in told.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
         problems.append(error.unknown)
-    has_pivots = single["factorisations"] > 0
     return Trust(
-        energy_error=lost,
-        energy_moved=moved,
-        work_error=unseen,
-        constraints=constraints,
-        missed=missed,
+        energy_error=single["energy_error"] if knows_energy else None,
+        energy_moved=single["energy_moved"] if knows_energy else None,
+        work_error=single["work_error"] if knows_energy and is_led else None,
+        constraints=verdict.constraints if checks else None,
+        missed=verdict.missed,
         closure_tolerance=layout.closure_tolerance,
-        drift=drift,
-        row_drift=row_drift,
-        pivot_ratio=single["least_pivot_ratio"] if has_pivots else None,
+        drift=single["drift"] if is_free else None,
+        row_drift=single["row_drift"] if is_free else None,
+        pivot_ratio=single["least_pivot_ratio"] if single["factorisations"] > 0 else None,
         unresolved=int(single["unresolved"]),
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         error=error,
-        limit=limit,
+        limit=verdict.limit,
         problems=tuple(problems),
     )
 
@@ -290,9 +329,9 @@ def missed_by(worst: Array, rows: CheckedRows, layout: Layout) -> dict[str, Miss
     for (joint, unit), size in zip(rows.left_out, worst[first:].tolist(), strict=False):
         own = found.setdefault(joint, [0.0, 0.0])
         place = 0 if unit == "m" else 1
-        own[place] = max(own[place], size)
+        own[place] = float(np.maximum(own[place], size))  # a NaN stays
     all_of = [
-        (joint, Missed(metres, radians, max(metres / layout.length, radians)))
+        (joint, Missed(metres, radians, float(np.maximum(metres / layout.length, radians))))
         for joint, (metres, radians) in found.items()
     ]
     return dict(sorted(all_of, key=lambda one: -one[1].part))
@@ -302,12 +341,3 @@ def released(missed: Mapping[str, Missed], layout: Layout) -> tuple[str, ...]:
     """Return the joints that came open at rows that were left out."""
     most = CLEARLY * layout.closure_tolerance
     return tuple(joint for joint, one in missed.items() if not one.part <= most)
-
-
-def _constraints(worst: Array, rows: CheckedRows, layout: Layout) -> float:
-    """Return the largest residual of rows that hold, relative to a length where it is one."""
-    units = [unit for part in rows for _, unit in part]
-    parts = worst[: len(units)] / [layout.length if unit == "m" else 1.0 for unit in units]
-    first = len(rows.rows)
-    holds = np.delete(parts, range(first, first + len(rows.left_out)))
-    return float(np.max(holds, initial=0.0))

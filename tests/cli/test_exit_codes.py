@@ -111,6 +111,16 @@ def test_a_reader_that_has_seen_enough_is_141_and_no_disagreement(arguments: lis
     assert (done.returncode, done.stderr) == (141, "")
 
 
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+@pytest.mark.parametrize("arguments", [["list"], ["schema"], ["--help"], ["check", str(LEVER)]])
+def test_a_full_disk_is_told_of_what_is_printed(arguments: list[str]) -> None:
+    command = [sys.executable, "-m", "kousoku", *arguments]
+    with Path("/dev/full").open("w") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    told = "kousoku: standard output: cannot be written: No space left on device\n"
+    assert (done.returncode, done.stderr) == (2, told)
+
+
 @pytest.mark.parametrize(
     "command",
     [

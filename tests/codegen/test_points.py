@@ -5,9 +5,11 @@ import math
 import pytest
 from sympy import ImmutableDenseMatrix, S
 
+from kousoku.codegen.dual import evaluate_dual
+from kousoku.codegen.freeze_components import freeze_components
+from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.points import finite_points, infinite_points, ordinary
 from kousoku.codegen.stream import Stream
-from kousoku.codegen.tape import Tape, record, run
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
 from kousoku.symbolic.derivation import Function, Output
@@ -15,13 +17,8 @@ from kousoku.symbolic.matrices import elements
 
 
 @pytest.fixture(scope="module")
-def function() -> Function:
-    return derive("n2").functions[0]
-
-
-@pytest.fixture(scope="module")
-def tape(function: Function) -> Tape:
-    return record(function)
+def components() -> Kernel:
+    return freeze_components(derive("n2").functions[0])
 
 
 def test_a_seed_fixes_the_numbers() -> None:
@@ -48,8 +45,8 @@ def test_ordinary_euler_parameters_are_of_unit_norm_and_lengths_positive() -> No
     assert min(numbers["length"] + numbers["masses"]) > 0
 
 
-def test_each_sort_of_point_is_there(function: Function, tape: Tape) -> None:
-    labels = [point.label for point in finite_points(tape, function.inputs, Stream("s"), 0)]
+def test_each_sort_of_point_is_there(components: Kernel) -> None:
+    labels = [point.label for point in finite_points(components, Stream("s"), 0)]
     assert labels == [
         "ordinary",
         "badly scaled arrays",
@@ -63,33 +60,31 @@ def test_each_sort_of_point_is_there(function: Function, tape: Tape) -> None:
     ]
 
 
-def test_all_turns_stay_inside_the_doubles(function: Function, tape: Tape) -> None:
+def test_all_turns_stay_inside_the_doubles(components: Kernel) -> None:
     for turn in range(4):
-        for point in finite_points(tape, function.inputs, Stream("s"), turn):
-            for duals in run(tape, point.inputs).values():
+        for point in finite_points(components, Stream("s"), turn):
+            for duals in evaluate_dual(components, point.inputs).values():
                 assert all(abs(dual.value) < 1e300 for dual in duals), point.label
 
 
-def test_badly_scaled_points_are_badly_scaled(function: Function, tape: Tape) -> None:
+def test_badly_scaled_points_are_badly_scaled(components: Kernel) -> None:
     for turn in range(4):
-        points = finite_points(tape, function.inputs, Stream("s"), turn)
+        points = finite_points(components, Stream("s"), turn)
         for point in points[1:3]:
             numbers = [abs(x) for xs in point.inputs.values() for x in xs]
             assert max(numbers) / min(numbers) > 1e30
 
 
 def test_subnormal_points_hold_subnormals_only_where_products_stay_exact(
-    function: Function, tape: Tape
+    components: Kernel,
 ) -> None:
-    point = finite_points(tape, function.inputs, Stream("s"), 0)[-1]
+    point = finite_points(components, Stream("s"), 0)[-1]
     assert 0 < max(map(abs, point.inputs["r_i"])) < 1e-316
     assert all(x == int(x) for x in point.inputs["p_i"])
 
 
-def test_points_that_are_not_finite_hold_one_bad_number_each(
-    function: Function, tape: Tape
-) -> None:
-    points = infinite_points(tape, function.inputs, Stream("s"))
+def test_points_that_are_not_finite_hold_one_bad_number_each(components: Kernel) -> None:
+    points = infinite_points(components, Stream("s"))
     bad = [[x for xs in p.inputs.values() for x in xs if not math.isfinite(x)] for p in points]
     assert [str(x) for (x,) in bad] == ["nan", "inf", "-inf"]
 
@@ -104,9 +99,9 @@ def test_body_j_comes_close_to_body_i_but_its_directions_keep_apart() -> None:
     names = [(a.name, b.name) for a, b in ((inputs[0], inputs[1]), (inputs[2], inputs[3]))]
     x = [elements(q)[0] for q in inputs]
     output = Output(Quantity("f", (), "m", ""), S.Zero, ImmutableDenseMatrix([sum(x, S.Zero)]))
-    tape = record(Function("f", "", "", "", inputs, (output,)))
+    components = freeze_components(Function("f", "", "", "", inputs, (output,)))
     (point,) = (
-        p for p in finite_points(tape, inputs, Stream("s"), 0) if p.label == "nearly coincident"
+        p for p in finite_points(components, Stream("s"), 0) if p.label == "nearly coincident"
     )
 
     def is_close(one: str, two: str) -> bool:

@@ -14,12 +14,13 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import pytest
 
+from kousoku.codegen.dual import evaluate_dual
+from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import ordinary
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.stream import Stream
-from kousoku.codegen.tape import record, run
 from kousoku.codegen.unit import columns
 from kousoku.runtime import load
 from kousoku.runtime.report import LIMIT
@@ -64,14 +65,16 @@ def errors(
     targets: Sequence[Literal["c", "numpy"]],
 ) -> Any:
     """Return the errors of all elements at all states with all targets, in units."""
-    tape, name = record(function), function.outputs[0].quantity.name
+    components, name = freeze_components(function), function.outputs[0].quantity.name
     kernels = [emitted(kind, function.name, target) for target in targets]
     found = []
     for state in states:
         inputs = {q.name: np.ravel(state[q.name]).tolist() for q in function.inputs}
         whole = [np.reshape(inputs[q.name], q.shape) for q in kernels[0].manifest.inputs]
-        numbers = {k: HIGH_CONTEXT.mpf(inputs[n][i]) for k, (n, i) in enumerate(tape.inputs)}
-        wanted = columns(run(tape, inputs)[name], numbers, ())
+        numbers = {
+            (n, k): HIGH_CONTEXT.mpf(x) for n, xs in inputs.items() for k, x in enumerate(xs)
+        }
+        wanted = columns(evaluate_dual(components, inputs)[name], numbers, ())
         high, low, unit = (np.array(wanted[x], dtype=float) for x in ("high", "low", "unit"))
         for kernel in kernels:
             got = np.ravel(kernel(*whole, outputs=(name,)))

@@ -48,7 +48,7 @@ def bricard(digits: int) -> Scene:
     return scene_from_dict(tree)
 
 
-def door(by: float, **more: Any) -> Scene:
+def door(by: float | str, **more: Any) -> Scene:
     """Return a door on two hinges, the upper one aside and leaning by so much."""
     tree: dict[str, Any] = {"name": "door", "unit": "m", "gravity": [*Y], **more}
     tree["bodies"] = {
@@ -116,6 +116,19 @@ def test_door_that_is_shut_stays_and_says_so(mover: Callable[..., Any], by: floa
     told = [note for note in shut.notes if "not computed, and NaN: what leads out" in note]
     assert len(told) == np.isnan(forces).any() == (by == 1e-3)
     assert all("in space joints.h: holds beyond joints.g no more than" in note for note in told)
+
+
+@pytest.mark.parametrize(("by", "told"), [(1e-8, "redundant within"), (5e-3, "nothing can move")])
+def test_notes_say_that_they_are_of_the_parameters_of_the_scene(
+    mover: Callable[..., Any], by: float, told: str
+) -> None:
+    whole = mover(door(by)).simulate(0.1, samples=2)
+    given = mover(door("by", parameters={"by": by})).simulate(0.1, samples=2)
+
+    (one,) = (note for note in whole.notes if note.startswith(told))
+    (other,) = (note for note in given.notes if note.startswith(told))
+    assert ", with the parameters of the scene" in other
+    assert ", with the parameters of the scene" not in one
 
 
 def test_bars_in_line_are_refused_and_cannot_move(mover: Callable[..., Any]) -> None:

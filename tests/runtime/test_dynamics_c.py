@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -13,6 +14,7 @@ import pytest
 from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import read_scene
 from kousoku.runtime.dynamics import load_dynamics
+from kousoku.runtime.integrate.settings import Doubt
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -53,6 +55,7 @@ def copied(folder: Path, place: Path, main: str) -> None:
 
 def assert_moves_the_pendulum(program: Path, folder: Path) -> None:
     run = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert run.stderr.startswith("trusted: doubts 0, energy off by ")
     got = np.array([[float(x) for x in line.split()] for line in run.stdout.splitlines()])
     solver = load_dynamics(folder)
     motion = solver.simulate(10, samples=11, tolerance=1e-12)
@@ -74,6 +77,23 @@ def test_example_moves_the_pendulum(
     copied(folder, tmp_path, "main.c")
     compiled(compiler, tmp_path, "-std=c99", *STRICT, "main.c", "solver.c", "-lm", "-o", "program")
     assert_moves_the_pendulum(tmp_path / "program", folder)
+
+
+def test_example_ends_with_3_and_the_doubts_of_a_run_that_is_wrong(
+    compiler: Toolchain, bodies_folder: Folder, tmp_path: Path
+) -> None:
+    copied(bodies_folder(MAKERS["pendulum"]()), tmp_path, "main.c")
+    main = tmp_path / "main.c"
+    text = main.read_text(encoding="utf-8")
+    assert "{ 1e-12, 1e300, 0, 1, 1 }" in text
+    main.write_text(text.replace("1e300, 0, 1", "1e300, 0.5, 1"), encoding="utf-8")
+    compiled(compiler, tmp_path, "main.c", "solver.c", "-lm", "-o", "program")
+    run = subprocess.run([tmp_path / "program"], capture_output=True, text=True, check=False)
+    told = re.match(r"not trusted: doubts (\d+), energy off by (\S+) J, wanted at", run.stderr)
+    assert told is not None
+    assert run.returncode == 3
+    assert Doubt.ENERGY in Doubt(int(told[1]))
+    assert float(told[2]) > 1e-3
 
 
 def test_example_compiles_as_cpp_too(

@@ -13,7 +13,7 @@ import pytest
 from kousoku.model.errors import MotionError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
-from tests.stress.force_laws import BUMP, FORMS, SHAFT
+from tests.stress.force_laws import BUMP, FORMS, PULSES, SHAFT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,6 +65,49 @@ def test_no_pulse_is_missed(solver_of: Callable[..., Any]) -> None:
         assert run.ledger.steps < 60
 
 
+@pytest.mark.parametrize("name", ["sech", "logistic"])
+def test_no_pulse_of_a_quotient_of_exponentials_is_missed(
+    solver_of: Callable[..., Any], name: str
+) -> None:
+    solver, random_ = solver_of(FORMS[name].text), random.Random(3)
+    integral, _ = PULSES[name][1](0.0)
+    for k in range(200):
+        parameters, _ = FORMS[name].draw(random_)
+        run = solver.simulate(END, samples=2, parameters=parameters, **WAYS[k % 2])
+        speed = 10.0 * parameters["width"] * integral
+        assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-6), parameters
+        assert run.ledger.unresolved == 0
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_no_wall_is_passed_whose_law_is_steep_far_away(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    cap = FORMS["cap_wall"].text
+    for text in (cap, cap.replace("- 1)^2", "- 1)^4")):
+        solver = solver_of(text, target=target)
+        for width, place in ((3e-3, 12.5), (2e-4, 66.5), (2e-5, 30.0), (1e-5, 85.0)):
+            parameters = {"place": place, "width": width, "height": 200.0 / width}  # it has 50 J
+            run = solver.simulate(END, samples=2, parameters=parameters)
+            assert run.velocity["cart"][-1, 0] == pytest.approx(-10.0, rel=1e-6), width
+            assert run.ledger.steps < 200
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_what_bounds_do_not_tell_in_many_intervals_is_counted(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    block = PULSE[: PULSE.index("force = [")]
+    hit = block + 'force = ["10*exp(1 - exp(((t - place)/width)^2))", "0", "0"]\n'
+    parameters = {"place": 5.0, "width": 1e-3}
+    run = solver_of(hit, target=target).simulate(END, samples=2, parameters=parameters)
+    missed = run.velocity["block"][-1, 0] == 0.0
+    assert not missed or run.ledger.unresolved > 0
+    assert missed == (f"in {run.ledger.unresolved} step" in str(run.ledger.trust))
+
+
 def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
     solver, random_ = solver_of(BUMP), random.Random(3)
     for k in range(300):
@@ -75,6 +118,18 @@ def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
         speed = width * math.sqrt(math.pi)
         assert run.velocity["bob"][-1, 1] == pytest.approx(speed, rel=1e-8), (place, width)
         assert run.ledger.steps < 300
+
+
+@pytest.mark.parametrize("law", ["((t - 5)^2)^(3/2)", "((t - 5)^4)^0.625"])
+@pytest.mark.parametrize("method", ["kinematics", "dopri5", "dop853"])
+def test_roots_of_even_powers_have_their_derivatives_where_they_are_zero(
+    solver_of: Callable[..., Any], law: str, method: str
+) -> None:
+    run = solver_of(SHAFT.format(law=f"({law})/100", load="0"))
+    motion = run.simulate(END, samples=11, method=method)
+    assert np.isfinite(motion.rows).all()
+    speed = 0.75 if "3/2" in law else 0.025 * 5**1.5
+    assert motion.angular_velocity["shaft"][-1, 2] == pytest.approx(speed, rel=1e-12)
 
 
 @pytest.mark.parametrize("rows", [2, 11, 100, 101, 102, 201])
@@ -345,3 +400,28 @@ def test_smooth_laws_are_not_looked_at_again(
     run.advance(1)
     assert run.state[run.solver.state["limit"].place] == math.inf
     assert run.finish().is_complete
+
+
+#: Laws of robots and cams from rest to rest, of order 7 and 9: sums of far larger terms.
+REST_TO_REST = (
+    "35*{s}^4 - 84*{s}^5 + 70*{s}^6 - 20*{s}^7",
+    "70*{s}^9 - 315*{s}^8 + 540*{s}^7 - 420*{s}^6 + 126*{s}^5",
+)
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("s", ["min(t/2, 1)", "min(max((t - 5)/3, 0), 1)"])
+@pytest.mark.parametrize("law", REST_TO_REST, ids=["order 7", "order 9"])
+def test_law_that_comes_to_rest_goes_on_whatever_rounding_leaves(
+    solver_of: Callable[..., Any], law: str, s: str
+) -> None:
+    runs = []
+    for target in ("c", "numpy"):
+        solver = solver_of(SHAFT.format(law=law.format(s=s), load="0"), target)
+        runs += [solver.simulate(10.0, samples=3, method="kinematics")]
+        assert runs[-1].ledger.trust.is_trusted
+        assert runs[-1]["shaft.e0"][-1] == pytest.approx(math.cos(0.5), abs=1e-12)
+    assert np.array_equal(runs[0].rows, runs[1].rows)
+    bent = SHAFT.format(law=law.format(s=s) + " + 1e-9*sqrt((t - 5.00123)^2 + 1e-30)", load="0")
+    with pytest.raises(MotionError, match=r"at t = 5\.00123 s: .*drivers\.motor"):
+        solver_of(bent).simulate(10.0, samples=3, method="kinematics")

@@ -137,6 +137,12 @@ def test_a_code_that_another_call_returns_is_named(folder: Path) -> None:
     assert problem.endswith("solver.h: NOT_PROJECTED is -(2), wanted -2")
 
 
+def test_another_bit_of_a_doubt_is_named(folder: Path) -> None:
+    spoil(folder, "solver.h", lambda text: text.replace("DOUBT_WORKS = 8", "DOUBT_WORKS = 4"))
+    (problem,) = verify(folder, target="numpy").problems
+    assert problem.endswith("solver.h: DOUBT_WORKS is 4, wanted 8")
+
+
 def test_a_stale_file_is_named(folder: Path) -> None:
     spoil(folder, "motion.json", lambda text: text.replace(" ", "", 1), honest=False)
     report = verify(folder, target="numpy")

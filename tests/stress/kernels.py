@@ -19,6 +19,7 @@ import numpy as np
 
 from kousoku.codegen.emit import emit
 from kousoku.codegen.freeze import freeze
+from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of, write_tree
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.points import (
@@ -32,7 +33,6 @@ from kousoku.codegen.reference import WORKING_DIGITS, values_at
 from kousoku.codegen.states import coincident_points, motion_points
 from kousoku.codegen.store import load_frozen
 from kousoku.codegen.stream import Stream
-from kousoku.codegen.tape import record
 from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import NoCompilerError
 from kousoku.runtime import load
@@ -53,7 +53,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen import kernel as frozen
-    from kousoku.codegen.tape import Tape
     from kousoku.runtime.kernel import Kernel
     from kousoku.symbolic.derivation import Function
     from kousoku.symbolic.matrices import Matrix
@@ -102,7 +101,7 @@ class Subject:
     ----------
     function : Function
         The derivation, all outputs.
-    tape : Tape
+    components : codegen.kernel.Kernel
         Its formulas.
     graph : codegen.kernel.Kernel
         The frozen kernel; it says which elements are identically zero.
@@ -113,14 +112,14 @@ class Subject:
     """
 
     function: Function
-    tape: Tape
+    components: frozen.Kernel
     graph: frozen.Kernel
     kernels: tuple[tuple[Literal["c", "numpy"], Kernel], ...]
     places: dict[str, list[int]]
 
     def row(self, inputs: Mapping[str, Sequence[float]]) -> list[float]:
         """Return a point as a row of numbers."""
-        return [inputs[name][index] for name, index in self.tape.inputs]
+        return [x for quantity in self.function.inputs for x in inputs[quantity.name]]
 
     def inputs(self, row: Any) -> dict[str, tuple[float, ...]]:
         """Return what :meth:`row` made a row of."""
@@ -143,17 +142,18 @@ class Subject:
         got = self.values(rows)
         errors = np.zeros(got.shape)
         with np.errstate(all="ignore"):
-            values, is_double = wide.run(self.tape, rows)
+            values, is_double = wide.run(self.components, rows)
             for k, (value, size, whole) in enumerate(values):
                 floor = FLOOR * whole if has_floor else SMALLEST_SUBNORMAL
                 unit = np.maximum(ROUNDING * (abs(value.high) + size), floor)
                 found = abs((got[:, k] - value.high) - value.low)
                 errors[:, k] = np.where(found == 0, 0, found / unit)
         errors[~(np.isfinite(errors) & is_double[:, None])] = math.nan
-        ends = np.cumsum([0] + [len(found) for _, found in self.tape.outputs])
+        outputs = self.components.outputs
+        ends = np.cumsum([0] + [output.size for output in outputs])
         return {
-            name: errors[:, start:end].max(axis=1)
-            for (name, _), start, end in zip(self.tape.outputs, ends, ends[1:], strict=False)
+            output.name: errors[:, start:end].max(axis=1)
+            for output, start, end in zip(outputs, ends, ends[1:], strict=False)
         }
 
 
@@ -172,12 +172,14 @@ def subjects(kind: str) -> tuple[Subject, ...]:
     graphs = {kernel.name: kernel for kernel in load_frozen(package).kernels}
     found = []
     for function in derive(kind).functions:
-        name, tape = function.name + choice, record(function)
-        places: dict[str, list[int]] = {}
-        for place, (array, _) in enumerate(tape.inputs):
-            places.setdefault(array, []).append(place)
+        name, components = function.name + choice, freeze_components(function)
+        ends = np.cumsum([quantity.size for quantity in function.inputs]).tolist()
+        places = {
+            quantity.name: list(range(end - quantity.size, end))
+            for quantity, end in zip(function.inputs, ends, strict=True)
+        }
         kernels = tuple((library.target, library[name]) for library in libraries)
-        found.append(Subject(function, tape, graphs[name], kernels, places))
+        found.append(Subject(function, components, graphs[name], kernels, places))
     return tuple(found)
 
 
@@ -190,7 +192,7 @@ def check(outcome: Outcome, kind: str, subject: Subject, points: Sequence[Point]
         For each output the worst error, in units.
     """
     with HIGH_CONTEXT.workdps(WORKING_DIGITS):
-        known = [values_at(subject.graph, subject.function, subject.tape, x) for x in points]
+        known = [values_at(subject.graph, subject.function, subject.components, x) for x in points]
     found = [raised(subject, x) if sort == CLIMBING else x for x in known if x is not None]
     outcome.count("points", len(found))
     worst: dict[str, float] = {}
@@ -217,15 +219,15 @@ def check(outcome: Outcome, kind: str, subject: Subject, points: Sequence[Point]
 
 def raised(subject: Subject, point: dict[str, Any]) -> dict[str, Any]:
     """Return a point with units that are at least the floor of a climb."""
-    values, _ = wide.run(subject.tape, np.array([subject.row(point["inputs"])]))
+    values, _ = wide.run(subject.components, np.array([subject.row(point["inputs"])]))
     floors = iter([float(FLOOR * whole[0]) for *_, whole in values])
     outputs = {}
-    for k, (name, elements) in enumerate(subject.tape.outputs):
-        own = [next(floors) for _ in elements]
+    for k, output in enumerate(subject.components.outputs):
+        own = [next(floors) for _ in range(output.size)]
         chosen = [own[element] for element in subject.graph.nonzero(k)]
-        columns = point["outputs"][name]
+        columns = point["outputs"][output.name]
         unit = [max(x, floor) for x, floor in zip(columns["unit"], chosen, strict=True)]
-        outputs[name] = columns | {"unit": unit}
+        outputs[output.name] = columns | {"unit": unit}
     return point | {"outputs": outputs}
 
 
@@ -240,8 +242,8 @@ def of_all_sorts(outcome: Outcome, kind: str, name: str, turn: int) -> None:
     """Ask at points like those of ``verify``, with other numbers: also not finite, and poles."""
     for subject in subjects(kind):
         inputs, stream = subject.function.inputs, Stream(f"{name} {subject.function.name}")
-        points = finite_points(subject.tape, inputs, stream, turn)
-        points += infinite_points(subject.tape, inputs, stream)
+        points = finite_points(subject.components, stream, turn)
+        points += infinite_points(subject.components, stream)
         points += motion_points(inputs, stream, turn)
         if all(output.at_pole is not None for output in subject.function.outputs):
             points += coincident_points(inputs, stream)
@@ -305,7 +307,7 @@ def starts(subject: Subject, name: str, number: int) -> Any:
 def climb(outcome: Outcome, kind: str, name: str, rounds: int) -> None:
     """Climb to the worst point of each output that ordinary magnitudes have."""
     for subject in subjects(kind):
-        for output, _ in subject.tape.outputs:
+        for output in (quantity.name for quantity in subject.components.outputs):
             rng = np.random.default_rng([*f"{name} {output}".encode()])
             rows = starts(subject, f"{name} {output}", CLIMBERS * TRIES)
             errors = np.nan_to_num(subject.errors(rows, has_floor=True)[output])

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 import mpmath
 import numpy as np
 
-from kousoku.codegen.tape import Step
+from kousoku.codegen.interpret import Arithmetic, node_values
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable, Mapping
 
-    from kousoku.codegen.tape import Entry, Tape
+    from kousoku.codegen.kernel import Kernel
 
 LONG = np.longdouble
 #: Splits a long double into halves, of which products are exact.
@@ -105,15 +105,87 @@ def _exact(*parts: Any) -> Any:
     return sum((mpmath.mpf(int(a)) / mpmath.mpf(int(b)) for a, b in ratios), mpmath.mpf(0))
 
 
-def run(tape: Tape, points: Any) -> tuple[list[tuple[Pair, Any, Any]], Any]:
-    """Evaluate a tape at many points.
+@dataclass(frozen=True, slots=True)
+class Wide:
+    """Numbers with what an error is told by, one for each point.
 
     Parameters
     ----------
-    tape : Tape
+    value : Pair
+        The numbers.
+    gradient : mapping of (str, int) to (n,) array
+        Derivatives by elements of inputs, in long doubles.
+    whole : (n,) array
+        What the numbers would be if no terms cancelled in sums.
+    """
+
+    value: Pair
+    gradient: Mapping[tuple[str, int], Any]
+    whole: Any
+
+    def __add__(self, other: Wide) -> Wide:
+        return _of(self.value + other.value, self.whole + other.whole, (self, 1), (other, 1))
+
+    def __sub__(self, other: Wide) -> Wide:
+        return self + -other
+
+    def __neg__(self) -> Wide:
+        return _of(-self.value, self.whole, (self, -1))
+
+    def __mul__(self, other: Wide) -> Wide:
+        a, b = self.value, other.value
+        return _of(a * b, self.whole * other.whole, (self, b.high), (other, a.high))
+
+    def __truediv__(self, other: Wide) -> Wide:
+        inverse = other.value.inverse()
+        quotient = self.value * inverse
+        slopes = (self, inverse.high), (other, -quotient.high * inverse.high)
+        return _of(quotient, self.whole * abs(inverse.high), *slopes)
+
+
+def _of(value: Pair, whole: Any, *parts: tuple[Wide, Any]) -> Wide:
+    """Return numbers with the gradient Σ slope · ∇argument."""
+    gradient: dict[tuple[str, int], Any] = {}
+    for argument, slope in parts:
+        for place, derivative in argument.gradient.items():
+            gradient[place] = gradient.get(place, 0) + LONG(slope) * derivative
+    return Wide(value, gradient, whole)
+
+
+def _sqrt(x: Wide) -> Wide:
+    root = x.value.root()
+    return _of(root, np.sqrt(x.whole), (x, 1 / (2 * root.high)))
+
+
+def _sin(x: Wide) -> Wide:
+    value = _each(mpmath.sin, x.value)
+    return _of(value, abs(value.high), (x, np.cos(x.value.high)))
+
+
+def _cos(x: Wide) -> Wide:
+    value = _each(mpmath.cos, x.value)
+    return _of(value, abs(value.high), (x, -np.sin(x.value.high)))
+
+
+def _atan2(y: Wide, x: Wide) -> Wide:
+    value, square = _each(mpmath.atan2, y.value, x.value), y.value.high**2 + x.value.high**2
+    slopes = (y, x.value.high / square), (x, -y.value.high / square)
+    return _of(value, abs(value.high), *slopes)
+
+
+def _none(*_: Wide) -> Wide:
+    raise NotImplementedError("no formula of a kind has it")
+
+
+def run(kernel: Kernel, points: Any) -> tuple[list[tuple[Pair, Any, Any]], Any]:
+    """Evaluate a kernel at many points.
+
+    Parameters
+    ----------
+    kernel : Kernel
         What is evaluated.
     points : (n, inputs) array
-        The numbers of the inputs, in the order of the tape; finite.
+        The numbers of the inputs, one after the other, row-major; finite.
 
     Returns
     -------
@@ -123,90 +195,31 @@ def run(tape: Tape, points: Any) -> tuple[list[tuple[Pair, Any, Any]], Any]:
     is_double : (n,) array of bool
         Whether all numbers on the way are normal doubles or zero.
     """
-    numbers = np.asarray(points, dtype=LONG).T
-    values: list[Pair] = []
-    slopes: list[dict[int, Any]] = []
-    wholes: list[Any] = []
+    zero = np.zeros(len(points), dtype=LONG)
+
+    def constant(value: Fraction) -> Wide:
+        pair = number(value, Pair(zero, zero))
+        return Wide(pair, {}, abs(pair.high))
+
+    arithmetic = Arithmetic(
+        constant, _sqrt, _sin, _cos, _atan2, exp=_none, log=_none, abs=_none, max=_none
+    )
+    places = [(quantity.name, k) for quantity in kernel.inputs for k in range(quantity.size)]
+    columns = dict(zip(places, np.asarray(points, dtype=LONG).T, strict=True))
+    inputs = {
+        quantity.name: [
+            Wide(Pair(x, zero), {place: 1 + zero}, abs(x))
+            for place, x in columns.items()
+            if place[0] == quantity.name
+        ]
+        for quantity in kernel.inputs
+    }
     with np.errstate(all="ignore"):
-        for entry in tape.entries:
-            value, partials = _evaluate(entry, [values[k] for k in entry.args], numbers)
-            own = {entry.place: np.ones_like(numbers[0])} if entry.step is Step.INPUT else {}
-            for argument, partial in zip(entry.args, partials, strict=True):
-                for place, slope in slopes[argument].items():
-                    own[place] = own.get(place, 0) + partial * slope
-            values.append(value)
-            slopes.append(own)
-            wholes.append(_whole(entry, value, [wholes[k] for k in entry.args]))
-        found = [position for _, positions in tape.outputs for position in positions]
-        zero = np.zeros_like(numbers[0])
-        sizes = np.array([abs(value.high) for value in values])
+        every = node_values(kernel, inputs, arithmetic)
+        sizes = np.array([abs(one.value.high) for one in every])
         is_double = (sizes < np.finfo(float).max) & (sizes > SMALLEST) | (sizes == 0)
+        found = [every[node] for result in kernel.results for node in result]
         return [
-            (values[k], sum((abs(numbers[i] * x) for i, x in slopes[k].items()), zero), wholes[k])
-            for k in found
+            (x.value, sum((abs(columns[p] * d) for p, d in x.gradient.items()), zero), x.whole)
+            for x in found
         ], is_double.all(axis=0)
-
-
-def _whole(entry: Entry, value: Pair, args: Sequence[Any]) -> Any:
-    """Return what an entry would be if no terms cancelled in sums."""
-    if entry.step is Step.SUM:
-        return sum(args)
-    if entry.step is Step.PRODUCT:
-        return np.prod(args, axis=0)
-    if entry.step is Step.POWER and entry.number > 0:
-        return args[0] ** LONG(float(entry.number))
-    return abs(value.high)
-
-
-def _evaluate(entry: Entry, args: Sequence[Pair], numbers: Any) -> tuple[Pair, list[Any]]:
-    """Return the value of an entry, and its derivatives by its arguments."""
-    like = Pair(numbers[0], 0 * numbers[0])
-    match entry.step:
-        case Step.NUMBER:
-            return number(_ratio(entry), like), []
-        case Step.INPUT:
-            return Pair(numbers[entry.place], 0 * numbers[0]), []
-        case Step.SUM:
-            total = args[0]
-            for other in args[1:]:
-                total = total + other
-            return total, [LONG(1)] * len(args)
-        case Step.PRODUCT:
-            return _product(args)
-        case Step.POWER:
-            return _power(args[0], _ratio(entry))
-        case Step.SIN:
-            return _each(mpmath.sin, *args), [np.cos(args[0].high)]
-        case Step.COS:
-            return _each(mpmath.cos, *args), [-np.sin(args[0].high)]
-        case Step.ATAN2:
-            y, x = (arg.high for arg in args)
-            square = x * x + y * y
-            return _each(mpmath.atan2, *args), [x / square, -y / square]
-
-
-def _product(args: Sequence[Pair]) -> tuple[Pair, list[Any]]:
-    value, partials = args[0], [LONG(1)]
-    for other in args[1:]:
-        partials = [x * other.high for x in partials] + [value.high]
-        value = value * other
-    return value, partials
-
-
-def _power(base: Pair, exponent: Fraction) -> tuple[Pair, list[Any]]:
-    """Return x^(n/2)."""
-    factor = base.root() if exponent.denominator == 2 else base
-    power = number(1, base)
-    for _ in range(abs(exponent.numerator)):
-        power = power * factor
-    if exponent < 0:
-        power = power.inverse()
-    slope = LONG(exponent.numerator) / LONG(exponent.denominator) * power.high / base.high
-    if exponent > 0:
-        slope = np.where(base.high == 0, 1 if exponent == 1 else 0, slope)
-    return power, [slope]
-
-
-def _ratio(entry: Entry) -> Fraction:
-    """Return a number of a tape: they are rational with small denominators."""
-    return Fraction(float(entry.number)).limit_denominator(10**6)

@@ -99,7 +99,7 @@ class _Composer:
     def __init__(self, analysed: Analysed, wanted: Collection[str]) -> None:
         system, is_planar = analysed.system, analysed.outline.is_planar
         self.analysed, self.system = analysed, system
-        self.shared = Shared(analysed.groups, by_instance(analysed.freedom.idle))
+        self.shared = Shared(analysed.freedom.shared, by_instance(analysed.freedom.idle))
         self.wanted = wanted
         self.is_planar = is_planar
         self.recorder = Recorder()

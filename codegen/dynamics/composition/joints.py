@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import Part
+from kousoku.codegen.dynamics.operations.mechanics import Part, inputs_of
 from kousoku.codegen.dynamics.recording.recorder import Block, column
 
 if TYPE_CHECKING:
@@ -80,7 +80,7 @@ def place_numbers(system: System, recorder: Recorder, instances: Iterable[int]) 
         sources: list[Instance | Coordinate] = [one]
         sources += [system.coordinates[term.coordinate] for term in one.terms[:1]]
         for source in sources:
-            for _, values in source.constants:
+            for _, values in inputs_of(source):
                 recorder.constant(values)
 
 
@@ -106,8 +106,8 @@ def joints_of(
         for place, instance in group:
             chosen = tuple(rows.get(place, ()))
             if chosen:
-                names = tuple(name for name, _ in instance.constants)
-                blocks = tuple(recorder.constant(values) for _, values in instance.constants)
+                names = tuple(name for name, _ in inputs_of(instance))
+                blocks = tuple(recorder.constant(values) for _, values in inputs_of(instance))
                 kept.append((place, Part(instance.kind, chosen, names), blocks))
                 bodies += instance.others
         count = sum(len(part.rows) for _, part, _ in kept)

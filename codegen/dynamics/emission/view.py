@@ -28,8 +28,9 @@ from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
-from kousoku.runtime.integrate.settings import KINEMATICS, Settings, Status
+from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
 from kousoku.runtime.integrate.state import Field, fields
+from kousoku.runtime.integrate.trust import Verdict
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
@@ -60,7 +61,8 @@ COME_WITH = {
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
         *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
-        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW"),
+        *("N_POLES", "N_INFINITE"),
+        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
     ),
 }
 #: How wide lines of tables are.
@@ -203,10 +205,19 @@ class DynamicsView:
     varies: bool
 
     @property
-    def settings(self) -> tuple[tuple[str, str], ...]:
-        """Type and name of each field of what a run is told."""
-        types = {float: "double", int: "int"}
-        return tuple((types[kind], name) for name, kind in get_type_hints(Settings).items())
+    def settings(self) -> tuple[tuple[str, list[str]], ...]:
+        """Types and names of the fields of what a run is told."""
+        return _fields(Settings)
+
+    @property
+    def verdict(self) -> tuple[tuple[str, list[str]], ...]:
+        """Types and names of the fields of the verdict on a run."""
+        return _fields(Verdict)
+
+    @property
+    def doubts(self) -> tuple[Doubt, ...]:
+        """What may speak against a run."""
+        return tuple(Doubt)
 
     @property
     def statuses(self) -> tuple[Status, ...]:
@@ -222,6 +233,12 @@ class DynamicsView:
     def meanings(self) -> Mapping[str, str]:
         """What the regions hold."""
         return REGIONS
+
+
+def _fields(record: type) -> tuple[tuple[str, list[str]], ...]:
+    """Return the fields of a record as C declares them: types, and names of neighbours."""
+    types, known = {float: "double", int: "int"}, get_type_hints(record)
+    return tuple((types[kind], list(names)) for kind, names in groupby(known, known.__getitem__))
 
 
 def kernel_text(number: int, kernel: Kernel, *, repeats: bool) -> KernelText:

@@ -50,8 +50,10 @@ def sizes(program: Program) -> dict[str, int]:
         "N_FEATURES": present.get("features", 0) // BOUNDS,
         "N_LAWS": present.get("laws", 0) // BOUNDS,
         "N_MEASURES": present.get("measures", 0) // 2,
-        "N_CROSSINGS": present.get("crossings", 0) // BOUNDS,
+        "N_CROSSINGS": (present.get("crossings", 0) + present.get("poles", 0)) // BOUNDS,
+        "N_POLES": present.get("poles", 0) // BOUNDS,
         "N_NARROW": present.get("narrow", 0) // BOUNDS,
+        "N_INFINITE": present.get("infinite", 0) // BOUNDS,
     }
 
 
@@ -92,7 +94,7 @@ def tables(
     shifts, starts = shift_slots(program), start_places(program)
     lengths = {slot for pair in shifts for slot in pair}
     switched, seen = has_row_switch(program), seen_of(system)
-    left = (*program.left_out, *program.reduced)
+    rows = (*program.rows, *program.left_out, *program.reduced)
     return {
         "parameters": list(system.parameters),
         "is_length": [(owner[slot], int(slot in lengths)) for slot in v],
@@ -121,9 +123,7 @@ def tables(
             for one, jumps in zip(system.events, seen.jumps, strict=True)
         ],
         "row_is_length": [
-            (name, int(unit == "m"))
-            for name, unit in (row_of(row, system) for row in (*program.rows, *left))
-            if left
+            (name, int(unit == "m")) for name, unit in (row_of(row, system) for row in rows)
         ],
         "parts": [(part, (program.region(part).base, program.region(part).size)) for part in parts],
     }

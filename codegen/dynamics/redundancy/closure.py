@@ -19,7 +19,7 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.dynamics.redundancy.branch import (
     HOLDS,
     Branch,
@@ -131,9 +131,9 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     arms = [0.0] * (len(bodies) + 1)  # the ground last
     sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
     for one in sources:
-        for name, values in one.constants:
-            if name in {"s_i_b", "s_j_b"}:
-                body = one.i if name == "s_i_b" else one.j
+        for end, values in lengths_of(one):
+            if end:
+                body = one.i if end == "i" else one.j
                 arms[body] = max(arms[body], *map(abs, values))
     arms[GROUND_INDEX] = 0.0  # where its points are tells nothing of sizes
     largest = max(arms) or 1.0
@@ -302,13 +302,17 @@ def _is_good(position: Position, places: Sequence[int]) -> bool:
 
 def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
     """Yield notes on rows that were taken as redundant, and on scenes in which nothing moves."""
+    fixed = fixed_system(system)
+    # with other ones rows may miss more, and what holds here may move
+    depends = fixed.constraints != system.constraints or system.given
+    given = ", with the parameters of the scene" if depends else ""
     worst: dict[tuple[str, bool], float] = {}
     for one in freedom.closed:
         key = (key_of(system.constraints[one.row.instance]), one.is_length)
         worst[key] = max(worst.get(key, 0.0), one.missed)
     if max(worst.values(), default=0.0) > HOLDS:
         size, unit = (
-            characteristic_length(fixed_system(system)) / system.unit,
+            characteristic_length(fixed) / system.unit,
             UNIT_NAMES[system.unit],
         )
         texts = [
@@ -318,11 +322,11 @@ def notes_of_freedom(system: System, freedom: Freedom) -> Iterator[str]:
         more = f" and {len(texts) - SHOWN} more" if len(texts) > SHOWN else ""
         yield (
             f"redundant within closure_tolerance, {system.closure_tolerance:g}: other joints imply"
-            f" rows of {', '.join(texts[:SHOWN])}{more}; they are left out, and miss so much along"
-            " the motion"
+            f" rows of {', '.join(texts[:SHOWN])}{more}{given}; they are left out, and miss so much"
+            " along the motion"
         )
     if not freedom.degrees and not any(one.is_driver for one in system.constraints):
-        yield "nothing can move: joints hold all bodies where they are"
+        yield f"nothing can move: joints hold all bodies where they are{given}"
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
 from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.recording.recorder import Pattern
     from kousoku.model.mechanism import Coordinate, Instance, System
+
+    Elements = tuple[tuple[bool, ...], ...]
 
 #: The axis across the xy-plane.
 NORMAL = 2
@@ -106,6 +108,14 @@ def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
     is_planar : bool
         Whether its bodies move in planes parallel to the xy-plane.
     """
+    return (rows for rows, _ in live_elements(system, is_planar=is_planar))
+
+
+def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[int, ...], Elements]]:
+    """Yield for each constraint its rows, and elements of the Jacobian of a kind that has one.
+
+    Parameters are those of :func:`live_rows`.
+    """
     recorder = Recorder()
     q, v = (recorder.region("", size) for size in sizes(system, is_planar=is_planar))
     bodies = body_blocks(system, recorder, q, v, is_planar=is_planar)
@@ -115,38 +125,42 @@ def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
 
     for one in system.constraints:
         if one.kind != COMBINATION:
-            yield _live(one, recorder, body)
+            elements = _elements(one, recorder, body)
+            yield _live(one, elements, body), elements
         else:
             terms = (system.coordinates[term.coordinate] for term in one.terms)
-            yield (0,) if any(_live(term, recorder, body) for term in terms) else ()
+            live = (_live(term, _elements(term, recorder, body), body) for term in terms)
+            yield (0,) if any(live) else (), ()
 
 
 def _live(
-    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+    one: Instance | Coordinate, elements: Elements, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
+    """Return the rows that have elements in the columns of their bodies."""
+    columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
+    rows = enumerate(elements)
+    return tuple(row for row, there in rows if any(there[k] for k in columns))
+
+
+def _elements(
+    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+) -> Elements:
+    """Return which elements of the Jacobian (rows, 12) are not structurally zero."""
     i, j = body(one.i), body(one.j)
-    constants = [recorder.constant(values) for _, values in one.constants]
+    given = inputs_of(one)
+    constants = [recorder.constant(values) for _, values in given]
     pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
-    columns = (*i.columns, *(COLUMNS + k for k in j.columns))
-    names = tuple(name for name, _ in one.constants)
-    return _live_rows(one.kind, names, pattern, tuple(lengths), columns)
+    return _traced(one.kind, tuple(name for name, _ in given), pattern, tuple(lengths))
 
 
 @cache
-def _live_rows(
-    kind: str,
-    names: tuple[str, ...],
-    pattern: Pattern,
-    lengths: tuple[int, ...],
-    columns: tuple[int, ...],
-) -> tuple[int, ...]:
+def _traced(
+    kind: str, names: tuple[str, ...], pattern: Pattern, lengths: tuple[int, ...]
+) -> Elements:
     trace = Trace(lengths)
     nodes = [trace.matrix(*block).flat for block in pattern]
     inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
     jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
     width = 2 * COLUMNS
-    return tuple(
-        row
-        for row in range(len(jacobian) // width)
-        if any(trace.graph.value(jacobian[row * width + k]) != 0 for k in columns)
-    )
+    there = [trace.graph.value(node) != 0 for node in jacobian]
+    return tuple(tuple(there[row : row + width]) for row in range(0, len(there), width))

@@ -8,6 +8,9 @@ each joint
 - no row that is left has a derivative by z, θ_x or θ_y: its reactions stay in the plane; or
 - both its bodies are held to the ground in z, θ_x and θ_y by rows that were dropped, whose
   reactions balance whatever leads out of the plane.
+
+A derivative of a kind that is shipped is looked at where it starts, of a kind of one's own it must
+vanish structurally; and rows of one's own hold nothing in the plane.
 """
 
 from __future__ import annotations
@@ -24,11 +27,12 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
-from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_rows
+from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
@@ -68,13 +72,16 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     if wants_hold and not _may_hold(system):
         return False
     joints: dict[tuple[str, tuple[int, ...]], _Joint] = {}
-    rows = live_rows(system, is_planar=True)
-    for instance, known, live in zip(system.constraints, fixed.constraints, rows, strict=True):
+    found = live_elements(system, is_planar=True)
+    pairs = zip(system.constraints, fixed.constraints, strict=True)
+    for (instance, known), (live, elements) in zip(pairs, found, strict=True):
         residual, jacobian = _at_start(fixed, known)
         dropped = [row for row in range(len(residual)) if row not in live]
         if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
             return False
         joint = joints.setdefault((instance.joint, instance.bodies), _Joint())
+        if is_own(instance.kind):  # what is zero by chance at the start does not count
+            jacobian = np.array(elements)
         joint.live.append(jacobian[list(live)])
         joint.dropped.append(jacobian[dropped])
         if dropped or instance.kind != COMBINATION:
@@ -199,7 +206,12 @@ def _kernel_at_start(
 
 
 def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
-    """Return the axes of an instance, or of what it combines."""
+    """Return the axes of an instance, or of what it combines.
+
+    What a kind of one's own does with axes is not known: it has one that is none.
+    """
+    if is_own(instance.kind):
+        return [()]
     constants = list(instance.constants)
     for term in instance.terms:
         constants += system.coordinates[term.coordinate].constants

@@ -5,7 +5,7 @@ and every stage is evaluated where the constraints hold. y is q and v: r and p o
 and works, then v and omega of all bodies.
 
 The same in C, ``*.h``, and in NumPy, ``*.py``, file by file with the same functions and the same
-bits: ``pivot_monitor``, ``row_switch``, ``projection``, ``dense_output``, ``branches``,
-``stepper``, ``kinematics``, ``rows``, ``continuation``. It goes along with each generated solver,
-and needs NumPy only.
+bits: ``arithmetic``, ``pivot_monitor``, ``row_switch``, ``projection``, ``dense_output``,
+``branches``, ``stepper``, ``kinematics``, ``rows``, ``continuation``, ``trust``. It goes along with
+each generated solver, and needs NumPy only.
 """

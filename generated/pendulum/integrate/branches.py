@@ -13,10 +13,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .pivot_monitor import pivot_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import FALL_BACK, forget_trials
-from .scene import WAY, larger, smaller
+from .scene import WAY
 
 if TYPE_CHECKING:
     import numpy.typing as npt

@@ -67,8 +67,10 @@ static int is_sound(const State *s, size_t n_times)
 static int are_possible(const Settings *settings, const State *s)
 {
     const int is_kinematic = IS_DRIVEN && settings->method == METHODS;
-    if (!(settings->tolerance > 0.0) || !(settings->largest_step > 0.0)) return 0;
-    if (!(settings->fixed_step >= 0.0)) return 0;
+    if (!(settings->tolerance >= LEAST_TOLERANCE && settings->tolerance < 1.0)) return 0;
+    if (!(settings->largest_step > 0.0)) return 0;
+    if (!(settings->fixed_step >= 0.0 && settings->fixed_step <= settings->largest_step)) return 0;
+    if (!isfinite(settings->fixed_step)) return 0;
     if (settings->method < 0 || settings->method >= METHODS + IS_DRIVEN) return 0;
     if (is_kinematic && settings->fixed_step > 0.0) return 0;
     return s->method == 0.0 || s->method == 1.0 + settings->method;
@@ -156,6 +158,15 @@ int PUBLIC(run)(const Settings *settings, const double *times, size_t n_times, s
         }
     }
     return GOOD;
+}
+
+int PUBLIC(trust)(const Settings *settings, const double *state, Verdict *verdict)
+{
+    const State *s = (const State *)state;
+    if (!(s->key == KEY)) return WRONG_STATE;
+    if (!are_possible(settings, s)) return BAD_ARGUMENT;
+    judge(settings, s, verdict);
+    return verdict->doubts;
 }
 
 /* puts a state as it is into the workspace, and finds its accelerations */

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, rounding_of_sum
 from .pivot_monitor import pivot_ratio
 from .row_switch import accelerate_all_rows, drive, find_geometry, refine_all_rows, solve_rows
-from .scene import larger, rounding_of_sum
 
 if TYPE_CHECKING:
     import numpy.typing as npt

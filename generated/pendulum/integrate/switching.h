@@ -106,14 +106,28 @@ static int are_unbent(double first, double last, double span, double *w)
     return 1;
 }
 
+/* adds what rounding may leave of laws and their derivatives at a time: they may be differences of
+ * what is much larger, bounds over a time that is none tell by how much */
+static void law_rounding(double time, double span, double *rounding, double *w)
+{
+    const double no_time = NO_TIME * SMALLEST * span;
+    bound_laws(time - no_time, time + no_time, w);
+    for (size_t k = 0; k != N_LAWS; ++k) {
+        const double width = w[W_LAWS + 4 * k + 1] - w[W_LAWS + 4 * k];
+        rounding[k] += isfinite(width) ? width : 0.0;
+    }
+}
+
 /* the first law of a driver that does not go from a time to another with two derivatives, as so far
  * beside both tells, counted from 1, or 0: of each what it changes by is what the next one tells of
  * both sides, and between its value is between theirs, where it has one */
-static size_t bent_beside(double far, double first, double last, double *w)
+static size_t bent_beside(double far, double first, double last, double span, double *w)
 {
-    double laws[ROOM(4 * N_LAWS)], between[ROOM(N_LAWS)];
+    double laws[ROOM(4 * N_LAWS)], between[ROOM(N_LAWS)], rounding[ROOM(N_LAWS)] = { 0.0 };
     const double half = 0.5 * (last - first) + far, *after = w + W_LAWS;
     const double there = 0.5 * (first + last);
+    law_rounding(first - far, span, rounding, w);
+    law_rounding(last + far, span, rounding, w);
     bound_laws(there, there, w);
     for (size_t k = 0; k != N_LAWS; k += 3) between[k] = after[4 * k];
     bound_laws(first - far, first - far, w);
@@ -126,11 +140,12 @@ static size_t bent_beside(double far, double first, double last, double *w)
         const double third = fabs(laws[at]) + fabs(after[at]);
         const double powers[3] = { half * half * half, half * half, half };
         const double bent = BENDING * third * powers[k % 3];
-        if (!(fabs(left) <= EQUAL * (fabs(a) + fabs(b)) + bent)) return k / 3 + 1;
+        const double size = EQUAL * (fabs(a) + fabs(b)) + rounding[k];
+        if (!(fabs(left) <= size + bent)) return k / 3 + 1;
         if (k % 3 != 0) continue;
         const double second = fabs(laws[4 * (k + 2)]) + fabs(after[4 * (k + 2)]);
-        const double size = EQUAL * (fabs(a) + fabs(b)) + second * (half * half);
-        if (fabs(between[k] - 0.5 * (a + b)) > size + bent) return k / 3 + 1;
+        const double off = fabs(between[k] - 0.5 * (a + b));
+        if (off > size + second * (half * half) + bent) return k / 3 + 1;
     }
     return 0;
 }
@@ -138,8 +153,8 @@ static size_t bent_beside(double far, double first, double last, double *w)
 /* the first law that bends or jumps between two times that are nearly one, counted from 1, or 0 */
 static size_t bent_law(double first, double last, double span, double *w)
 {
-    if (N_LAWS == 0 || bent_beside(FAR_BESIDE * span, first, last, w) == 0) return 0;
-    return bent_beside(BESIDE * span, first, last, w);
+    if (N_LAWS == 0 || bent_beside(FAR_BESIDE * span, first, last, span, w) == 0) return 0;
+    return bent_beside(BESIDE * span, first, last, span, w);
 }
 
 /* whether there is no root of a switching function between two times, where functions have values
@@ -258,7 +273,8 @@ static int is_resolved(double first, double last, double *w)
 
 /* where a step of length h must end, at most at an end: no longer than a part of the intervals that
  * are resolved, unless it ends before such a one; what keeps steps short for long, such as a
- * quotient that is 0/0 somewhere, is gone over and counted */
+ * quotient that is 0/0 somewhere, is gone over and counted, and so is what takes too many intervals
+ */
 static double resolved_step(double h, double part, double end, State *s, Work *work)
 {
     if (N_FEATURES == 0) return end;
@@ -270,7 +286,8 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
         return end;
     }
     double first = start, allowed = whole, width = whole / part;
-    for (size_t n = 0; n != MOST_INTERVALS; ++n) {
+    size_t n = 0;
+    for (; n != MOST_INTERVALS; ++n) {
         const double last = first + width;
         const int good = is_resolved(first, last, work->w);
         if (!good && width > FINEST * whole) {
@@ -282,6 +299,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
         if (!(first < start + allowed)) break;
         width = 2.0 * width;
     }
+    if (n == MOST_INTERVALS) note_unresolved(start, s);
     s->short_steps = allowed < SHORT * s->longest ? s->short_steps + 1 : 0;
     if (!(allowed < whole)) return end;
     /* in equal steps: what is left of the way must be none too short */

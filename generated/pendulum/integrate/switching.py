@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .arithmetic import larger, smaller
 from .crossing import (
     EXPLAINED,
     FINEST,
@@ -25,7 +26,6 @@ from .crossing import (
 )
 from .projection import project
 from .row_switch import forget_trials
-from .scene import larger, smaller
 from .settings import BENT, NO_TIME, Status
 
 if TYPE_CHECKING:
@@ -126,19 +126,31 @@ def laws_at(time: float, w: Workspace) -> Array:
     return np.column_stack((found[:, :, 0], found[:, 2, 2]))
 
 
-def bent_beside(far: float, first: float, last: float, w: Workspace) -> int:
+def law_rounding(time: float, span: float, w: Workspace) -> Array:
+    """Return what rounding may leave of laws and their derivatives at a time.
+
+    They may be differences of what is much larger: bounds over a time that is none tell it.
+    """
+    no_time = NO_TIME * SMALLEST * span
+    found = bound_laws(time - no_time, time + no_time, w)
+    width = found[:, :, 1] - found[:, :, 0]
+    return np.where(np.isfinite(width), width, 0.0)
+
+
+def bent_beside(far: float, first: float, last: float, span: float, w: Workspace) -> int:
     """Return the first law that does not go from a time to another with two derivatives, or 0.
 
     As so far beside both tells; it is counted from 1. Of each what it changes by is what the next
     one tells of both sides, and between its value is between theirs, where it has one.
     """
+    rounding = law_rounding(first - far, span, w) + law_rounding(last + far, span, w)
     between = laws_at(0.5 * (first + last), w)[:, 0]
     before, after = laws_at(first - far, w), laws_at(last + far, w)
     half = 0.5 * (last - first) + far
     left = after[:, :3] - before[:, :3] - half * (before[:, 1:] + after[:, 1:])
     third = np.abs(before[:, 3:]) + np.abs(after[:, 3:])
     bending = BENDING * third * np.array([half * half * half, half * half, half])
-    size = EQUAL * (np.abs(before[:, :3]) + np.abs(after[:, :3]))
+    size = EQUAL * (np.abs(before[:, :3]) + np.abs(after[:, :3])) + rounding
     are_smooth = np.all(np.abs(left) <= size + bending, axis=1)
     second = (np.abs(before[:, 2]) + np.abs(after[:, 2])) * (half * half)
     off = np.abs(between - 0.5 * (before[:, 0] + after[:, 0]))
@@ -148,9 +160,9 @@ def bent_beside(far: float, first: float, last: float, w: Workspace) -> int:
 
 def bent_law(first: float, last: float, span: float, work: Work) -> int:
     """Return the first law that bends or jumps between two times that are nearly one, or 0."""
-    if not work.scene.has_laws or bent_beside(FAR_BESIDE * span, first, last, work.w) == 0:
+    if not work.scene.has_laws or bent_beside(FAR_BESIDE * span, first, last, span, work.w) == 0:
         return 0
-    return bent_beside(BESIDE * span, first, last, work.w)
+    return bent_beside(BESIDE * span, first, last, span, work.w)
 
 
 def is_even(
@@ -261,7 +273,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     """Return where a step of length h must end, at most at an end.
 
     No longer than a part of the intervals that are resolved, unless it ends before such a one. What
-    keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted.
+    keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted,
+    and so is what takes too many intervals.
     """
     if not work.scene.has_features:
         return end
@@ -285,6 +298,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
         if not first < start + allowed:
             break
         width = 2.0 * width
+    else:
+        note_unresolved(start, state)
     state.short_steps = state.short_steps + 1 if allowed < SHORT * state.longest else 0
     if not allowed < whole:
         return end

@@ -113,7 +113,10 @@ def test_axis_that_leans_by_less_than_the_tolerance_is_parallel(lean: float) -> 
 
 def test_the_masses_of_what_is_told_may_be_parameters() -> None:
     text = four_bar(1e-6).replace("mass = 1", 'mass = "m"') + "\n[parameters]\nm = 1"
-    assert made(text).about.notes == made(four_bar(1e-6)).about.notes
+    notes = [
+        note.replace(", with the parameters of the scene", "") for note in made(text).about.notes
+    ]
+    assert notes == [*made(four_bar(1e-6)).about.notes]
 
 
 @pytest.mark.parametrize("lean", [5e-4, 1e-3, 2e-3])

@@ -1,14 +1,16 @@
-"""Numbers of 50 digits that carry their derivatives, for references of composed kernels."""
+"""Dual numbers of 50 digits: values with the derivatives that references and their units need."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, Arithmetic
+from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, Arithmetic, evaluate
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from fractions import Fraction
+
+    from kousoku.codegen.kernel import Kernel
 
 High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
 
@@ -20,18 +22,21 @@ class Dual:
     ----------
     value : High
         The number.
-    gradient : mapping of object to High
+    gradient : mapping of Hashable to High
         Derivatives by whatever names a number.
     """
 
     __slots__ = ("gradient", "value")
 
-    def __init__(self, value: High, gradient: Mapping[object, High]) -> None:
+    def __init__(self, value: High, gradient: Mapping[Any, High]) -> None:
         self.value = value
         self.gradient = gradient
 
     def __add__(self, other: Dual) -> Dual:
-        return chain(self.value + other.value, (self, 1), (other, 1))
+        gradient = dict(self.gradient)
+        for name, derivative in other.gradient.items():
+            gradient[name] = gradient[name] + derivative if name in gradient else derivative
+        return Dual(self.value + other.value, gradient)
 
     def __sub__(self, other: Dual) -> Dual:
         return chain(self.value - other.value, (self, 1), (other, -1))
@@ -49,10 +54,11 @@ class Dual:
 
 def chain(value: High, *parts: tuple[Dual, High]) -> Dual:
     """Return ``value`` with the gradient Σ slope · ∇argument."""
-    gradient: dict[object, High] = {}
+    gradient: dict[Any, High] = {}
     for argument, slope in parts:
         for name, derivative in argument.gradient.items():
-            gradient[name] = gradient.get(name, 0) + slope * derivative
+            term = slope * derivative
+            gradient[name] = gradient[name] + term if name in gradient else term
     return Dual(value, gradient)
 
 
@@ -66,6 +72,8 @@ def _constant(value: Fraction) -> Dual:
 
 
 def _sqrt(x: Dual) -> Dual:
+    if x.value < 0:
+        raise ArithmeticError("the root of a negative number")
     root = HIGH.sqrt(x.value)
     return chain(root, (x, 1 / (2 * root)))
 
@@ -103,3 +111,28 @@ def _max(x: Dual, y: Dual) -> Dual:
 
 #: Arithmetic of :class:`Dual`.
 DUAL: Arithmetic[Dual] = Arithmetic(_constant, _sqrt, _sin, _cos, _atan2, _exp, _log, _abs, _max)
+
+
+def evaluate_dual(
+    kernel: Kernel, inputs: Mapping[str, Sequence[float | High]]
+) -> dict[str, tuple[Dual, ...]]:
+    """Return the outputs of a kernel in 50 digits, with their derivatives by its inputs.
+
+    Parameters
+    ----------
+    kernel : Kernel
+        What is evaluated.
+    inputs : mapping of str to sequence
+        For each input its elements, flat row-major; finite. Gradients name one by the input and
+        its place there.
+
+    Raises
+    ------
+    ArithmeticError
+        The point is a pole, or lies where a root is not real.
+    """
+    variables = {
+        name: [variable(HIGH_CONTEXT.mpf(x), (name, k)) for k, x in enumerate(elements)]
+        for name, elements in inputs.items()
+    }
+    return evaluate(kernel, variables, DUAL)

@@ -1,0 +1,72 @@
+/* Verdict on a run: what speaks against it, and what its numbers may be. */
+
+/* what a healthy run may lose, in tolerances, in each thousand steps; what stands for the tolerance
+ * where steps have a fixed length; the least one of corrections; what energies are known to; what
+ * rows that are left out miss by rounding; the energy of heat, which is no motion [J] */
+#define HEALTHY 100.0
+#define PER_STEPS 1000.0
+#define FIXED 1e-9
+#define LEAST 1e-11
+#define KNOWN 1e-12
+#define MISSES 1e-9
+#define HEAT 4e-21
+
+/* the largest residual in position of some rows, lengths relative to LENGTH; a NaN stays */
+static double largest_residual(const State *s, size_t first, size_t end)
+{
+    double size = 0.0;
+    for (size_t k = first; k != end; ++k) {
+        const double x = s->violations[0][k] / (row_is_length[k] ? LENGTH : 1.0);
+        if (x > size || isnan(x)) size = x;
+    }
+    return size;
+}
+
+/* a doubt where a number is larger than it may be, or a NaN */
+static int beyond(double size, double most, int doubt) { return size <= most ? 0 : doubt; }
+
+/* which part of the energy that has moved may be lost: the limit, unless bodies move so little in
+ * the longest step that velocities and their errors are compared with more: at rest all that moves
+ * may be such an error */
+static double allowed_part(double limit, const Settings *settings, const State *s)
+{
+    const double way = s->fastest * s->stride;
+    if (settings->fixed_step > 0.0 || !(0.0 < way && way < NOTHING_MOVES)) return limit;
+    const double part = limit * (NOTHING_MOVES / way);
+    return part + part * part;
+}
+
+/* what speaks against a run; no energy is known of drivers that move what has no mass: they do no
+ * work. Where joints hold all that could move what energy there is is rounding */
+static void judge(const Settings *settings, const State *s, Verdict *verdict)
+{
+    enum { HELD = FITS ? NCHECK : NC, IS_FREE = HELD != NV };
+    enum { KNOWS_ENERGY = IS_DRIVEN ? WORKS > 0 : IS_FREE };
+    const double moved = s->energy_moved, many = HEALTHY * larger(1.0, s->steps / PER_STEPS);
+    const double constraints = largest_residual(s, 0, HELD);
+    const double missed = largest_residual(s, HELD, NCHECK);
+    double tolerance = settings->fixed_step > 0.0 ? FIXED : settings->tolerance;
+    /* where rows take over from others bodies go on where these hold: as far off as rows miss */
+    if (s->fallbacks > 0.0 && missed > MISSES) tolerance = larger(tolerance, missed);
+    const double limit = many * tolerance, off = many * larger(tolerance, LEAST);
+    const double known = larger(larger(fabs(s->energy), fabs(s->potential)), moved);
+    const double part = allowed_part(limit, settings, s);
+    const double energy_limit = larger(larger(part * moved, KNOWN * known), HEAT);
+    /* without signs, so that errors of steps add up that are none in all */
+    const double work_limit = larger(energy_limit, s->steps * tolerance * moved);
+    int doubts = beyond(s->not_finite, 0.0, PUBLIC(DOUBT_NOT_FINITE));
+    doubts |= beyond(missed, CLEARLY * CLOSURE_TOLERANCE, PUBLIC(DOUBT_OPEN));
+    if (settings->checks && KNOWS_ENERGY) {
+        doubts |= beyond(s->energy_error, energy_limit, PUBLIC(DOUBT_ENERGY));
+        if (settings->method == METHODS)
+            doubts |= beyond(s->work_error, work_limit, PUBLIC(DOUBT_WORKS));
+    }
+    doubts |= beyond(constraints, off, PUBLIC(DOUBT_CONSTRAINTS));
+    if (IS_FREE) { /* else corrections take away all of the error of a step or row */
+        doubts |= beyond(s->drift, off, PUBLIC(DOUBT_DRIFT));
+        doubts |= beyond(s->row_drift, off, PUBLIC(DOUBT_ROW_DRIFT));
+    }
+    if (settings->method != METHODS)
+        doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
+    *verdict = (Verdict){ doubts, limit, off, energy_limit, work_limit, constraints, missed };
+}
