@@ -71,7 +71,8 @@ class Status(IntEnum):
     ``EVENT`` and ``STOPPED``: an event is at the time that was reached. Its row stands behind those
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
-    run came. ``BENDS``: the law of a driver bends or jumps where the run came.
+    run came. ``BENDS``: the law of a driver bends or jumps where the run came. ``DEPENDENT``: rows
+    depend on each other nearly that do not with the parameters of the scene.
     """
 
     GOOD = 0
@@ -87,6 +88,7 @@ class Status(IntEnum):
     NOT_CLOSED = -6
     NO_VALUE = -7
     BENDS = -8
+    DEPENDENT = -9
 
 
 class Doubt(IntFlag):

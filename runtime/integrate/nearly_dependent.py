@@ -1,0 +1,57 @@
+"""What is said of a run whose rows nearly depend on each other with its parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .result import key_of
+from .settings import CLEARLY
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+#: What rows hold that is a smaller part of the most is not told with it.
+NEARLY = 1e-3
+#: Joints that a text names.
+SHOWN = 3
+
+
+def first_row(places: Mapping[str, Sequence[int]]) -> int:
+    """Return where the first row of all is in the workspace."""
+    return (places.get("C") or places["C_left_out"])[0]
+
+
+def nearly_dependent(
+    name: str, rows: Sequence[tuple[str, str]], missed: Array, tolerance: float
+) -> str:
+    """Return why a run is refused whose rows nearly depend on each other.
+
+    Parameters
+    ----------
+    name : str
+        What is so: the scene, and its parameters.
+    rows : sequence of (str, str)
+        Joint and unit of each row.
+    missed : array
+        What rows hold beyond others; 0 of those that are independent.
+    tolerance : float
+        The closure tolerance.
+    """
+    worst: dict[str, str] = {}
+    for k in np.argsort(-missed).tolist():
+        if missed[k] > NEARLY * missed.max():
+            joint, unit = rows[k]
+            worst.setdefault(joint, f"{missed[k]:.3g} {unit} of {key_of(joint)}")
+    held = ", ".join([*worst.values()][:SHOWN])
+    return (
+        f"{name}: rows of joints that are independent with the parameters of the scene are nearly"
+        f" redundant: beyond all others they hold {held} for each length or radian that bodies"
+        f" move, and are independent above {CLEARLY * tolerance:.3g} only; rows are chosen for the"
+        " values of the scene: write these ones into its file, and generate it again"
+    )
