@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 #: What rows hold that is a smaller part of the most is not told with it.
 NEARLY = 1e-3
+#: What rows hold that is less is told as nothing.
+ROUNDING = 1e-12
 #: Joints that a text names.
 SHOWN = 3
 
@@ -46,8 +48,8 @@ def nearly_dependent(
     worst: dict[str, str] = {}
     for k in np.argsort(-missed).tolist():
         if missed[k] > NEARLY * missed.max():
-            joint, unit = rows[k]
-            worst.setdefault(joint, f"{missed[k]:.3g} {unit} of {key_of(joint)}")
+            (joint, unit), size = rows[k], missed[k] if missed[k] > ROUNDING else 0.0
+            worst.setdefault(joint, f"{size:.3g} {unit} of {key_of(joint)}")
     held = ", ".join([*worst.values()][:SHOWN])
     return (
         f"{name}: rows of joints that are independent with the parameters of the scene are nearly"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import subprocess
 import sys
 from typing import TYPE_CHECKING, Any
@@ -9,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.generate import generate_dynamics
+from kousoku.codegen.dynamics.redundancy import given_rank
 from kousoku.model.errors import SceneError, SolveError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
@@ -152,3 +155,88 @@ for e in (1e-8, 1e-5, 2e-3):
 simulate(0.1, samples=2, parameters={{"e": 2.1e-3}})
 """
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
+
+
+def flat_later(angle: float) -> tuple[str, dict[str, list[float]]]:
+    """Return a scene that is a parallelogram with d = 2, and its start at an angle as q0 and v0."""
+    place = [1.0, *[0.0] * 3]
+    turned = [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
+    tip = [math.cos(angle), math.sin(angle), 0.0]
+    turn = "{ axis = [0, 0, 1], angle = 1 }"
+    text = f"""
+name = "flat"
+unit = "m"
+gravity = [0, -9.81, 0]
+parameters = {{ d = 2.5 }}
+[bodies]
+a = {{ position = [0, 0, 0], orientation = {turn}, {cylinder("[1, 0, 0]")} }}
+b = {{ position = [0.54, 0.84, 0], {cylinder("[2, 0, 0]")} }}
+c = {{ position = [2, 0, 0], orientation = {turn}, {cylinder("[1, 0, 0]")} }}
+[joints]
+{planar("A", '["ground", "a"]', "[[0, 0, 0], [0, 0, 0]]")}
+{planar("B", '["a", "b"]', "[[1, 0, 0], [0, 0, 0]]")}
+{planar("C", '["b", "c"]', "[[2, 0, 0], [1, 0, 0]]")}
+{planar("D", '["ground", "c"]', '[["d", 0, 0], [0, 0, 0]]')}
+"""
+    q0 = [*[0.0] * 3, *turned, *tip, *place, 2.0, 0.0, 0.0, *turned]
+    turning = [*[0.0] * 5, 1.0]
+    return text, {"q0": q0, "v0": [*turning, -tip[1], tip[0], *[0.0] * 4, *turning]}
+
+
+def planar(name: str, bodies: str, points: str) -> str:
+    axes = "[[0, 0, 1], [0, 0, 1]]"
+    return (
+        f'{name} = {{ type = "revolute", bodies = {bodies}, points = {points}, axes = {axes} }}\n'
+    )
+
+
+@pytest.mark.parametrize("target", ["c", "numpy"])
+@pytest.mark.parametrize("angle", [1e-2, 1e-4, -1e-4])
+def test_run_may_start_at_a_singular_configuration(
+    bodies_folder: Callable[..., Path], angle: float, target: Any
+) -> None:
+    text, started = flat_later(angle)
+    solver = load_dynamics(bodies_folder(scene_from_toml(text), ("positions",)), target=target)
+    run: Any = solver.simulate(0.1, samples=4, parameters={"d": 2.0}, **started)
+    assert run.ledger.trust.is_trusted
+    assert travel(run, solver) > 0.02
+
+
+def test_file_and_parameters_decide_alike(bodies_folder: Callable[..., Path]) -> None:
+    for name, values in (
+        ("four_bar", [1.01e-4, 1.5e-3, 2.03e-3, 2.08e-3, 3.1e-3]),
+        ("door", [1.1e-3, 1.13e-3, 6e-3]),
+        ("gears", [2.0022, 2.0023, 2.2]),
+    ):
+        text = SCENES[name][0]
+        solver: Any = load_dynamics(bodies_folder(scene_from_toml(text), ("positions",)))
+        ((key, of_scene),) = solver.parameters
+        for value in values:
+            of_file = text.replace(f"{key} = {given(of_scene, text, key)}", f"{key} = {value!r}")
+            try:
+                there: Any = load_dynamics(bodies_folder(scene_from_toml(of_file), ("positions",)))
+                holds = any("nothing can move" in note for note in there.layout.notes)
+            except SceneError:
+                holds = False
+            try:
+                solver.simulate(0.01, samples=2, parameters={key: value})
+                runs = True
+            except SolveError:
+                runs = False
+            assert runs == holds, (name, value)
+
+
+def given(value: float, text: str, key: str) -> str:
+    """Return how a text writes the value of a parameter."""
+    found = text.partition(f"{{ {key} = ")[2].partition(" }")[0]
+    assert float(found) == value
+    return found
+
+
+def test_rows_that_are_too_many_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = scene_from_toml(FOUR_BAR)
+    assert "HAS_RANK" in generate_dynamics(scene, ("positions",))["solver.c"]
+    monkeypatch.setattr(given_rank, "MOST_DENSE", 5)
+    tree = generate_dynamics(scene, ("positions",))
+    assert "HAS_RANK" not in tree["solver.c"] and "integrate/rank.h" not in tree
+    assert "which no run looks at: they are 20, more than 5" in tree["motion.json"]
