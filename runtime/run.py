@@ -23,7 +23,7 @@ from kousoku.runtime.integrate.given import (
 from kousoku.runtime.integrate.given_start import given_start
 from kousoku.runtime.integrate.initial_given import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
-from kousoku.runtime.integrate.nearly_dependent import first_row, nearly_dependent
+from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
@@ -300,10 +300,9 @@ class Run:
                 " or generate the solver with them"
             )
         if status == Status.DEPENDENT:
-            rows, base = self.solver.checked, first_row(self.solver.places)
-            missed = self._memory.work[base : base + len(rows)]
-            tolerance = self.solver.layout.closure_tolerance
-            return nearly_dependent(f"with {given}", rows, missed, tolerance)
+            tolerance, places = self.solver.layout.closure_tolerance, self.solver.places
+            rows, work = self.solver.checked, self._memory.work
+            return nearly_dependent(f"with {given}", rows, places, work, tolerance)
         if self.solver.design is None:
             return MESSAGES[status]
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"

@@ -255,13 +255,13 @@ class Run:
             why = bends(self._layout, state.bent, state.limit, state.behind)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
         if status == Status.DEPENDENT:
-            from .nearly_dependent import first_row, nearly_dependent  # other scenes do not have it
+            from .nearly_dependent import nearly_dependent  # other scenes do not have it
 
-            data = self._scene.data
-            rows = [tuple(row) for part in ("rows", "left_out", "reduced") for row in data[part]]
-            base, tolerance = first_row(data["places"]), self._layout.closure_tolerance
-            missed = self._work[base : base + len(rows)]
-            return nearly_dependent(self._scene.layout.name, rows, missed, tolerance)
+            data, one = self._scene.data, self._layout
+            rows = [row for part in CheckedRows._fields for row in data[part]]
+            return nearly_dependent(
+                one.name, rows, data["places"], self._work, one.closure_tolerance
+            )
         if status == Status.NO_VALUE:
             where = (
                 f"at t = {self.time:.9g} s" if state.key < 0.0 else f"behind t = {self.time:.9g} s"

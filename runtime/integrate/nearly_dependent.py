@@ -24,13 +24,12 @@ ROUNDING = 1e-12
 SHOWN = 3
 
 
-def first_row(places: Mapping[str, Sequence[int]]) -> int:
-    """Return where the first row of all is in the workspace."""
-    return (places.get("C") or places["C_left_out"])[0]
-
-
 def nearly_dependent(
-    name: str, rows: Sequence[tuple[str, str]], missed: Array, tolerance: float
+    name: str,
+    rows: Sequence[Sequence[str]],
+    places: Mapping[str, Sequence[int]],
+    work: Array,
+    tolerance: float,
 ) -> str:
     """Return why a run is refused whose rows nearly depend on each other.
 
@@ -39,12 +38,16 @@ def nearly_dependent(
     name : str
         What is so: the scene, and its parameters.
     rows : sequence of (str, str)
-        Joint and unit of each row.
-    missed : array
-        What rows hold beyond others; 0 of those that are independent.
+        Joint and unit of each row that is checked.
+    places : mapping of str to (int, int)
+        Where regions are in the memory for work, and how large.
+    work : array
+        In which rows that are not independent have what they hold beyond others.
     tolerance : float
         The closure tolerance.
     """
+    first, _ = places.get("C") or places["C_left_out"]
+    missed = work[first : first + len(rows)]
     worst: dict[str, str] = {}
     for k in np.argsort(-missed).tolist():
         if missed[k] > NEARLY * missed.max():

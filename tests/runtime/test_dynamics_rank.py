@@ -157,7 +157,7 @@ simulate(0.1, samples=2, parameters={{"e": 2.1e-3}})
     subprocess.run([sys.executable, "-c", script], check=True, timeout=120)
 
 
-def flat_later(angle: float) -> tuple[str, dict[str, list[float]]]:
+def flat_later(angle: float) -> tuple[str, dict[str, Any]]:
     """Return a scene that is a parallelogram with d = 2, and its start at an angle as q0 and v0."""
     place = [1.0, *[0.0] * 3]
     turned = [math.cos(angle / 2), 0.0, 0.0, math.sin(angle / 2)]
