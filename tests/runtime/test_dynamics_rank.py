@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 import subprocess
 import sys
+import tomllib
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
 
+import kousoku as ks
 from kousoku.codegen.dynamics.generate import generate_dynamics
 from kousoku.codegen.dynamics.redundancy import given_rank
 from kousoku.model.errors import SceneError, SolveError
@@ -240,3 +242,13 @@ def test_rows_that_are_too_many_are_told(monkeypatch: pytest.MonkeyPatch) -> Non
     tree = generate_dynamics(scene, ("positions",))
     assert "HAS_RANK" not in tree["solver.c"] and "integrate/rank.h" not in tree
     assert "which no run looks at: they are 20, more than 5" in tree["motion.json"]
+
+
+def test_accelerations_with_such_parameters_are_told() -> None:
+    mechanism = ks.load(tomllib.loads(FOUR_BAR))
+    start: Any = mechanism.simulate(times=[0.0])
+    _, q, v = start.state(0)
+    with pytest.warns(UserWarning, match=r"beyond all others they hold .* of joints\.[ABCD] "):
+        found = mechanism.evaluate(0.0, q, v, {"e": 1e-5})
+    assert found.notes
+    assert mechanism.evaluate(0.0, q, v).notes == ()
