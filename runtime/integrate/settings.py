@@ -14,8 +14,6 @@ OPTIONS = (
     *("initial", "q0", "v0"),
 )
 MOST_STEPS = 1_000_000
-#: Tolerances are from this one on, and below 1; memory.h has it, too.
-LEAST_TOLERANCE = 1e-15
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
 #: The least tolerance at which each of the others needs the fewest evaluations to the error that it

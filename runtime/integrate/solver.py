@@ -11,6 +11,7 @@ from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import prepare_dense
+from .given import LEAST_TOLERANCE
 from .kinematics import driven_step
 from .methods import METHODS
 from .pivot_monitor import note_largest_pivot, pivot_ratio
@@ -18,7 +19,7 @@ from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, state_of
-from .settings import ACTIONS, LEAST_TOLERANCE, Status
+from .settings import ACTIONS, Status
 from .stepper import first_step, step
 from .switching import even_end, meet_switches, resolved_step
 
