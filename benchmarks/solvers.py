@@ -9,7 +9,7 @@ from benchmarks.kit import KINDS, Figures, Question, Record, Size, Target, durat
 from benchmarks.plots import Line, work_precision
 from benchmarks.problems import linkage
 from benchmarks.problems.catalog import PROBLEMS
-from benchmarks.problems.problem import ROWS
+from benchmarks.problems.problem import GROWTH, ROWS
 from benchmarks.race import TOO_LONG
 
 if TYPE_CHECKING:
@@ -132,7 +132,8 @@ def beside(records: Sequence[Record], error: float) -> list[Beside]:
 
 def body(records: Sequence[Record], figures: Figures) -> str:
     """Return tables and plots."""
-    parts = [_overview([one for one in records if one.contest in PROBLEMS])]
+    posed = [one for one in records if one.contest in PROBLEMS]
+    parts = [_overview(posed), _tight(posed)]
     for contest in dict.fromkeys(one.contest for one in records):
         own = [one for one in records if one.contest == contest]
         parts += [
@@ -162,6 +163,33 @@ def _overview(records: Sequence[Record]) -> str:
             )
     heads = ["problem", "error", "kousoku", "best from a scene", "on equations given", "ratio"]
     return table([*heads, "best reduced by hand", "ratio"], rows)
+
+
+TIGHT_WORDS = """\
+What a tolerance of 1e-12 gives: a tolerance is what the error of a step may be, errors of all steps
+add up, and the motion makes each of them larger: of positions and velocities that are moved by a
+part of the length and of the largest velocities bodies are later off by so many times as much
+(`python -m benchmarks.problems.growth`). 1e-10 is promised where that is no more than 100, and more
+in proportion where it is more."""
+
+
+def _tight(records: Sequence[Record]) -> str:
+    """Return what the tightest tolerance gives, beside how far motions magnify errors."""
+    own = [one for one in records if is_door(one) and one.setting == TIGHT]
+    lines = list(dict.fromkeys(one.line for one in own))
+    rows = []
+    for contest in dict.fromkeys(one.contest for one in own):
+        found = {one.line: one for one in own if one.contest == contest}
+        told = [
+            f"{number(one.error)} in {one.extra.get('steps', 0):.0f} steps" if one else "–"
+            for one in map(found.get, lines)
+        ]
+        promised = number(PROBLEMS[contest].promised)
+        rows.append([title_of(contest), f"{GROWTH[contest]:.2g}", *told, promised])
+    if not rows:
+        return ""
+    heads = ["problem", "errors grow, times", *(f"error of {line}" for line in lines), "promised"]
+    return f"{TIGHT_WORDS}\n\n{table(heads, rows)}"
 
 
 def _told(record: Record | None, *, with_tool: bool = True) -> str:

@@ -112,17 +112,35 @@ def freeze_derivation(
     FreezeError, DerivationError
         It holds something that cannot be emitted.
     """
-    from kousoku.codegen.freeze import freeze  # noqa: PLC0415
     from kousoku.codegen.reference import references  # noqa: PLC0415
 
-    kernels = tuple(optimise(freeze(function))[0] for function in derivation.functions)
-    package = Package(
+    package = frozen_package(derivation, regenerate)
+    return Derived(package, references(package, derivation.functions, is_thorough=is_thorough))
+
+
+def frozen_package(derivation: Derivation, regenerate: str) -> Package:
+    """Freeze and optimise the functions of a derivation.
+
+    Parameters
+    ----------
+    derivation : Derivation
+        Of a kind that kousoku ships or of any other.
+    regenerate : str
+        The command that makes the package again.
+
+    Raises
+    ------
+    FreezeError
+        It holds something that cannot be emitted.
+    """
+    from kousoku.codegen.freeze import freeze  # noqa: PLC0415
+
+    return Package(
         name=derivation.name,
         title=derivation.title,
         regenerate=regenerate,
-        kernels=kernels,
+        kernels=tuple(optimise(freeze(function))[0] for function in derivation.functions),
     )
-    return Derived(package, references(package, derivation.functions, is_thorough=is_thorough))
 
 
 def recall_or_derive(name: str) -> Derived:

@@ -127,6 +127,19 @@ def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
     FreezeError
         An expression holds a node that cannot be emitted.
     """
+    require_proved(derivation)
+    command = regenerate or f"run the program that derives {derivation.name}"
+    return _emitted(freeze_derivation(derivation, command, is_thorough=True))
+
+
+def require_proved(derivation: Derivation) -> None:
+    """Refuse a derivation of one's own that does not hold, or that cannot be emitted.
+
+    Raises
+    ------
+    DerivationError
+        As of :func:`generate`.
+    """
     # SymPy takes a third of a second to import, and a kind that is recalled needs none of it.
     from kousoku.symbolic.check import check_functions, check_names  # noqa: PLC0415
     from kousoku.symbolic.prove import prove, prove_steps  # noqa: PLC0415
@@ -136,8 +149,6 @@ def generate(derivation: Derivation, *, regenerate: str = "") -> SourceTree:
     for function in derivation.functions:
         prove(function)
     prove_steps(derivation)
-    command = regenerate or f"run the program that derives {derivation.name}"
-    return _emitted(freeze_derivation(derivation, command, is_thorough=True))
 
 
 def _emitted(derived: Derived) -> SourceTree:

@@ -5,21 +5,28 @@ With it a scene is composed of the kinds that are shipped, and SymPy is not star
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
+from contextlib import suppress
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.graph import Node, Op
 from kousoku.codegen.kernel import Kernel, Package
+from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
 from kousoku.model.jsontext import to_text
+from kousoku.model.own_kind import PREFIX, is_own, kind_name
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.kinds import KINDS
+
+if TYPE_CHECKING:
+    from pathlib import Path
 
 FORMAT = 2
 GRAPH_FILE = "graph.json.gz"
@@ -27,6 +34,8 @@ GRAPH_FILE = "graph.json.gz"
 SIGNS = {Op.ADD: "+", Op.SUB: "-", Op.MUL: "*", Op.DIV: "/"}
 _SIGNED = re.compile(r"(\d+)([-+*/])(\d+)")
 _INPUT = re.compile(r"(\w+)\[(\d+)\]")
+#: Packages of one's own that this process knows, by the names that their content gives them.
+_OWN: dict[str, Package] = {}
 
 
 def dump(package: Package) -> str:
@@ -84,15 +93,61 @@ def chosen(package: Package, choice: str) -> Package:
     return Package(name, package.title, f"kousoku generate {name}", kernels)
 
 
-@cache
-def load_frozen(name: str) -> Package:
-    """Return the frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
+def keep_own(package: Package) -> str:
+    """Keep a package of one's own, and return the name that :func:`load_frozen` finds it by.
+
+    The name holds a digest of the kernels: what is derived anew with a change has another one.
+    Other processes of this user find the package in the cache, where that can be written.
+    """
+    text = dump(replace(package, regenerate=""))
+    name = f"{PREFIX}{package.name}:{hashlib.sha256(text.encode()).hexdigest()[:32]}"
+    if name not in _OWN:
+        _OWN[name] = parse(text)
+    with suppress(OSError):
+        if not (path := _kept_at(name)).is_file():
+            write_atomically(path, text.encode())
+    return name
+
+
+def _kept_at(name: str) -> Path:
+    return cache_folder() / "derived" / f"own-{name.rpartition(':')[2]}.json"
+
+
+def _load_own(name: str) -> Package:
+    """Return a package of one's own.
 
     Raises
     ------
     LoadError
-        No such kind is shipped, or its file is damaged.
+        Neither this process nor the cache knows it.
     """
+    if name not in _OWN:
+        with suppress(OSError, ValueError, LoadError):  # then it is not there
+            found = parse(_kept_at(name).read_text(encoding="utf-8"))
+            if keep_own(found) != name:
+                raise LoadError(f"{name} is damaged")
+    if name not in _OWN:
+        kind = kind_name(name)
+        raise LoadError(
+            f"the kernels of {kind}, a kind of one's own, are not known here; load the scene with"
+            f" them: kousoku.load(scene, kinds=[{kind}])"
+        )
+    return _OWN[name]
+
+
+@cache
+def load_frozen(name: str) -> Package:
+    """Return the frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
+
+    Of a kind of one's own it is the name that :func:`keep_own` gave it.
+
+    Raises
+    ------
+    LoadError
+        No such kind is shipped or kept, or its file is damaged.
+    """
+    if is_own(name):
+        return _load_own(name)
     kinds = resources.files("kousoku.generated").joinpath("kinds")
     kind, _, choice = name.partition("_")
     if kind in KINDS and name in KINDS[kind].packages and name != kind:

@@ -8,17 +8,19 @@ from typing import TYPE_CHECKING, Literal, overload
 from kousoku.loading import Given, naming, solver_folder
 from kousoku.mechanism import Mechanism
 from kousoku.model.errors import DerivationError, LoadError
+from kousoku.own_kinds import own_kinds
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.integrate.result import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
     from typing import Any
 
     from kousoku.codegen.dynamics.explanation.explain import Explanation
     from kousoku.codegen.linkage_explain import LinkageExplanation
     from kousoku.model.builder import SceneBuilder
     from kousoku.model.scene import Scene
+    from kousoku.own_kinds import Kind
     from kousoku.runtime.library import Library
     from kousoku.runtime.report import Report
     from kousoku.stages import KernelExplanation
@@ -30,9 +32,13 @@ def explain(mechanism: Derivation) -> KernelExplanation: ...
 @overload
 def explain(
     mechanism: Mechanism | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
+    *,
+    kinds: Sequence[Kind] | None = None,
 ) -> Explanation | LinkageExplanation: ...
 def explain(
     mechanism: Derivation | Mechanism | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
+    *,
+    kinds: Sequence[Kind] | None = None,
 ) -> Explanation | LinkageExplanation | KernelExplanation:
     """Explain what a solver leaves out, what each step saves, and what remains.
 
@@ -40,6 +46,8 @@ def explain(
     ----------
     mechanism : Mechanism, what :func:`kousoku.load` takes, or Derivation
         The mechanism; or the derivation of a constraint.
+    kinds : sequence of Derivation, Library or path, optional
+        Kinds of one's own that are types of joints of a scene, as of :func:`kousoku.load`.
 
     Returns
     -------
@@ -64,7 +72,7 @@ def explain(
         scene, outputs = mechanism.scene, mechanism.outputs
         file = mechanism.file
     else:
-        given = Given.of(mechanism)
+        given = Given.of(mechanism, own_kinds(kinds))
         scene, file = given.read(), given.file
     with naming(file):
         if not scene.is_spatial:
@@ -77,19 +85,23 @@ def explain(
 
 
 def verify(
-    what: Mechanism | Derivation | Library | str | Path,
+    what: Mechanism | Derivation | Library | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
     *,
     target: Literal["auto", "c", "numpy"] = "auto",
+    kinds: Sequence[Kind] | None = None,
 ) -> Report:
     """Recompute the 50-digit reference values of emitted code on this machine.
 
     Parameters
     ----------
-    what : Mechanism, Derivation, Library, name of a kind, or path of a folder or of a scene file
-        Of a mechanism the solver is generated again with its reference values, which takes about a
-        second for ten bodies; of a derivation of one's own the kernels are generated.
+    what : Mechanism, Derivation, Library, name of a kind, path of a folder, or a scene
+        A scene is what :func:`kousoku.load` takes; its file ends in ``.toml``. Of a mechanism the
+        solver is generated again with its reference values, which takes about a second for ten
+        bodies; of a derivation of one's own the kernels are generated.
     target : {"auto", "c", "numpy"}
         What to check: all that this machine can run, or one target.
+    kinds : sequence of Derivation, Library or path, optional
+        Kinds of one's own that are types of joints of a scene, as of :func:`kousoku.load`.
 
     Returns
     -------
@@ -109,17 +121,19 @@ def verify(
         from kousoku.deriving import kernels
 
         what = kernels(what, target=target)
-    if isinstance(what, str) and not Path(what).exists() and _is_kind(what):
+    if isinstance(what, str) and _is_kind(what) and not Path(what).exists():
         from kousoku.deriving import kernels
 
         what = kernels(what, target=target)
     if isinstance(what, Mechanism):
         with solver_folder(Given.of(what.scene), what.outputs, references=True) as folder:
             return verified(folder, target=target)
-    if str(what).endswith(".toml"):
-        with solver_folder(Given.of(what), references=True) as folder:
+    if isinstance(what, Library):
+        return verified(what, target=target)
+    if not isinstance(what, str | Path) or "\n" in str(what) or str(what).endswith(".toml"):
+        with solver_folder(Given.of(what, own_kinds(kinds)), references=True) as folder:
             return verified(folder, target=target)
-    if not isinstance(what, Library) and not (folder_of(what) / MANIFEST).is_file():
+    if not (folder_of(what) / MANIFEST).is_file():
         raise LoadError(
             f"{shown(str(what))} is no generated folder, which has a {MANIFEST}; wanted one, the"
             " name of a kind, or a scene file, *.toml"

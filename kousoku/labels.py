@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
+from kousoku.model.own_kind import is_own, kind_name
 from kousoku.model.rows import ROWS
 
 if TYPE_CHECKING:
@@ -44,6 +45,8 @@ def _component(system: System, one: Instance, row: int) -> str:
     """Return kind and component of a row of an instance; of a combination what it combines."""
     if one.terms:
         return " and ".join(system.coordinates[term.coordinate].name for term in one.terms)
+    if is_own(one.kind):
+        return f"{kind_name(one.kind)} {row}"
     kind, _, axis = one.kind.partition("_")
     if axis:
         return f"{kind} {'xyz'[ROWS[axis][row]]}′"

@@ -23,6 +23,7 @@ from kousoku.model.errors import (
     SceneError,
     TargetError,
 )
+from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
 from kousoku.runtime.dynamics import MOTION_FILE, load_dynamics
 from kousoku.runtime.integrate.result import shown
@@ -34,7 +35,9 @@ if TYPE_CHECKING:
 
     from kousoku.mechanism import Solver
     from kousoku.model.builder import SceneBuilder
+    from kousoku.model.own_kind import OwnKind
     from kousoku.model.scene import Output, Scene
+    from kousoku.own_kinds import Kind
 
     Target = Literal["auto", "c", "numpy"]
 
@@ -49,6 +52,7 @@ def load(
     *,
     outputs: Sequence[Output] | None = None,
     target: Target = "auto",
+    kinds: Sequence[Kind] | None = None,
 ) -> Mechanism:
     """Load a mechanism: a linkage of nodes or a scene of bodies, with its solver.
 
@@ -65,6 +69,9 @@ def load(
         ``"accelerations"``, ``"reactions"``, ``"energies"``; what the scene says unless given.
     target : {"auto", "c", "numpy"}
         What computes: C where a compiler can be had, else NumPy after saying so in one line.
+    kinds : sequence of Derivation, Library or path, optional
+        Kinds of one's own that are types of its joints: what :func:`kousoku.derive` or
+        :func:`kousoku.kernels` gave, or a folder of kernels.
 
     Raises
     ------
@@ -74,6 +81,8 @@ def load(
         Its bodies do not fit together near the positions that it gives.
     CompilerError
         The compiler refuses the source; with ``target="c"`` also if there is none.
+    DerivationError
+        One of the kinds is no constraint between two bodies, or its proof fails.
 
     Examples
     --------
@@ -81,7 +90,7 @@ def load(
     >>> loop = ks.load("scenes/loop_free.toml")
     >>> run = loop.simulate(2, parameters={"mass": 2})
     """
-    given = Given.of(scene)
+    given = Given.of(scene, own_kinds(kinds))
     wanted = None if outputs is None else _outputs_of(outputs)
     solver, text = opened(given, wanted, target)
     return Mechanism(solver, text, given.file, wanted)
@@ -106,8 +115,15 @@ class Given:
     read: Callable[[], Scene]
 
     @classmethod
-    def of(cls, scene: object) -> Given:
+    def of(cls, scene: object, kinds: Mapping[str, OwnKind] | None = None) -> Given:
         """Return a scene as it was given, not yet read.
+
+        Parameters
+        ----------
+        scene : object
+            What :func:`load` takes.
+        kinds : mapping of str to OwnKind, optional
+            Kinds of one's own that its joints may be of.
 
         Raises
         ------
@@ -117,21 +133,25 @@ class Given:
         from kousoku.model.scene import Scene
 
         if hasattr(scene, "build"):
-            scene = scene.build()
+            scene = scene.build(kinds=kinds) if kinds else scene.build()
         if isinstance(scene, Scene):
+            if kinds:
+                from kousoku.model.read import scene_from_toml
+
+                scene = scene_from_toml(_text(scene), kinds=kinds)
             return cls("", _text(scene).encode(), lambda: scene)
         if isinstance(scene, str) and ("\n" in scene or ("=" in scene and not _is_path(scene))):
             from kousoku.model.read import scene_from_toml
 
-            return cls("", scene.encode(), partial(scene_from_toml, scene))
+            return cls("", _told(scene, kinds), partial(scene_from_toml, scene, kinds=kinds))
         if isinstance(scene, str) and not scene.strip():
             raise SceneError(f"{scene!r} is no scene; wanted the path of a scene file, or its text")
         if isinstance(scene, str | os.PathLike):
-            return cls._of_file(Path(scene))
+            return cls._of_file(Path(scene), kinds)
         if hasattr(scene, "items"):
             from kousoku.model.read import scene_from_dict
 
-            built = scene_from_dict(scene)
+            built = scene_from_dict(scene, kinds=kinds)
             return cls("", _text(built).encode(), lambda: built)
         raise SceneError(
             f"{shown(scene)} is no scene; wanted the path of a scene file, its text, its tables, or"
@@ -139,14 +159,21 @@ class Given:
         )
 
     @classmethod
-    def _of_file(cls, path: Path) -> Given:
+    def _of_file(cls, path: Path, kinds: Mapping[str, OwnKind] | None) -> Given:
         from kousoku.model.read import scene_from_toml, text_of
 
         with suppress(OSError):  # a name that is too long is refused where it is read
             if path.is_dir():
                 raise SceneError("is a folder; wanted a scene file", file=str(path))
         text = text_of(path)
-        return cls(str(path), text.encode(), partial(scene_from_toml, text, file=str(path)))
+        read = partial(scene_from_toml, text, file=str(path), kinds=kinds)
+        return cls(str(path), _told(text, kinds), read)
+
+
+def _told(text: str, kinds: Mapping[str, OwnKind] | None) -> bytes:
+    """Return what tells a text from others, and the kinds that it may be made of."""
+    names = [kind.kernels for kind in (kinds or {}).values()]
+    return "\n".join([text, *(f"#kind {name}" for name in names)]).encode()
 
 
 def _is_path(line: str) -> bool:

@@ -1,6 +1,7 @@
 """The ledger: every equation of the documents, as printed, as it should read, and proved.
 
-Listing the entries runs no proof; :func:`prove` runs that of one entry.
+The entries are data, ``documents/*.toml``. Listing them runs no proof; :func:`prove` runs that of
+one entry.
 """
 
 from __future__ import annotations
@@ -21,26 +22,18 @@ __all__ = ["entries", "find", "keys", "prove"]
 @cache
 def entries() -> tuple[Entry, ...]:
     """Return all entries, document by document, in the order of reading."""
-    from kousoku.ledger import (
+    from kousoku.ledger.documents import (
         lecture_7_1,
         lecture_8_2,
-        lecture_8_2_parallel,
         link_element,
         link_examples,
         link_method,
         mass_points,
     )
+    from kousoku.ledger.reading import read
 
-    parts = (
-        lecture_7_1,
-        lecture_8_2,
-        lecture_8_2_parallel,
-        link_element,
-        link_method,
-        link_examples,
-        mass_points,
-    )
-    return tuple(entry for part in parts for entry in part.ENTRIES)
+    parts = (lecture_7_1, lecture_8_2, link_element, link_method, link_examples, mass_points)
+    return tuple(entry for part in parts for entry in read(part))
 
 
 @cache

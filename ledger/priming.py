@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import product
 from typing import TYPE_CHECKING
 
-from kousoku.ledger.entry import Check
 from kousoku.ledger.formula import (
     Array,
     Call,
@@ -21,13 +20,13 @@ from kousoku.ledger.formula import (
     Tilde,
     Transposed,
 )
-from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import point
 from kousoku.model.errors import LedgerError
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from kousoku.ledger.formula import Statement
     from kousoku.ledger.vocabulary import Vocabulary
 
 
@@ -52,41 +51,34 @@ def readings(node: Node, ways: Callable[[Name], tuple[Name, ...]]) -> Iterator[N
             raise LedgerError(f"primes are not looked for in {type(node).__name__}")
 
 
-def only_with(
-    count: int,
-    printed: str,
+def ways_that_agree(
+    statement: Statement,
     side: int,
-    vocabulary: Callable[[], Vocabulary],
+    vocabulary: Vocabulary,
     ways: Callable[[Name], tuple[Name, ...]],
-) -> Check:
-    """Return the check of how many of all ways to put primes make a side equal to the first.
+) -> tuple[int, int]:
+    """Return how many of all ways to read a side make it equal to the first, and of how many.
 
     They are compared at one rational point: a way that fails there fails; the one that is left is
     proved by the entry.
 
     Parameters
     ----------
-    count : int
-        How many should be left: 0 where primes explain nothing, 1 where they explain all.
-    printed : str
-        The formula: one chain.
+    statement : Statement
+        One chain.
     side : int
-        Which side, 1 being the one behind the first relation.
-    vocabulary, ways : callable
-        What symbols mean, and how a printed one may be read.
+        Which side, 0 being the first.
+    vocabulary : Vocabulary
+        What symbols mean.
+    ways : callable
+        How a printed one may be read.
     """
-
-    def run() -> str:
-        words = vocabulary()
-        ring = words.ring(at=point(words))
-        (statement,) = parse(printed)
-        wanted = ring.cells(words.value(statement.sides[0]))
-        tried = [ring.cells(words.value(x)) for x in readings(statement.sides[side], ways)]
-        equal = sum(
-            all(ring.is_equal(a, b) for a, b in zip(cells, wanted, strict=True)) for cells in tried
-        )
-        if equal != count:
-            raise LedgerError(f"{equal} of {len(tried)} ways to put primes agree, not {count}")
-        return f"{count or 'none'} of {len(tried)} agrees"
-
-    return Check(f"side {side + 1} with primes put back in every possible way", run)
+    ring = vocabulary.ring(at=point(vocabulary))
+    wanted = ring.cells(vocabulary.value(statement.sides[0]))
+    tried = [ring.cells(vocabulary.value(x)) for x in readings(statement.sides[side], ways)]
+    equal = [
+        cells
+        for cells in tried
+        if all(ring.is_equal(a, b) for a, b in zip(cells, wanted, strict=True))
+    ]
+    return len(equal), len(tried)

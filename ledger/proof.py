@@ -8,23 +8,22 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sympy.matrices.expressions import ZeroMatrix
 from sympy.polys.domains import QQ
 
-from kousoku.ledger.entry import Check
 from kousoku.ledger.formula import Name, Number
+from kousoku.ledger.names import Names
 from kousoku.ledger.parser import parse
 from kousoku.ledger.tokens import differ_in_notation_only
 from kousoku.ledger.vocabulary import shape
 from kousoku.model.errors import FormulaError, LedgerError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    from kousoku.ledger.entry import Entry
+    from kousoku.ledger.entry import Check, Entry
     from kousoku.ledger.formula import Statement
+    from kousoku.ledger.names import Words
     from kousoku.ledger.vocabulary import Value, Vocabulary
 
 
@@ -241,50 +240,56 @@ def point(vocabulary: Vocabulary) -> list[Any]:
     return values
 
 
-# -- checks that entries are made of -------------------------------------------------------------
+# -- what entries ask for -----------------------------------------------------------------------
+
+#: What the entries of every document may ask for.
+GENERAL = Names()
 
 
-def equal(
-    statement: str,
-    vocabulary: Callable[[], Vocabulary],
-    left: str | Callable[[], Value],
-    right: str | Callable[[], Value],
-) -> Check:
-    """Return the check that two values are equal; a text is read as a formula."""
+class Side(NamedTuple):
+    """One side of a formula, the first being 1."""
 
-    def run() -> str:
-        words = vocabulary()
-        return equality(words, *(_valued(words, side) for side in (left, right)))
-
-    return Check(statement, run)
+    formula: str
+    number: int
 
 
-def different(
-    statement: str,
-    vocabulary: Callable[[], Vocabulary],
-    left: str | Callable[[], Value],
-    right: str | Callable[[], Value],
-) -> Check:
-    """Return the check that two values differ somewhere, or cannot be compared."""
-
-    def run() -> str:
-        words = vocabulary()
-        try:
-            witness = difference(words, *(_valued(words, side) for side in (left, right)))
-        except FormulaError as problem:
-            return f"cannot be formed: {problem}"
-        if not witness:
-            raise LedgerError("no difference is seen")
-        return witness
-
-    return Check(statement, run)
+@GENERAL.proof()
+def equal(words: Words, left: str | Side, right: str | Side) -> str:
+    """Prove that two formulas have the same value; a zero on the right is as large as the left."""
+    known = words()
+    return equality(known, *_both(known, left, right))
 
 
-def _valued(vocabulary: Vocabulary, side: str | Callable[[], Value]) -> Value:
-    return value_of(side, vocabulary) if isinstance(side, str) else side()
+@GENERAL.proof()
+def different(words: Words, left: str | Side, right: str | Side) -> str:
+    """Prove that two formulas have different values somewhere, or cannot be compared."""
+    known = words()
+    try:
+        witness = difference(known, *_both(known, left, right))
+    except FormulaError as problem:
+        return f"cannot be formed: {problem}"
+    if not witness:
+        raise LedgerError("no difference is seen")
+    return witness
 
 
-def value_of(latex: str, vocabulary: Vocabulary, side: int = -1) -> Value:
+@GENERAL.proof()
+def unreadable(words: Words, formula: str) -> str:
+    """Prove that a formula cannot be formed: its shapes do not fit."""
+    seen = refuted(formula, words())
+    if not seen.startswith("cannot be formed"):
+        raise LedgerError(f"it can be formed: {seen}")
+    return seen
+
+
+def _both(known: Vocabulary, left: str | Side, right: str | Side) -> tuple[Value, Value]:
+    value, other = value_of(left, known), value_of(right, known)
+    return value, ZeroMatrix(*shape(value)) if other == 0 and shape(value) else other
+
+
+def value_of(formula: str | Side, vocabulary: Vocabulary, side: int = -1) -> Value:
     """Return the value of one side of a formula, its last one unless told."""
-    (statement,) = parse(latex)
-    return vocabulary.value(statement.sides[side])
+    text = formula.formula if isinstance(formula, Side) else formula
+    number = formula.number - 1 if isinstance(formula, Side) else side
+    (statement,) = parse(text)
+    return vocabulary.value(statement.sides[number])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
-from math import dist, hypot, pi
+from math import dist, hypot
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
@@ -16,7 +16,7 @@ from kousoku.model.formulas import RATE, state_names, texts_of, used_names
 from kousoku.model.mechanism import LAW_NAMES
 from kousoku.model.quaternions import quaternion
 from kousoku.model.spatial import GROUND
-from kousoku.model.switching import may_jump, range_of
+from kousoku.model.switching import may_jump
 from kousoku.model.terms import Apply, Function, names_of, ordered
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class About:
             for name, force in scene.forces.items()
             if any(used_names(text, ("sign",)) for text in texts_of(force))
         )
-        notes = (*scene_notes(scene), *notes_of_events(scene), *notes_of_poles(scene), *notes)
+        notes = (*scene_notes(scene), *notes_of_events(scene), *notes)
         return cls(notes, scene.duration, jumps)
 
 
@@ -96,27 +96,6 @@ def _parts_of_forces(scene: Scene) -> Iterator[tuple[str, list[Expression]]]:
             with suppress(ExpressionError):  # a text that is no formula, such as the type
                 formulas.append(parse_expression(text, names))
         yield join("forces", name), [part for one in formulas for part in ordered(one)]
-
-
-def notes_of_poles(scene: Scene) -> Iterator[str]:
-    """Yield a note on each force with a tangent that a motion may lead through infinity."""
-    varying = {*state_names(scene), *LAW_NAMES}.difference(scene.parameters)
-    for key, parts in _parts_of_forces(scene):
-        if any(not varying.isdisjoint(names_of(angle)) for one in parts for angle in _turns(one)):
-            yield (
-                f"{key} is infinite where its tan is, at pi/2, 3*pi/2 …: nothing passes there, but"
-                " steps may, and no error tells it; trust no run that comes so far, or take what is"
-                " bounded"
-            )
-
-
-def _turns(part: Expression) -> Iterator[Expression]:
-    """Yield the angle of a tangent that may be a right one."""
-    match part:
-        case Apply(Function.TAN, (angle,)):
-            least, most = range_of(angle)
-            if not -pi / 2 < least <= most < pi / 2:
-                yield angle
 
 
 def notes_of_dry_friction(scene: Scene) -> Iterator[str]:

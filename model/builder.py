@@ -15,7 +15,7 @@ from kousoku.model.read import scene_from_dict
 from kousoku.model.spatial import Body, Coordinate, Driver, Event, Joint
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
     from typing import Unpack
 
     import msgspec
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         Numbers,
         Value,
     )
+    from kousoku.model.own_kind import OwnKind
     from kousoku.model.scene import Output, Scene, Unit
 
 RECORDS: MappingProxyType[str, type[msgspec.Struct]] = MappingProxyType(
@@ -196,15 +197,21 @@ class SceneBuilder:
         decode(self._tree["method"], Method, key="method")
         return self
 
-    def build(self) -> Scene:
+    def build(self, *, kinds: Mapping[str, OwnKind] | None = None) -> Scene:
         """Return the checked scene.
+
+        Parameters
+        ----------
+        kinds : mapping of str to OwnKind, optional
+            Kinds of one's own that joints may be of, such as those of another scene;
+            :func:`kousoku.load` gives those that it got.
 
         Raises
         ------
         SceneError
             As for a file, without the name of one.
         """
-        return scene_from_dict(self._tree)
+        return scene_from_dict(self._tree, kinds=kinds)
 
     def _add(self, table: str, name: str, **keys: Any) -> Self:
         return self._put(table, name, keys)

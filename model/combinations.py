@@ -130,7 +130,7 @@ def _length_of(coordinates: CoordinateList) -> float:
     scene, frames, unit = coordinates.scene, coordinates.frames, coordinates.unit
     arms: list[float] = []
     for joint in scene.joints.values():
-        kind = JOINTS.get(NAMES[joint.type])
+        kind = JOINTS.get(NAMES.get(joint.type, ""))
         if kind is None or not kind.has_point:
             continue
         ends = frames[joint.ends[0]], frames[joint.ends[1]]

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
 
     from kousoku.model.errors import Problem
+    from kousoku.model.own_kind import OwnInput, OwnKind
 
 S = TypeVar("S", bound=msgspec.Struct)
 
@@ -53,7 +54,13 @@ NOT_THERE = dict.fromkeys(
 """Keys that people look for, and what stands against them."""
 
 
-def decode(tree: object, record: type[S], *, key: str = "") -> S:
+def decode(
+    tree: object,
+    record: type[S],
+    *,
+    key: str = "",
+    kinds: Mapping[str, OwnKind] | None = None,
+) -> S:
     """Build a record from a table.
 
     Parameters
@@ -64,13 +71,15 @@ def decode(tree: object, record: type[S], *, key: str = "") -> S:
         The record to build, whose fields may be records, mappings of them and tuples of them.
     key : str
         Where the table stands, for messages.
+    kinds : mapping of str to OwnKind, optional
+        Kinds of one's own that joints may be of.
 
     Raises
     ------
     SceneError
         Keys are unknown or missing, or values are not of the type that is wanted: all of them.
     """
-    problems = Problems()
+    problems = Problems(kinds)
     values = _fields(tree, record, key, problems)
     problems.settle()
     return record(**values)
@@ -113,13 +122,24 @@ def _fields(
         problems.add(f"{_got(tree)} stands where a table is wanted{such}", key, breaks=key)
         return {}
     fields = _fields_of(record)
+    flat = getattr(record, "FLAT", "")
+    own = _own_inputs(tree, record, problems) if flat else {}
+    known = {name: field for name, field in fields.items() if name not in (own or ())}
     meant: dict[str, None] = {}
     for name in tree:
-        if name not in fields and not problems.is_full:
-            problems.add(_unknown_key(str(name), tree, record), join(key, str(name)))
-            meant.update(dict.fromkeys(_nearest(str(name), tuple(fields))))
+        if own is None or name in known or name in own or problems.is_full:
+            continue
+        problems.add(_unknown_key(str(name), tree, record, own), join(key, str(name)))
+        meant.update(dict.fromkeys(_nearest(str(name), (*known, *own))))
     values: dict[str, Any] = {}
-    for name, field in fields.items():
+    if own:
+        given = {
+            name: _value(tree[name], one.type, join(key, name), problems)
+            for name, one in own.items()
+            if name in tree
+        }
+        values[flat] = {name: value for name, value in given.items() if value is not FAILED}
+    for name, field in known.items():
         place = join(key, name)
         if name in tree:
             value = _value(tree[name], field.type, place, problems)
@@ -135,15 +155,44 @@ def _fields(
 @cache
 def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
     """Return the fields of a record by their names in a file."""
-    return {field.encode_name: field for field in msgspec.structs.fields(record)}
+    flat = getattr(record, "FLAT", "")
+    fields = msgspec.structs.fields(record)
+    return {field.encode_name: field for field in fields if field.name != flat}
 
 
-def _unknown_key(name: str, tree: Mapping[Any, object], record: type[msgspec.Struct]) -> str:
+def _own_inputs(
+    tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
+) -> Mapping[str, OwnInput] | None:
+    """Return the inputs of a kind of one's own, none of another type; None where nobody knows it.
+
+    What keys a type has that nobody knows is not known either: that the type is unknown is said
+    where types are looked at.
+    """
+    sort = tree.get("type")
+    if not isinstance(sort, str) or _keys_of_type(sort, record):
+        return {}
+    return problems.kinds[sort].inputs if sort in problems.kinds else None
+
+
+def _keys_of_type(sort: object, record: type[msgspec.Struct]) -> tuple[str, ...]:
+    """Return the keys of a record of a type, none where there is no such type."""
+    if not isinstance(sort, str):
+        return ()
+    found: tuple[str, ...] = getattr(record, "keys_of_type", lambda _: ())(sort)
+    return found
+
+
+def _unknown_key(
+    name: str,
+    tree: Mapping[Any, object],
+    record: type[msgspec.Struct],
+    inputs: Mapping[str, OwnInput],
+) -> str:
     """Return the message for a key that a record does not have, with those that it may have."""
-    fields = tuple(_fields_of(record))
+    fields = (*inputs, *_fields_of(record))
     near = _nearest(name, fields)
     sort = tree.get("type")
-    own = getattr(record, "keys_of_type", lambda _: ())(sort) if isinstance(sort, str) else ()
+    own = ("type", "bodies", *inputs) if inputs else _keys_of_type(sort, record)
     listed = ", ".join(own or fields)
     known = f"{with_a(str(sort))} has {listed}" if own else f"known here: {listed}"
     if name in NOT_THERE:

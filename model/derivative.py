@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.model.polynomials import even_power
 from kousoku.model.terms import (
     ONE,
     ZERO,
@@ -45,11 +47,30 @@ def derivative(expression: Expression, name: str) -> Expression:
                 known[id(part)] = ZERO
             case Name():
                 known[id(part)] = ONE if part.name == name else ZERO
+            case Apply() if (same := _smooth_root(part)) is not None:
+                known[id(part)] = derivative(same, name)
             case Apply():
                 slopes = tuple(known[id(arg)] for arg in part.args)
                 is_fixed = all(slope == ZERO for slope in slopes)
                 known[id(part)] = ZERO if is_fixed else _derivative(part, slopes)
     return known[id(expression)]
+
+
+def _smooth_root(part: Apply) -> Expression | None:
+    """Return a root of an even power as a power of ``abs(a)`` where that has two derivatives.
+
+    Those of the root, ``(a^2)^1.5``, are 0/0 where a is zero.
+    """
+    if part.function not in {Function.SQRT, Function.POW}:
+        return None
+    exponent = Number(Fraction(1, 2)) if part.function is Function.SQRT else part.args[1]
+    if not isinstance(exponent, Number) or exponent.value.denominator == 1:
+        return None
+    found = even_power(part.args[0])
+    if found is None or found[1] * exponent.value < 2:
+        return None
+    size = found[0] if found[1] * exponent.value % 2 == 0 else apply(Function.ABS, found[0])
+    return power(size, Number(found[1] * exponent.value))
 
 
 def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
@@ -74,6 +95,10 @@ def _derivative(part: Apply, slopes: tuple[Expression, ...]) -> Expression:
             return div(add(mul(dy, x), neg(mul(y, dx))), square)
         case Function.MAX | Function.MIN:
             return _of_extreme(part, *slopes)
+        case Function.LOG_SUM:
+            (a, b), (da, db) = args, slopes
+            shares = [apply(Function.SHARE, add(x, neg(y))) for x, y in ((a, b), (b, a))]
+            return add(mul(shares[0], da), mul(shares[1], db))
         case _:
             return mul(_slope(part), slopes[0])
 
@@ -118,6 +143,8 @@ def _slope(part: Apply) -> Expression:
             return div(ONE, x)
         case Function.ABS:
             return apply(Function.SIGN, x)
+        case Function.SHARE:
+            return mul(part, apply(Function.SHARE, neg(x)))
         case _:  # SIGN
             return ZERO
 

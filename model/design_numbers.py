@@ -129,7 +129,14 @@ def _with(value: T, key: str, change: Callable[[Formula, str], float]) -> T:
     elif isinstance(value, msgspec.Struct):
         names = zip(value.__struct_fields__, value.__struct_encode_fields__, strict=True)
         given = [(name, shown, getattr(value, name)) for name, shown in names]
-        pairs = ((name, old, _with(old, join(key, shown), change)) for name, shown, old in given)
+        flat = getattr(value, "FLAT", "")
+        pairs = (
+            (name, old, _with(old, key if name == flat else join(key, shown), change))
+            for name, shown, old in given
+        )
         changed = {name: new for name, old, new in pairs if new is not old}
         found = msgspec.structs.replace(value, **changed) if changed else value
+    elif isinstance(value, dict):
+        items = {name: _with(item, join(key, name), change) for name, item in value.items()}
+        found = items if any(items[name] is not item for name, item in value.items()) else value
     return cast("T", found)

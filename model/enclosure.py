@@ -49,6 +49,7 @@ RISING = frozenset(
     {
         *(Function.EXP, Function.LOG, Function.SQRT, Function.SIGN),
         *(Function.ASIN, Function.ATAN, Function.MIN, Function.MAX),
+        *(Function.LOG_SUM, Function.SHARE),
     }
 )
 
@@ -74,7 +75,7 @@ def enclosure(expression: Expression, spans: Mapping[str, Bounds]) -> Bounds:
                 own = [known[id(arg)] for arg in args]
                 is_one = all(one.is_one for one in own)
                 if is_one:
-                    same = apply(function, *(one.least for one in own))
+                    same = _value(function, *(one.least for one in own))
                     known[id(part)] = Bounds(same, same)
                 else:
                     known[id(part)] = _applied(function, own)
@@ -110,8 +111,23 @@ def _applied(function: Function, args: list[Bounds]) -> Bounds:
         case _:
             assert function in RISING
             return Bounds(
-                apply(function, *(x.least for x in args)), apply(function, *(x.most for x in args))
+                _value(function, *(x.least for x in args)),
+                _value(function, *(x.most for x in args)),
             )
+
+
+def _value(function: Function, *args: Expression) -> Expression:
+    """Return a function of numbers, in functions that texts have, so that none overflows."""
+    match function:
+        case Function.LOG_SUM:
+            a, b = args
+            apart = neg(apply(Function.ABS, add(a, neg(b))))
+            less = apply(Function.LOG, add(ONE, apply(Function.EXP, apart)))
+            return add(apply(Function.MAX, a, b), less)
+        case Function.SHARE:
+            return div(ONE, add(ONE, apply(Function.EXP, neg(args[0]))))
+        case _:
+            return apply(function, *args)
 
 
 def _least(*terms: Expression) -> Expression:

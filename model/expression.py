@@ -54,6 +54,7 @@ ARGUMENTS = {
     function.value: 2 if function in {Function.ATAN2, Function.MIN, Function.MAX} else 1
     for function in Function
     if function not in {Function.ADD, Function.MUL, Function.DIV, Function.NEG, Function.POW}
+    if function not in {Function.LOG_SUM, Function.SHARE}
 }
 """The functions that a formula may call, and how many arguments each takes."""
 

@@ -274,8 +274,11 @@ def keys_of(kind: str) -> tuple[str, ...]:
 
 
 def leaves_of(kind: str) -> tuple[str, ...]:
-    """Return what a joint leaves free that is one number, by its name or alias."""
-    name = NAMES[kind]
+    """Return what a joint leaves free that is one number, by its name or alias.
+
+    Of a kind of one's own nobody has said that.
+    """
+    name = NAMES.get(kind)
     return JOINTS[name].leaves if name in JOINTS else ()
 
 

@@ -136,12 +136,14 @@ class Instance:
         The joint that it belongs to, as in the scene.
     kind : str
         A shipped package such as ``point``, ``n1``, ``p1_z``: its kernels ``constraint``, ``rates``
-        and ``reaction`` are specialised.
+        and ``reaction`` are specialised. Of a kind of one's own the name of its kernels.
     i, j : int
         Indices of the bodies, :data:`GROUND_INDEX` for the ground.
     constants : tuple of (str, tuple of float)
         The inputs of the kernels that are fixed: ``a_i_b``, ``s_i_b``, ``a_j_b``, ``s_j_b`` in the
-        principal frames (frame O for the ground), ``length``. Axes have norm one.
+        principal frames (frame O for the ground), ``length``. Axes have norm one. Of a kind of
+        one's own ``s_i_b`` and ``s_j_b`` are where its force is told and its kernels take the
+        frames that it is stated in, and its own inputs: see :mod:`kousoku.model.own_kind`.
     terms : tuple of Term
         Of a combination, what is added; i and j are then the bodies of the first.
     others : tuple of int
@@ -153,7 +155,7 @@ class Instance:
     law_unit : float
         What the formula is multiplied by to be in ``unit``.
     unit : str
-        Of a combination ``m`` or ``rad``: the unit of its residual.
+        Of a combination or a kind of one's own ``m`` or ``rad``: the unit of its residual.
     scale : float
         Of a combination, what its factors are those of the scene multiplied by.
     """

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.own_kind import is_own
 from kousoku.model.traced import Traced
 from kousoku.model.varying import is_varying
 
@@ -31,7 +32,7 @@ def moved_by_parameters(system: System, one: Instance) -> bool:
 
 def _moves(system: System, index: int, name: str, values: tuple[float, ...]) -> bool:
     """Return whether a point or a direction moves in the frame of the user, or a number changes."""
-    if not name.endswith("_b") or index == GROUND_INDEX:
+    if not name.endswith("_b") or index == GROUND_INDEX or is_own(name):
         return is_varying(values)
     body = system.bodies[index]
     if not is_varying((*values, *body.origin_b, *body.axes_b)):

@@ -10,7 +10,9 @@ from typing import TYPE_CHECKING, ParamSpec, TypeVar
 from kousoku.model.errors import MOST_FOUND, Problem, SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable, Iterable, Mapping
+
+    from kousoku.model.own_kind import OwnKind
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -25,9 +27,12 @@ class Problems:
         In the order in which they were found.
     has_formulas : bool
         Whether a formula stands in place of a number of the design: they are read later.
+    kinds : mapping of str to OwnKind
+        Kinds of one's own that joints may be of.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, kinds: Mapping[str, OwnKind] | None = None) -> None:
+        self.kinds = kinds or {}
         self.found: list[Problem] = []
         self.has_formulas = False
         self._broken: dict[str, None] = {}

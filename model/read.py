@@ -9,17 +9,22 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import msgspec
+
 from kousoku.model.decode import decode_parts, dotted
 from kousoku.model.design_numbers import read_formulas
 from kousoku.model.errors import AssemblyError, Problem, SceneError
 from kousoku.model.lines import deep_key_line, each_key_line
 from kousoku.model.not_toml import toml_problem
+from kousoku.model.own_kind import OwnKinds
 from kousoku.model.problems import Problems
 from kousoku.model.scene import Scene
 from kousoku.model.validate import check_parts
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from kousoku.model.own_kind import OwnKind
 
 LARGEST_FILE = 8 * 2**20
 """Bytes of the largest scene file that is read."""
@@ -29,13 +34,15 @@ DEEPEST_KEY = 32
 """Parts of the longest key; a parser takes hours for one of a hundred thousand."""
 
 
-def read_scene(path: str | Path) -> Scene:
+def read_scene(path: str | Path, *, kinds: Mapping[str, OwnKind] | None = None) -> Scene:
     """Read and check a scene file.
 
     Parameters
     ----------
     path : str or Path
         A TOML file in the format of ``docs/scenes.md``.
+    kinds : mapping of str to OwnKind, optional
+        Kinds of one's own that joints may be of, by name.
 
     Raises
     ------
@@ -43,7 +50,7 @@ def read_scene(path: str | Path) -> Scene:
         The file cannot be read, is not TOML, or does not describe a mechanism that can be solved;
         the message names the file, the key, the reason and what was wanted.
     """
-    return scene_from_toml(text_of(path), file=str(path))
+    return scene_from_toml(text_of(path), file=str(path), kinds=kinds)
 
 
 def text_of(path: str | Path) -> str:
@@ -83,7 +90,9 @@ def _near(path: str | Path) -> str:
     return f"; did you mean {str(path.with_name(near[0]))!r}?" if near else ""
 
 
-def scene_from_toml(text: str, *, file: str = "") -> Scene:
+def scene_from_toml(
+    text: str, *, file: str = "", kinds: Mapping[str, OwnKind] | None = None
+) -> Scene:
     """Read and check the text of a scene file.
 
     Parameters
@@ -92,6 +101,8 @@ def scene_from_toml(text: str, *, file: str = "") -> Scene:
         TOML.
     file : str
         The file that messages name.
+    kinds : mapping of str to OwnKind, optional
+        Kinds of one's own that joints may be of, by name.
     """
     if line := deep_key_line(text, DEEPEST_KEY):
         problem = Problem(f"has a key of more than {DEEPEST_KEY} parts", line=line)
@@ -102,10 +113,12 @@ def scene_from_toml(text: str, *, file: str = "") -> Scene:
         raise SceneError("is not a scene: its tables are nested too deeply", file=file) from None
     except ValueError as error:
         raise SceneError.of([toml_problem(error, text)], file=file) from error
-    return _scene(tree, text, file)
+    return _scene(tree, text, file, kinds)
 
 
-def scene_from_dict(tree: object, *, file: str = "") -> Scene:
+def scene_from_dict(
+    tree: object, *, file: str = "", kinds: Mapping[str, OwnKind] | None = None
+) -> Scene:
     """Check a tree of tables, as :func:`tomllib.loads` gives it.
 
     Parameters
@@ -115,13 +128,15 @@ def scene_from_dict(tree: object, *, file: str = "") -> Scene:
         numbers and arrays stand for Python's.
     file : str
         The file that messages name.
+    kinds : mapping of str to OwnKind, optional
+        Kinds of one's own that joints may be of, by name.
 
     Raises
     ------
     SceneError
         All problems that are found, each with its dotted key.
     """
-    return _scene(tree, "", file)
+    return _scene(tree, "", file, kinds)
 
 
 def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError | AssemblyError:
@@ -147,19 +162,32 @@ def located(error: SceneError | AssemblyError, path: str | Path) -> SceneError |
     return error.at(str(path), inputs | lines)
 
 
-def _scene(tree: object, text: str, file: str) -> Scene:
-    problems = Problems()
+def _scene(tree: object, text: str, file: str, kinds: Mapping[str, OwnKind] | None) -> Scene:
+    problems = Problems({**_written_kinds(tree), **(kinds or {})})
     try:
         scene = decode_parts(tree, Scene, {"name": "unnamed", "unit": "m"}, problems)
     except SceneError as error:
         raise SceneError.of(error.problems, file=file) from None
     assert isinstance(tree, Mapping)  # else nothing could be decoded
+    used = {joint.type for joint in scene.joints.values()}
+    own = {name: kind for name, kind in problems.kinds.items() if name in used}
+    scene = msgspec.structs.replace(scene, kinds=own)
     if problems.has_formulas:
         scene = read_formulas(scene, problems)
     check_parts(scene, problems, list(tree))
     if problems.found:
         raise SceneError.of(_with_lines(problems.found, text), file=file)
     return scene
+
+
+def _written_kinds(tree: object) -> dict[str, OwnKind]:
+    """Return the kinds of one's own that the text of a scene lists, as it was written by us.
+
+    What is wrong with them is found where the scene is decoded.
+    """
+    if not isinstance(tree, Mapping) or "kinds" not in tree:
+        return {}
+    return dict(decode_parts({"kinds": tree["kinds"]}, OwnKinds, {}, Problems()).kinds)
 
 
 def _with_lines(problems: Sequence[Problem], text: str) -> Sequence[Problem]:

@@ -12,6 +12,7 @@ import msgspec
 from kousoku.model.design import NumberOrAngle
 from kousoku.model.loads import Force
 from kousoku.model.mechanism import CLOSURE_TOLERANCE
+from kousoku.model.own_kind import OwnKind
 from kousoku.model.planar import Input, Link, Method, Node, Rigid, Slider
 from kousoku.model.spatial import Body, Components, Coordinate, Driver, Event, Joint
 from kousoku.model.text import counted
@@ -94,6 +95,8 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         ``energies``.
     method : Method
         How positions are found.
+    kinds : mapping of str to OwnKind
+        Kinds of one's own that are types of its joints; :func:`kousoku.load` takes them.
     """
 
     name: str
@@ -117,6 +120,7 @@ class Scene(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     divisions: int = 60
     outputs: tuple[Output, ...] = ("positions", "velocities", "accelerations")
     method: Method = Method()
+    kinds: Mapping[str, OwnKind] = {}
 
     def __post_init__(self) -> None:
         for field in TABLES:

@@ -13,7 +13,7 @@ from typing import Any
 
 import msgspec
 
-from kousoku.model import loads, planar, scene, spatial
+from kousoku.model import loads, own_kind, planar, scene, spatial
 from kousoku.model.decode import LARGEST
 from kousoku.model.joints import NAMES
 from kousoku.model.loads import KEYS
@@ -87,9 +87,10 @@ def scene_schema() -> dict[str, Any]:
     schema = msgspec.json.schema(Scene)
     definitions: dict[str, Any] = schema["$defs"]
     for name, definition in definitions.items():
-        modules = (scene, planar, spatial, loads)
+        modules = (scene, planar, spatial, loads, own_kind)
         record = next(getattr(module, name) for module in modules if hasattr(module, name))
         _describe(definition, record)
+        definition["properties"].pop(getattr(record, "FLAT", ""), None)
         for key, limits in LIMITS.get(name, {}).items():
             definition["properties"][key].update(limits)
     for table in TABLES:

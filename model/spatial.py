@@ -1,6 +1,7 @@
 """Bodies, joints, coordinates and drivers of a spatial mechanism as a scene describes them."""
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.
+from collections.abc import Mapping
 from typing import ClassVar, Literal
 
 import msgspec
@@ -133,7 +134,11 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         Of a linear coupling, names of coordinates of the scene.
     factors : tuple of float, optional
         Of a linear coupling, what each is multiplied by; the sum stays what it is.
+    inputs : mapping of str to float or (3,), optional
+        Of a kind of one's own its inputs by name; in a file they are keys of the joint.
     """
+
+    FLAT: ClassVar = "inputs"
 
     @staticmethod
     def keys_of_type(sort: str) -> tuple[str, ...]:
@@ -155,12 +160,19 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     radius: Design | None = None
     coordinates: tuple[str, ...] | None = None
     factors: tuple[Design, ...] | None = None
+    inputs: Mapping[str, Design | Place] | None = None
 
     @property
     def ends(self) -> tuple[str, str]:
         """The two bodies, of a joint that is no coupling."""
         assert self.bodies is not None
         return self.bodies
+
+    def vector(self, name: str) -> tuple[float, float, float]:
+        """Return an input of a kind of one's own that is a vector."""
+        value = (self.inputs or {})[name]
+        assert isinstance(value, tuple)
+        return value
 
 
 class Coordinate(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import chain
-from math import inf, isfinite
+from math import inf, isfinite, pi
 from typing import TYPE_CHECKING
 
+from kousoku.model.decode import join
 from kousoku.model.derivative import derivative
+from kousoku.model.exponentials import without_overflow
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import LAW_NAMES
@@ -78,6 +80,12 @@ class Seen:
         Those of drivers that are no polynomials, with two derivatives, which must not jump.
     led : tuple of str
         Which driver each of these laws, of three expressions, is of.
+    poles : tuple of Expression
+        Functions of time and the state that are zero where a force may be infinite.
+    pushed : tuple of str
+        The key of the force that each of them is of.
+    infinite : tuple of Expression
+        The parts of formulas that may be infinite there.
     """
 
     switches: tuple[Expression, ...]
@@ -88,6 +96,9 @@ class Seen:
     jumps: tuple[bool, ...] = ()
     laws: tuple[Expression, ...] = ()
     led: tuple[str, ...] = ()
+    poles: tuple[Expression, ...] = ()
+    pushed: tuple[str, ...] = ()
+    infinite: tuple[Expression, ...] = ()
 
 
 def seen_of(system: System) -> Seen:
@@ -95,8 +106,9 @@ def seen_of(system: System) -> Seen:
     measures = tuple(_measures(system))
     names = {TIME, *(name for name, _ in system.parameters)}
     names.update(chain.from_iterable((one.name, one.rate) for one in measures))
-    texts = filter(None, dict.fromkeys(_texts(system)))
-    formulas = [parse_expression(text, names, longest=len(text)) for text in texts]
+    texts = dict.fromkeys(text for text, _ in _texts(system) if text)
+    parsed = {text: parse_expression(text, names, longest=len(text)) for text in texts}
+    formulas = list(parsed.values())
     events = [parse_expression(one.when, names) for one in system.events]
     of_state = {name for one in measures for name in (one.name, one.rate)}
 
@@ -112,7 +124,7 @@ def seen_of(system: System) -> Seen:
     varying = partial(varying_parts, varying={TIME, *of_state})
     edges = dict.fromkeys(filter(names_of, chain.from_iterable(map(_edges_of, events))))
     crossings = (*events, *found(switching_functions, is_state=True), *edges)
-    narrow = found(varying, is_state=True)
+    narrow = tuple(map(without_overflow, found(varying, is_state=True)))
     laws: dict[Expression, str] = {}
     for one in system.constraints:
         if one.law:
@@ -120,16 +132,27 @@ def seen_of(system: System) -> Seen:
     breaks = {one: tuple(filter(_varies, _places_of(one))) for one in laws}
     followed = [one for one, places in breaks.items() if places or any(varying_parts(one, {TIME}))]
     switches = (*found(switching_functions, is_state=False), *chain(*breaks.values()))
-    read = set(chain.from_iterable(map(names_of, (*crossings, *narrow))))
+    poles: dict[Expression, str] = {}
+    infinite: dict[Expression, None] = {}
+    for text, key in _texts(system):
+        if text and key:
+            for part in _summands(parsed[text]):
+                own = dict.fromkeys(_poles_of(part, {TIME, *of_state}), key)
+                poles = own | poles
+                infinite |= dict.fromkeys([part] * bool(own))
+    read = set(chain.from_iterable(map(names_of, (*crossings, *narrow, *poles, *infinite))))
     return Seen(
         tuple(dict.fromkeys(switches)),
-        found(varying, is_state=False),
+        tuple(map(without_overflow, found(varying, is_state=False))),
         tuple(one for one in measures if {one.name, one.rate} & read),
         crossings,
         narrow,
         tuple(any(map(_may_jump, ordered(one))) for one in events),
         tuple(chain.from_iterable(map(_with_rates, followed))),
         tuple(laws[one] for one in followed),
+        tuple(poles),
+        tuple(poles.values()),
+        tuple(infinite),
     )
 
 
@@ -142,16 +165,17 @@ def _measures(system: System) -> Iterator[Measure]:
             yield Measure(x, v, force.coordinate, place)
 
 
-def _texts(system: System) -> Iterator[str]:
-    """Yield all formulas; those of springs name their own length."""
+def _texts(system: System) -> Iterator[tuple[str, str]]:
+    """Yield all formulas, and the key of what pushes; those of springs name their own length."""
     for place, force in enumerate(system.forces):
-        yield from (text for _, text in force.formulas)
+        key = join("forces", force.name)
+        yield from ((text, key) for _, text in force.formulas)
         text = force.law
         for name in LAW_NAMES[:2]:
             text = re.sub(rf"\b{name}\b", f"{force.name}_{place}.{name}", text)
-        yield text
-    yield from system.gravity_law
-    yield from (one.law for one in system.constraints)
+        yield text, key
+    yield from ((text, "gravity") for text in system.gravity_law)
+    yield from ((one.law, "") for one in system.constraints)
 
 
 def switching_functions(formula: Expression) -> Iterator[Expression]:
@@ -212,6 +236,46 @@ def _places_of(law: Expression) -> Iterator[Expression]:
         place = _place_of(part)
         if place is not None:
             yield from filter(may_be_zero, _crossed(place))
+
+
+def _poles_of(formula: Expression, varying: Collection[str]) -> Iterator[Expression]:
+    """Yield what is zero where a formula may be infinite, as far as it varies."""
+    for part in ordered(formula):
+        if not isinstance(part, Apply):
+            continue
+        place, exponent = None, part.args[-1]
+        if part.function in {Function.DIV, Function.LOG}:
+            place = _place_of(part) or part.args[0]
+        elif part.function is Function.TAN:
+            least, most = range_of(part.args[0])
+            place = None if -pi / 2 < least <= most < pi / 2 else _place_of(part)
+        elif part.function is Function.POW:
+            is_root = isinstance(exponent, Number) and exponent.value > 0
+            place = None if is_root else part.args[0]
+        for zero in _zeros_of(place) if place is not None else ():
+            if may_be_zero(zero) and not set(varying).isdisjoint(names_of(zero)):
+                yield zero
+
+
+def _summands(formula: Expression) -> Iterator[Expression]:
+    """Yield what a formula is a sum of: a product may be finite where a factor is not."""
+    if isinstance(formula, Apply) and formula.function in {Function.ADD, Function.NEG}:
+        yield from chain.from_iterable(map(_summands, formula.args))
+    else:
+        yield formula
+
+
+def _zeros_of(place: Expression) -> Iterator[Expression]:
+    """Yield functions that change sign where one is zero: the factors, and what roots are of."""
+    match place:
+        case Apply(Function.MUL, args):
+            yield from chain.from_iterable(map(_zeros_of, args))
+        case Apply(Function.NEG | Function.ABS | Function.SQRT | Function.DIV, (a, *_)):
+            yield from _zeros_of(a)
+        case Apply(Function.POW, (a, Number(exponent))) if exponent > 0:
+            yield from _zeros_of(a)
+        case _:
+            yield from _crossed(place)
 
 
 def _crossed(place: Expression) -> tuple[Expression, ...]:

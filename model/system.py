@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -29,6 +29,7 @@ from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
 from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
+from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
 from kousoku.model.rows import variant
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
     from kousoku.model.errors import Problem
     from kousoku.model.joints import Part
     from kousoku.model.mass import MassProperties
+    from kousoku.model.own_kind import OwnInput, OwnKind
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
 
@@ -204,7 +206,10 @@ def _constraints(
     problems: list[Problem] = []
     for name, joint in scene.joints.items():
         try:
-            made += _instances(name, joint, frames, coordinates)
+            if joint.type in scene.kinds:
+                made.append(_own_instance(name, joint, scene.kinds[joint.type], frames, scene))
+            else:
+                made += _instances(name, joint, frames, coordinates)
         except SceneError as error:
             problems += error.problems
     if problems:
@@ -237,6 +242,43 @@ def _instances(
         if package == "distance":
             constants["length"] = (_length(name, joint, ends, points, unit),)
         yield Instance(name, package, ends[0].index, ends[1].index, tuple(constants.items()))
+
+
+def _own_instance(
+    name: str, joint: Joint, kind: OwnKind, frames: Mapping[str, BodyFrame], scene: Scene
+) -> Instance:
+    """Return a joint of one's own: its frames in the principal ones, and its inputs in SI units.
+
+    Its point in a body is the first that its kind has there, or else the origin of the body frame.
+    """
+    unit = precise.number(METRES[scene.unit])
+    ends = frames[joint.ends[0]], frames[joint.ends[1]]
+    given = joint.inputs or {}
+    names = [kind.point_of(body) for body in "ij"]
+    points = [precise.triple(joint.vector(own)) if own else ZERO for own in names]
+    constants: list[tuple[str, tuple[float, ...]]] = []
+    for body, end, point in zip("ij", ends, points, strict=True):
+        constants.append((f"s_{body}_b", end.point(point, unit)))
+    for key, end in zip(ORIGINS, ends, strict=True):
+        constants.append((key, end.point(ZERO, unit)))
+    for key, end in zip(FRAMES, ends, strict=True):
+        constants.append((key, to_quaternion(end.axes)))
+    for key, one in kind.inputs.items():
+        constants.append((input_name(key), _own_value(one, given[key], unit)))
+    return Instance(
+        name, kind.kernels, ends[0].index, ends[1].index, tuple(constants), unit=kind.unit
+    )
+
+
+def _own_value(one: OwnInput, value: Any, unit: High) -> tuple[float, ...]:
+    """Return an input of a kind of one's own; directions have norm one."""
+    factor = unit if one.unit == "m" else precise.number(1)
+    if not one.vector:
+        return (precise.double(factor * precise.number(value)),)
+    vector = precise.triple(value)
+    if one.is_direction:
+        return precise.rounded(precise.unit(vector))
+    return to_vector(precise.scale(factor, vector))
 
 
 def _require_near(

@@ -22,7 +22,8 @@ class Function(enum.Enum):
     """What a formula may apply to others; ``ADD`` takes two or more.
 
     A power whose exponent is a whole number is a product, one with a half in it a square root of
-    one; any other is exp(b log a) and wants a positive a. ``SIGN`` is −1, 0 or 1.
+    one; any other is exp(b log a) and wants a positive a. ``SIGN`` is −1, 0 or 1. No text has the
+    last two, log(eᵃ + eᵇ) and eˣ/(1 + eˣ): they are what others are bounded by.
     """
 
     ADD = "add"
@@ -44,6 +45,8 @@ class Function(enum.Enum):
     SIGN = "sign"
     MIN = "min"
     MAX = "max"
+    LOG_SUM = "log_sum"
+    SHARE = "share"
 
 
 @dataclass(frozen=True, slots=True)

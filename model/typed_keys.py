@@ -54,7 +54,8 @@ def keys_text() -> str:
 def _record(record: type[msgspec.Struct]) -> str:
     lines = [f"class {record.__name__}Keys(TypedDict, total=False):"]
     lines.append(f'    """Keys of :class:`{record.__module__}.{record.__name__}`."""\n')
-    for field in msgspec.structs.fields(record):
+    fields = msgspec.structs.fields(record)
+    for field in (one for one in fields if one.name != getattr(record, "FLAT", "")):
         text = _text(field.type)
         text = f"Required[{text}]" if field.required else text
         lines.append(_line(field.encode_name, text))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import hypot
 from typing import TYPE_CHECKING
 
-from kousoku.model.decode import LARGEST, join, require_known
+from kousoku.model.decode import LARGEST, join, require_known, unknown
 from kousoku.model.design_numbers import FORMULAS
 from kousoku.model.errors import Problem, SceneError
 from kousoku.model.formulas import state_names
@@ -23,12 +23,16 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.model.joints import JointKind
+    from kousoku.model.own_kind import OwnKind
     from kousoku.model.problems import Problems
     from kousoku.model.scene import Scene
     from kousoku.model.spatial import Body, Joint
 
 PARALLEL = 1e-9
 """Sine of the smallest angle between two directions that are told apart."""
+
+OF_ONES_OWN = "kind of your own comes with kinds=[...], see docs/own_kind.md"
+"""What is said of a type that is unknown, behind the nearest one."""
 
 TURNING = ("orientation", "angular_velocity")
 """What a point cannot hold."""
@@ -114,13 +118,17 @@ def _check_turning(body: Body, key: str) -> None:
 
 def _check_joint(scene: Scene, joint: Joint, key: str, problems: Problems) -> None:
     """Check the parts of a joint, each whatever is wrong with the others, or with its bodies."""
-    kind = problems.check(key, (), _kind, joint, key)
+    own = scene.kinds.get(joint.type)
+    kind = None if own else problems.check(key, (), _kind, scene, joint, key)
     ends = [join("bodies", body) for body in joint.bodies or () if body != GROUND]
     problems.check(key, (), _check_two_bodies, joint, key)
     for index, body in enumerate(joint.bodies or ()):  # each whatever is wrong with the other
-        own = f"{key}.bodies[{index}]"
+        place = f"{key}.bodies[{index}]"
         uses = [join("bodies", body)] if body != GROUND else []
-        problems.check(key, uses, require_known, "body", body, scene.bodies, own, GROUND)
+        problems.check(key, uses, require_known, "body", body, scene.bodies, place, GROUND)
+    if own is not None:
+        problems.check(key, (), _check_inputs, joint, own, key)
+        problems.check(key, [key, *ends], _check_own_points, scene, joint, own, key)
     if kind is None:
         return
     problems.check(key, (), _check_axes, joint, kind, key)
@@ -157,9 +165,51 @@ def _check_point_bodies(scene: Scene, joint: Joint, kind: JointKind, key: str) -
             )
 
 
-def _kind(joint: Joint, key: str) -> JointKind:
-    require_known("joint", joint.type, NAMES, f"{key}.type")
+def _kind(scene: Scene, joint: Joint, key: str) -> JointKind:
+    if joint.type not in NAMES:
+        known = (*NAMES, *scene.kinds)
+        problem = unknown(f"joint {joint.type[:40]!r}", joint.type, known)
+        hint = f" A {OF_ONES_OWN}" if problem.endswith("?") else f"; a {OF_ONES_OWN}"
+        raise SceneError(f"{problem}{hint}", key=f"{key}.type")
     return JOINTS[NAMES[joint.type]]
+
+
+def _check_inputs(joint: Joint, kind: OwnKind, key: str) -> None:
+    """Check that a joint of one's own has what its kind wants, and nothing else."""
+    given = joint.inputs or {}
+    for name in joint.__struct_fields__:
+        if name not in ("type", "bodies", joint.FLAT) and getattr(joint, name) is not None:
+            wanted = ", ".join(("bodies", *kind.inputs))
+            raise SceneError(
+                f"{with_a(joint.type)} joint has none; it has {wanted}", key=f"{key}.{name}"
+            )
+    for name, one in kind.inputs.items():
+        if name not in given:
+            what = "a list of 3 numbers" if one.vector else "a number"
+            raise SceneError(
+                f"is missing; {with_a(joint.type)} joint wants {what}: {one.meaning}",
+                key=f"{key}.{name}",
+            )
+    directions = [name for name, one in kind.inputs.items() if one.is_direction]
+    _check_lengths({f"{key}.{name}": joint.vector(name) for name in directions})
+
+
+def _check_own_points(scene: Scene, joint: Joint, kind: OwnKind, key: str) -> None:
+    """Check that a point body is met where it is, by a kind that keeps no orientation of it."""
+    for end, name, turns in zip("ij", joint.ends, kind.turns, strict=True):
+        if name == GROUND or not scene.bodies[name].point:
+            continue
+        if turns:
+            raise SceneError(
+                f"{name} is a point, which has no orientation that {with_a(joint.type)} joint "
+                "could keep; wanted a body that is no point",
+                key=f"{key}.bodies[{'ij'.index(end)}]",
+            )
+        for own, one in kind.inputs.items():
+            if one.body == end and any(joint.vector(own)):
+                raise SceneError(
+                    f"{name} is a point; wanted [0, 0, 0], its only point", key=f"{key}.{own}"
+                )
 
 
 def _check_point(joint: Joint, kind: JointKind, key: str) -> None:

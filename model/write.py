@@ -41,11 +41,13 @@ def _lines(table: Mapping[str, object]) -> str:
 
 def _given(record: msgspec.Struct) -> dict[str, object]:
     """Return the fields that differ from their defaults, by their names in a file."""
-    return {
+    found = {
         field.encode_name: getattr(record, field.name)
         for field in msgspec.structs.fields(record)
-        if field.required or getattr(record, field.name) != field.default
+        if field.required or getattr(record, field.name) not in (field.default, {})
     }
+    flat = found.pop(getattr(record, "FLAT", ""), None)
+    return found | flat if isinstance(flat, dict) else found
 
 
 def _key(key: str) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from kousoku.runtime.integrate.given import LEAST_TOLERANCE
 from kousoku.runtime.integrate.result import shortly
 from kousoku.runtime.integrate.settings import KINEMATICS
 
@@ -21,8 +22,6 @@ if TYPE_CHECKING:
 #: The second run is made with a tolerance, or a fixed step, that is this part of the first one's;
 #: with a tenth errors of both methods have been seen that were nearly the same.
 STRICTER, SHORTER = 0.01, 0.4
-#: The least tolerance that doubles allow.
-LEAST = 1e-15
 #: Runs that are farther apart, in lengths of the scene or radians, tell nothing of each other.
 APART = 0.1
 
@@ -81,7 +80,9 @@ def second_options(options: Options) -> Options:
     if options.step is not None:
         return replace(again, method="dop853", step=SHORTER * options.step)
     method = "dopri5" if options.method == "dop853" else "dop853"
-    return replace(again, method=method, tolerance=max(STRICTER * options.tolerance, LEAST))
+    return replace(
+        again, method=method, tolerance=max(STRICTER * options.tolerance, LEAST_TOLERANCE)
+    )
 
 
 def second_times(times: Array, options: Options) -> Array:

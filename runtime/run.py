@@ -15,7 +15,7 @@ from kousoku.runtime.design import not_closed, told, with_parameters
 from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.error_estimate import error_estimate, second_options, second_times
 from kousoku.runtime.given import require_callable
-from kousoku.runtime.integrate.events import Told, add_row, bends, without_value
+from kousoku.runtime.integrate.events import Told, add_row, bends, infinite, without_value
 from kousoku.runtime.integrate.given import (
     require_numbers,
     require_room,
@@ -79,7 +79,7 @@ NO_FURTHER = (
     " determined from here on"
 )
 #: Numbers of the state that are read often.
-PLACES = ("time", "next_row", "steps", "event", "bent", "limit", "behind")
+PLACES = ("time", "next_row", "steps", "event", "bent", "limit", "behind", "pole")
 #: Rows of a call, and steps of the first one.
 BUFFER, STEPS = 4096, 16
 #: Between calls a run can be interrupted; they take about this long [s].
@@ -428,12 +428,23 @@ class Run:
             " stays near 0 steps become tiny: take x/sqrt(x^2 + 1e-6) instead of sign(x)"
         )
 
+    def _poles(self) -> str:
+        """Name the forces that may be infinite: near such a place no step is short enough."""
+        poles = tuple(dict.fromkeys(self.solver.layout.poles))
+        if not poles:
+            return ""
+        verb = "is" if len(poles) == 1 else "are"
+        return f"; {listed(poles, SHOWN)} {verb} infinite where what it is divided by is 0"
+
     def _stop(self) -> str:
         if self._status == Status.NO_VALUE:
             return f"{self.solver.name}: at t = {self.time:.9g} s: {self._lost('from here on')}"
         if self._status == Status.BENDS:
             bent = [self.state.item(self._places[name]) for name in ("bent", "limit", "behind")]
             why = bends(self.solver.layout, *bent)
+            return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
+        if self._status == Status.INFINITE:
+            why = infinite(self.solver.layout, self.state.item(self._places["pole"]))
             return f"{self.solver.name}: at t = {self.time:.9g} s: {why}"
         if self._status == Status.NOT_CLOSED:
             joints = not_closed(self.solver, self._memory.work, CLEARLY)
@@ -443,7 +454,7 @@ class Run:
         reason = NO_FURTHER if is_driven else MESSAGES[self._status]
         if self.options.step is not None and self._status == Status.NOT_PROJECTED:
             reason = TOO_LONG.format(step=self.options.step)
-        where = self._where(self._residuals()) + self._still()
+        where = self._where(self._residuals()) + self._still() + self._poles()
         return f"{self.solver.name}: at t = {self.time:.9g} s: {reason}{where}"
 
     def _where(self, residuals: Array) -> str:

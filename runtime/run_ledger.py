@@ -88,8 +88,8 @@ class RunLedger:
         for a moment there may be passed over.
     branch_points, branch_point_time : int, float or None [s]
         Steps so near to where branches of the motion meet, as at the change points of a
-        parallelogram, that no length of a step tells them apart, and when the last of them was: the
-        motion went straight on, and may be that of another branch.
+        parallelogram, that no length of a step tells them apart, and when the first was: the motion
+        went straight on, and may be that of another branch.
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, or as good as that, and when
         the last of them is: the polynomial between the states before and after tells their
@@ -270,7 +270,7 @@ class RunLedger:
         if self.branch_points:
             lines.append(
                 f"{self.branch_points} steps so near to where branches of the motion meet that none"
-                f" tells them apart, the last at t = {self.branch_point_time:.6g} s: the motion"
+                f" tells them apart, the first at t = {self.branch_point_time:.6g} s: the motion"
                 " went straight on there, and may be that of another branch"
             )
         if self.fallbacks:

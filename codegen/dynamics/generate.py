@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.redundancy.freedom import Freedom, by_instance, fr
 from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
+from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
 from kousoku.codegen.dynamics.simplification.given_start import given_start, require_held
 from kousoku.codegen.dynamics.simplification.merge import merged
@@ -187,6 +188,8 @@ def outlined(system: System, wanted: Sequence[str], *, may_be_planar: bool = Tru
     fixed = fixed_system(system)
     require_unmoved_rows_hold(fixed, outline)
     freedom = freedom_of(fixed, outline)
+    require_own_rows_implied(fixed, freedom, is_planar=outline.is_planar)
+    freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
     if freedom.closed:
         system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
     return Independent(outline, freedom, system)
@@ -198,7 +201,7 @@ def of_outline(wanted: Sequence[str], outline: Independent) -> Independent:
     rows, sets, idle = None, None, None
     if freedom.dropped:
         rows, idle = kept_rows(freedom, program), by_instance(freedom.idle)
-        sets = [one.joints for one in freedom.dependent if one.is_everywhere]
+        sets = freedom.shared
     made = compose(
         system, wanted, rows=rows, dependent=sets, idle=idle, may_be_planar=program.is_planar
     )

@@ -9,6 +9,7 @@ from kousoku.cli.completing import files
 from kousoku.cli.console import Target
 from kousoku.cli.moving import (
     Initial,
+    Kinds,
     Set,
     Stop,
     Wish,
@@ -55,6 +56,7 @@ def animate(
     ] = None,
     given: Set = None,
     initial: Initial = None,
+    kind: Kinds = None,
     target: Annotated[Target, typer.Option(help="What computes.")] = Target.AUTO,
 ) -> None:
     """Show a mechanism that moves: one page that needs nothing beside itself.
@@ -69,8 +71,10 @@ def animate(
     require_place("--out", place, (".html", ".svg"))
     stop: Stop | None = None
     if file.suffix == ".npz":
-        if end is not None or given or initial:
-            raise SolveError(f"{file}: --end, --set and --initial are for scenes; this run is over")
+        if end is not None or given or initial or kind:
+            raise SolveError(
+                f"{file}: --end, --set, --initial and --kind are for scenes; this run is over"
+            )
         result = open_run(file)
     else:
         options = {
@@ -78,7 +82,7 @@ def animate(
             "initial": numbers_of("--initial", initial),
         }
         result, stop = _moved(
-            Wish(file, target),
+            Wish(file, target, kinds=kind),
             end,
             {name: value for name, value in options.items() if value},
             {"paths_of": path_of, "speed": speed},

@@ -2,13 +2,17 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from kousoku.cli.completing import files
 from kousoku.cli.console import BAD_INPUT, AsJson, print_json
+from kousoku.cli.moving import Kinds
 from kousoku.model.errors import AssemblyError, Problem, SceneError
+
+if TYPE_CHECKING:
+    from kousoku.model.own_kind import OwnKind
 
 #: What is wrong with a force of which nobody can tell how large it is at the start.
 NO_VALUE = (
@@ -30,13 +34,17 @@ def check(
         ),
     ],
     *,
+    kind: Kinds = None,
     as_json: AsJson = False,
 ) -> None:
     """Check scenes: keys, names, formulas, whether joints close, and what drivers may prescribe.
 
     Nothing is generated. The exit code is 2 where a scene is wrong; notes do not count.
     """
-    found = [checked(path) for path in scene_files]
+    from kousoku.own_kinds import own_kinds
+
+    kinds = own_kinds(kind)
+    found = [checked(path, kinds) for path in scene_files]
     if as_json:
         print_json({"scenes": found})
     else:
@@ -49,8 +57,15 @@ def check(
         raise typer.Exit(BAD_INPUT)
 
 
-def checked(path: Path) -> dict[str, Any]:
+def checked(path: Path, kinds: Mapping[str, "OwnKind"] | None = None) -> dict[str, Any]:
     """Return what is found of a scene file, ready for JSON.
+
+    Parameters
+    ----------
+    path : Path
+        The file.
+    kinds : mapping of str to OwnKind, optional
+        Kinds of one's own that its joints may be of.
 
     Returns
     -------
@@ -62,7 +77,7 @@ def checked(path: Path) -> dict[str, Any]:
 
     what, notes, problems = "", tuple[str, ...](), list[dict[str, Any]]()
     try:
-        what, notes = _looked_at(read_scene(path))
+        what, notes = _looked_at(read_scene(path, kinds=kinds))
     except (SceneError, AssemblyError) as raised:
         error = located(raised, path)
         if isinstance(error, SceneError):

@@ -3,11 +3,12 @@
 import typer
 
 from kousoku.cli.console import AsJson, print_json
-from kousoku.cli.moving import SceneFile
+from kousoku.cli.moving import Kinds, SceneFile
 
 
 def explain(
     scene_file: SceneFile,
+    kind: Kinds = None,
     as_json: AsJson = False,
 ) -> None:
     """Say what a solver of a scene leaves out, what that saves, and what it solves.
@@ -16,7 +17,7 @@ def explain(
     """
     from kousoku.checking import explain as explained
 
-    found = explained(scene_file)
+    found = explained(scene_file, kinds=kind)
     if as_json:
         print_json(found.as_data())
     else:

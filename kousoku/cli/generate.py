@@ -18,6 +18,7 @@ from kousoku.cli.console import (
     print_json,
     progress,
 )
+from kousoku.cli.moving import Kinds
 from kousoku.model.errors import EmitError, KousokuError
 from kousoku.model.text import counted
 
@@ -69,6 +70,8 @@ def generate(
     target: Annotated[
         Emitted, typer.Option(help="With --out: leave out the sources of the other target.")
     ] = Emitted.ALL,
+    *,
+    kind: Kinds = None,
     as_json: AsJson = False,
 ) -> None:
     """Derive, freeze, optimise and emit packages of NumPy and C.
@@ -79,7 +82,7 @@ def generate(
     """
     if out is None and target is not Emitted.ALL:
         raise EmitError(f"--target {target}: wants --out, or what kousoku ships would lose files")
-    orders = [order for name in names or [""] for order in _orders(name, out, check)]
+    orders = [order for name in names or [""] for order in _orders(name, out, check, kind)]
     if out is not None and len(orders) == 1 and _is_own(out):
         _require_place(out, orders[0].folder.name, target)
     if check and out is None and checkout() is None and not any(x.folder.exists() for x in orders):
@@ -169,7 +172,9 @@ def _files(order: Order, target: Emitted) -> SourceTree:
     return beside_runtime(tree) if is_shipped else tree
 
 
-def _orders(name: str, out: Path | None, check: bool) -> list[Order]:
+def _orders(
+    name: str, out: Path | None, check: bool, own: Sequence[Path] | None = None
+) -> list[Order]:
     """Return the packages that a name stands for."""
     from kousoku.cli.scenes import committed_scenes
     from kousoku.codegen.generate import generate_kind, package_names, package_of
@@ -177,7 +182,7 @@ def _orders(name: str, out: Path | None, check: bool) -> list[Order]:
     scenes = {path.stem: path for path in committed_scenes()}
     is_file = name.endswith(".toml")
     if is_file and (Path(name).exists() or name.removesuffix(".toml") not in scenes):
-        return [_scene_order(Path(name), out)]
+        return [_scene_order(Path(name), out, own)]
     if name.removesuffix(".toml") in scenes:  # as the head of its files says
         return [_scene_order(scenes[name.removesuffix(".toml")], out)]
     packages = (package_of(name),) if name else package_names()
@@ -187,11 +192,12 @@ def _orders(name: str, out: Path | None, check: bool) -> list[Order]:
     return orders if name else orders + [_scene_order(path, out) for path in scenes.values()]
 
 
-def _scene_order(path: Path, out: Path | None) -> Order:
+def _scene_order(path: Path, out: Path | None, own: Sequence[Path] | None = None) -> Order:
     from kousoku.cli.scenes import scene_folder
     from kousoku.loading import Given, generated, naming
+    from kousoku.own_kinds import own_kinds
 
-    given = Given.of(path)
+    given = Given.of(path, own_kinds(own))
     scene = given.read()
     folder = scene_folder(scene.name) if out is None else out / scene.name
 

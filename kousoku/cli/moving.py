@@ -70,6 +70,14 @@ Columns = Annotated[
     list[str] | None,
     typer.Option("--column", metavar="NAME", help="What to print and to draw, for each."),
 ]
+Kinds = Annotated[
+    list[Path] | None,
+    typer.Option(
+        "--kind",
+        metavar="FOLDER",
+        help="Kernels of a kind of your own, a type of joints of the scene; once for each.",
+    ),
+]
 Of = Annotated[
     str | None, typer.Option("--body", "--node", help="The body or node to print and to draw.")
 ]
@@ -95,6 +103,8 @@ class Wish:
         Where all rows go, and plots.
     as_json : bool
         Print JSON.
+    kinds : sequence of Path, optional
+        Folders of kinds of one's own.
     """
 
     file: Path
@@ -105,6 +115,7 @@ class Wish:
     out: Path | None = None
     plot: Path | None = None
     as_json: bool = False
+    kinds: Sequence[Path] | None = None
 
 
 def move(
@@ -203,7 +214,7 @@ def loaded(wish: Wish) -> Mechanism:
     from kousoku.loading import load
 
     outputs = cast("Sequence[Output] | None", wish.outputs)
-    return load(wish.file, outputs=outputs, target=wish.target.value)
+    return load(wish.file, outputs=outputs, target=wish.target.value, kinds=wish.kinds)
 
 
 def check_destinations(wish: Wish) -> None:

@@ -9,6 +9,7 @@ from kousoku.cli.console import AsJson, Target
 from kousoku.cli.moving import (
     Columns,
     Initial,
+    Kinds,
     Of,
     OfLinkages,
     Out,
@@ -83,6 +84,7 @@ def simulate(
     ] = False,
     given: Set = None,
     initial: Initial = None,
+    kind: Kinds = None,
     output: Annotated[
         list[Output] | None,
         typer.Option(help="What to compute, once for each; what the scene says when left out."),
@@ -117,4 +119,4 @@ def simulate(
         return mechanism.simulate(end, samples=samples, progress=progress, **options)
 
     outputs = [one.value for one in output] if output else None
-    move(Wish(scene_file, target, outputs, column, of, out, plot, as_json), how)
+    move(Wish(scene_file, target, outputs, column, of, out, plot, as_json, kind), how)

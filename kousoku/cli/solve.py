@@ -7,6 +7,7 @@ import typer
 from kousoku.cli.console import AsJson, Target
 from kousoku.cli.moving import (
     Columns,
+    Kinds,
     Of,
     OfLinkages,
     Out,
@@ -41,6 +42,7 @@ def solve(
         typer.Option(min=0, help="Of linkages: the turn that begins as the scene says; 0."),
     ] = None,
     given: Set = None,
+    kind: Kinds = None,
     column: Columns = None,
     of: Of = None,
     out: Out = None,
@@ -68,7 +70,8 @@ def solve(
             **{name: value for name, value in options.items() if value is not None}
         )
 
-    move(Wish(scene_file, target, None, column, of, out, plot, as_json), how, _errors)
+    wish = Wish(scene_file, target, None, column, of, out, plot, as_json, kind)
+    move(wish, how, _errors)
 
 
 def _errors(mechanism: "Mechanism", result: "Result") -> dict[str, float] | None:

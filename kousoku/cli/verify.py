@@ -20,6 +20,7 @@ from kousoku.cli.console import (
     print_table,
     progress,
 )
+from kousoku.cli.moving import Kinds
 from kousoku.model.errors import LoadError
 from kousoku.model.text import counted
 
@@ -41,6 +42,7 @@ def verify(
     target: Annotated[
         Target, typer.Option(help="What to check: all that this machine can run, or one target.")
     ] = Target.AUTO,
+    kind: Kinds = None,
     as_json: AsJson = False,
 ) -> None:
     """Check that emitted code computes what was derived, within 4 units of rounding."""
@@ -50,7 +52,7 @@ def verify(
     if target is Target.C:
         find_toolchain()  # without one nothing disagrees: there is nothing to check
     with ExitStack() as stack:
-        folders = [folder for name in names or [""] for folder in _folders(name, stack)]
+        folders = [folder for name in names or [""] for folder in _folders(name, stack, kind)]
         reports = verify_all(folders, target.value)
     if as_json:
         ok = all(report.ok for report in reports)
@@ -64,7 +66,7 @@ def verify(
         raise typer.Exit(DISAGREEMENT)
 
 
-def _folders(name: str, stack: ExitStack) -> list[Path]:
+def _folders(name: str, stack: ExitStack, kinds: Sequence[Path] | None = None) -> list[Path]:
     """Return the folders that a name stands for; that of a scene file is generated.
 
     Raises
@@ -73,9 +75,11 @@ def _folders(name: str, stack: ExitStack) -> list[Path]:
         There is no such package, scene or folder.
     """
     from kousoku.loading import Given, solver_folder
+    from kousoku.own_kinds import own_kinds
 
     if name.endswith(".toml"):
-        return [stack.enter_context(solver_folder(Given.of(name), references=True))]
+        given = Given.of(name, own_kinds(kinds))
+        return [stack.enter_context(solver_folder(given, references=True))]
     try:
         return find_packages(name)
     except LoadError:

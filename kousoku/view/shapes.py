@@ -42,6 +42,8 @@ PIECES = 8.0
 """Pieces of a solid that is as long as the mechanism."""
 WIDE = 2.5
 """How much longer than the mechanism a body may be that is drawn after its moments of inertia."""
+GENERIC = "spherical"
+"""What the sign of a joint of one's own is taken from."""
 SLIDING = ("prismatic", "cylindrical", "screw", "point_on_line")
 """Joints along whose axis bodies move."""
 BEARINGS = ("planar", "point_on_plane", "parallel_axes", "perpendicular_axes")
@@ -314,7 +316,7 @@ class _SpatialShapes:
 
         turning = []
         for joint in self._scene.joints.values():
-            kind = JOINTS.get(NAMES[joint.type])
+            kind = JOINTS.get(NAMES.get(joint.type, ""))
             if kind is not None and kind.axes and NAMES[joint.type] not in SLIDING:
                 ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
                 axis = joint_axes(ends, joint)[0]
@@ -326,12 +328,21 @@ class _SpatialShapes:
         """Return where a joint is, unless it has no point."""
         from kousoku.model.frames import joint_points
 
-        if joint.bodies is None or (joint.points is None and joint.at is None):
+        if joint.bodies is None:
+            return None
+        points = self._own_points(joint)
+        if not points and joint.points is None and joint.at is None:
             return None
         ends = self._frames[joint.bodies[0]], self._frames[joint.bodies[1]]
-        s_i, s_j = map(_numbers, joint_points(joint, ends))
+        s_i, s_j = map(_numbers, points or joint_points(joint, ends))
         i, j = (self._places[body] for body in joint.bodies)
         return JointMark(name, i, j, s_i, s_j)
+
+    def _own_points(self, joint: Joint) -> tuple[Any, ...]:
+        """Return the first point of each body that a joint of one's own has, if both have one."""
+        kind = self._scene.kinds.get(joint.type)
+        names = [] if kind is None else [kind.point_of(end) for end in "ij"]
+        return tuple(map(joint.vector, names)) if all(names) else ()
 
     def _placed(self, body: int, points: Array) -> Array:
         if body == 0:
@@ -400,7 +411,7 @@ class _SpatialShapes:
         from kousoku.model.frames import joint_vectors
         from kousoku.model.joints import JOINTS, NAMES
 
-        kind = NAMES[joint.type]
+        kind = NAMES.get(joint.type, GENERIC)
         ends = self._frames[joint.ends[0]], self._frames[joint.ends[1]]
         vectors = [
             {key: _numbers(vector) for key, vector in found.items()}

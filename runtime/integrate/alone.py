@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told, add_row, bends, without_value
+from .events import Told, add_row, bends, infinite, without_value
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
@@ -262,6 +262,9 @@ class Run:
             return nearly_dependent(
                 one.name, rows, data["places"], self._work, one.closure_tolerance
             )
+        if status == Status.INFINITE:
+            why = infinite(self._layout, state.pole)
+            return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
         if status == Status.NO_VALUE:
             where = (
                 f"at t = {self.time:.9g} s" if state.key < 0.0 else f"behind t = {self.time:.9g} s"

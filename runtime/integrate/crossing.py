@@ -18,7 +18,7 @@ import numpy as np
 
 from .arithmetic import larger, smaller
 from .dense_output import add_dense_rows, hermite_cubic, interpolate
-from .settings import ACTIONS
+from .settings import ACTIONS, Status
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -59,6 +59,17 @@ ROUNDINGS = 64.0
 SOON = 0.1
 #: What rates are known to of a length in a step, in units of the tolerance.
 SLOW = 1e-4
+#: Where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
+#: FURTHER times as large. From one distance to the next that factor changes by no more than this.
+STEEP = 7.0
+EVENLY = 1.5
+#: A step that leads over such a place is made again, over this part of the way there; a run ends
+#: where the way is this part of its longest step.
+CLOSER = 0.9
+NO_WAY = 1e-6
+#: A function is near to zero where it is less than so many times what it is known to; what that is
+#: further away tells nothing of how near it comes between.
+BANDS = 16.0
 
 
 def largest(a: Array, b: Array) -> Array:
@@ -124,6 +135,8 @@ class Look:
         What crosses within it crosses together.
     noise, rounding : (n, 2) array
         What values are known to, in the motion and in its polynomial.
+    bend : (n,) array
+        By what rates change in it, in the mean.
     crosses, was_crossing : array of bool
         Which functions cross, and crossed where it was cut.
     is_untold : bool
@@ -132,6 +145,10 @@ class Look:
         Whether it is kept if nothing cuts it.
     lost : int
         The event without a value right behind its start, counted from 1, 0 where all have one.
+    pole : int
+        The function that is zero in it where a force is infinite, counted from 1; 0: none.
+    pole_time : float [s]
+        When that is.
     """
 
     state: State
@@ -144,11 +161,14 @@ class Look:
     slack: float = 0.0
     noise: Array = field(init=False)
     rounding: Array = field(init=False)
+    bend: Array = field(init=False)
     crosses: Flags = field(init=False)
     was_crossing: Flags = field(init=False)
     is_untold: bool = False
     is_kept: bool = True
     lost: int = 0
+    pole: int = 0
+    pole_time: float = 0.0
 
 
 def side_at(node: Node) -> Array:
@@ -209,6 +229,7 @@ def look_into(
         add_dense_rows(m, h, state, look.work)
     first, last = read_at(state.time, look), read_at(state.time + h, look)
     most = largest(np.abs(first), np.abs(last))
+    look.bend = (last[:, 1] - first[:, 1]) / h
     look.noise = np.empty_like(most)
     look.noise[:, 0] = s.tolerance * sizes + SMALLEST * most[:, 0]
     look.noise[:, 1] = s.tolerance * (most[:, 1] + SLOW * sizes / h)
@@ -259,11 +280,14 @@ def is_told(sides: Array, a: Node, b: Node, bounds: Array) -> Flags:
     low, high, slowest, fastest = bounds[:, :n]
     sign, least = np.where(is_down, -1.0, 1.0), np.where(is_down, -high, low)
     falls, rises = np.where(is_down, -fastest, slowest), np.where(is_down, -slowest, fastest)
-    band = largest(half_width(a)[:n], half_width(b)[:n])
-    is_clear = (least > -band) | (falls >= 0.0) | (rises <= 0.0)
-    first, last = sign * middle(a)[:n] + band, sign * middle(b)[:n] + band
-    is_positive = stays_positive(first, last, falls, rises, b.time - a.time)
-    stays = is_clear | np.where(sides == 0.0, high < band, is_positive)
+    band_a, band_b = half_width(a)[:n], half_width(b)[:n]
+    first, last = sign * middle(a)[:n], sign * middle(b)[:n]
+    near_a = np.where((sides == 0.0) | (first < BANDS * band_a), band_a, 0.0)
+    near_b = np.where((sides == 0.0) | (last < BANDS * band_b), band_b, 0.0)
+    within = largest(near_a, near_b)
+    is_clear = (least > -within) | (falls >= 0.0) | (rises <= 0.0)
+    is_positive = stays_positive(first + within, last + within, falls, rises, b.time - a.time)
+    stays = is_clear | np.where(sides == 0.0, high < within, is_positive)
     crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
     told: Flags = np.where(crosses, rises <= 0.0, stays)
     return told
@@ -327,10 +351,11 @@ def valued_end(a: Node, b: Node, look: Look) -> float:
 def noise_of(k: int, look: Look) -> Array:
     """Return what values are known to where a function is looked for.
 
-    An event that may jump does so in the polynomial.
+    An event that may jump does so in the polynomial, and a force is infinite there.
     """
-    events = look.work.scene.events
-    return look.rounding if k < len(events) and events[k, 2] else look.noise
+    events, scene = look.work.scene.events, look.work.scene
+    is_exact = k >= len(look.state.sides) - scene.n_poles or (k < len(events) and events[k, 2])
+    return look.rounding if is_exact else look.noise
 
 
 def time_of(k: int, a: Node, b: Node, look: Look) -> float:
@@ -377,7 +402,7 @@ def first_left(a: Node, b: Node, look: Look) -> float:
     that side already do.
     """
     first, sides, now, before = math.inf, look.state.sides, side_at(b), middle(a)
-    for k in range(len(look.work.scene.events), len(sides)):
+    for k in range(len(look.work.scene.events), len(sides) - look.work.scene.n_poles):
         if sides[k] == 0.0 and now[k] != 0.0 and not now[k] * before[k] > 0.0:
             first = smaller(first, time_of(k, a, b, look))
     return first
@@ -387,6 +412,9 @@ def seen_end(end: float, look: Look) -> float:
     """Return where a step to an end must end: where a function first crosses, or what was seen."""
     sides = look.state.sides
     n, start = len(sides), look.start
+    is_pole = np.arange(n) >= n - look.work.scene.n_poles
+    passed = np.zeros(n, dtype=bool)
+    look.pole = 0
     tiny = SMALLEST * larger(abs(start), abs(end))
     nearest = start + larger(ONWARD * tiny, look.least_part * look.h)
     soon = start + larger(ONWARD * tiny, look.slack)
@@ -400,7 +428,10 @@ def seen_end(end: float, look: Look) -> float:
             break
         b = look_at(a.time + width if a.time + 1.0000001 * width < end else end, look)
         sides[:] = np.where(sides == 0.0, side_at(a)[:n], sides)
-        look.crosses = (sides != 0.0) & (side_at(b)[:n] == -sides)
+        now = np.where(passed, -sides, sides)
+        look.crosses = (now != 0.0) & (side_at(b)[:n] == -now)
+        passes = look.crosses & is_pole
+        look.crosses &= ~is_pole
         valued, is_lost = valued_end(a, b, look), np.zeros(n, dtype=bool)
         if look.lost:
             first = first_time(a, b, look) if look.crosses.any() else math.inf
@@ -416,7 +447,7 @@ def seen_end(end: float, look: Look) -> float:
                 return smaller(larger(valued, nearest), end)
             is_lost = ~has_value(b)[:n]  # it ends where that has no value
         bounds = bound_seen(a, b, look)
-        is_known = bool((is_lost | is_told(sides, a, b, bounds)).all())
+        is_known = bool((is_lost | is_told(now, a, b, bounds)).all())
         left = larger(first_left(a, b, look), start + ONWARD * tiny)
         if left - start < SOON * (end - start):
             look.crosses[:] = False
@@ -424,10 +455,90 @@ def seen_end(end: float, look: Look) -> float:
         if not is_known and b.time - a.time > tiny:
             width = 0.5 * (b.time - a.time)
             continue
+        if passes.any() and look.is_kept:
+            find_pole(passes, a, b, look)
+            if look.pole:
+                return end
+        passed ^= passes
         if look.crosses.any():
             return smaller(larger(first_time(a, b, look), nearest), end)
         a, width = b, smaller(2.0 * width, widest)
     return a.time if nearest < a.time < end else end
+
+
+def find_pole(passes: Flags, a: Node, b: Node, look: Look) -> None:
+    """Find the first pole of a force between two nodes, but behind nothing else that crosses there.
+
+    Functions pass zero there, where forces may be infinite.
+    """
+    crossed, first = look.crosses.copy(), math.inf
+    if crossed.any():
+        first = first_time(a, b, look)
+        look.crosses = crossed
+    for k in np.flatnonzero(passes).tolist():
+        side = side_at(b)[k]
+        time = a.time if side_at(a)[k] == side else time_of(k, a, b, look)
+        if time <= first and is_infinite(k, float(side), time, look):
+            first = look.pole_time = time
+            look.pole = 1 + k - len(passes) + look.work.scene.n_poles
+
+
+def see_beside(way: float, time: float, read: Array, noise: Array, look: Look) -> Node:
+    """Return what is seen that far from a time where formulas read this, and go on evenly."""
+    there = read.copy()
+    there[:, 0] += way * read[:, 1]
+    there[:, 1] += way * look.bend
+    return see_at(there, noise, time + way, look.work.w)
+
+
+def sizes_beside(way: float, time: float, read: Array, look: Look) -> Array:
+    """Return how large parts of forces that may be infinite are that far from a time."""
+    node = see_beside(way, time, read, np.zeros_like(read), look)
+    return np.abs(middle(node)[len(node.least) - len(look.work.w.infinite) // 4 :])
+
+
+def is_infinite(k: int, side: float, time: float, look: Look) -> bool:
+    """Return whether a force is infinite where a function gets on a side of zero at a time.
+
+    So that no motion leads through: it grows as 1/x or faster on a side. What is 0/0 there, or
+    jumps, does not grow, and what grows less, as 1/sqrt(x), has a finite integral.
+    """
+    read, far = read_at(time, look), ROUNDINGS * SMALLEST * larger(abs(time), look.h)
+    while (
+        side_at(see_beside(-far, time, read, look.rounding, look))[k] != -side
+        or side_at(see_beside(far, time, read, look.rounding, look))[k] != side
+    ):
+        far *= FURTHER
+        if not far < look.state.stride:
+            return True  # rounding hides that
+    is_pole = np.zeros(len(look.work.w.infinite) // 4, dtype=bool)
+    for way in (-far, far):
+        near = sizes_beside(FURTHER * FURTHER * way, time, read, look)
+        there = sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, look)
+        away = sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, look)
+        grows = (near > STEEP * there) & (there > STEEP * away)
+        both, square = near * away, there * there
+        grows &= (both <= EVENLY * square) & (square <= EVENLY * both)
+        is_pole |= grows | np.isinf(near)
+    return bool(is_pole.any())
+
+
+def end_before_pole(look: Look) -> float:
+    """Return where a step ends before a pole that is seen in it: at its start if that is near."""
+    way = look.pole_time - look.start
+    return look.start + CLOSER * way if way > NO_WAY * look.state.stride else look.start
+
+
+def why_stopped(seen: float, look: Look) -> Status:
+    """Return why a run leads no further, where a step would end there; GOOD where it does."""
+    state = look.state
+    if look.lost:
+        state.event = float(look.lost)
+        return Status.NO_VALUE
+    if look.pole and not seen > state.time:
+        state.pole = float(look.pole)
+        return Status.INFINITE
+    return Status.GOOD
 
 
 def gap_across(k: int, side: float, time: float, far: float, look: Look) -> float:
@@ -515,16 +626,17 @@ def are_narrow_told(start: float, end: float, look: Look) -> bool:
 
     Their rates change as little, or their bounds leave them nearly what they are.
     """
-    n, h = len(look.state.sides), (end - start) / CELLS
+    h, first = (end - start) / CELLS, len(look.state.sides)
+    n = slice(first, first + len(look.work.w.narrow) // 4)
     a = look_at(start, look)
-    least = most = low = high = middle(a)[n:]
-    band, change = half_width(a)[n:], np.zeros(len(least))
+    least = most = low = high = middle(a)[n]
+    band, change = half_width(a)[n], np.zeros(len(least))
     for cell in range(1, CELLS + 1):
         b = look_at(start + cell * h, look)
-        below, above, slowest, fastest = bound_seen(a, b, look)[:, n:]
-        least, most = smallest(middle(b)[n:], least), largest(middle(b)[n:], most)
+        below, above, slowest, fastest = bound_seen(a, b, look)[:, n]
+        least, most = smallest(middle(b)[n], least), largest(middle(b)[n], most)
         low, high = smallest(below, low), largest(above, high)
-        band, change = largest(half_width(b)[n:], band), change + h * (fastest - slowest)
+        band, change = largest(half_width(b)[n], band), change + h * (fastest - slowest)
         a = b
     size = largest(-least, most)
     nothing = band + NOTHING * np.where(size > 1.0, size, 1.0)

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: Times that a motion may have; more rows fit into no memory.
 MOST_ROWS = 10**9
+#: Tolerances are from this one on, and below 1; memory.h has it, too.
+LEAST_TOLERANCE = 1e-15
 
 
 def require_options(
@@ -267,8 +269,9 @@ def require_steps(
                 f"{scene}: step {step!r} with largest_step {largest_step!r}; wanted one of them, or"
                 " steps that are no longer"
             )
-    if not 1e-15 <= tolerance < 1.0:
-        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted one from 1e-15, below 1")
+    if not LEAST_TOLERANCE <= tolerance < 1.0:
+        wanted = f"one from {LEAST_TOLERANCE:g}, below 1"
+        raise refusal(f"{scene}: tolerance {shown(tolerance)}; wanted {wanted}")
     for name, value in (("largest_step", largest_step), ("most_steps", most_steps)):
         if not value > 0.0:
             raise refusal(f"{scene}: {name} {shown(value)}; wanted one above 0")

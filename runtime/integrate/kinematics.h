@@ -198,7 +198,7 @@ static void accept_position(double end, double asked, Work *work, State *s)
     s->time_before = end > asked ? s->time : end;
     s->time = end;
     s->steps += 1;
-    note_motion(h, s);
+    note_motion(h, last.y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(f_before, s->f, NY * sizeof *s->y);
     memcpy(s->y, last.y, NY * sizeof *s->y);
@@ -218,6 +218,7 @@ static double watched_end(
     look_into(settings, methods, 0, end - s->time, last.y, s->f, last.f, look, s, work);
     const double told = N_NARROW > 0 ? told_end(end, look, s, work) : end;
     const double seen = seen_end(end, look, s, work);
+    if (look->pole) return cut_at(end_before_pole(look, s), look);
     if (part > 1.0) {
         look->is_untold = look->is_untold || told < end;
         return end;
@@ -264,10 +265,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         if (N_SEEN > 0) {
             const double seen = watched_end(settings, end, part, &look, s, work);
-            if (look.lost) {
-                s->event = look.lost;
-                return NO_VALUE;
-            }
+            const int why = why_stopped(seen, &look, s);
+            if (why != GOOD) return why;
             if (seen < end) {
                 if (seen == look.cut) asked = seen;
                 longest = larger(seen, s->time + FINEST * whole) - s->time;

@@ -13,11 +13,13 @@ from .crossing import (
     SMALLEST,
     Look,
     cut_at,
+    end_before_pole,
     look_into,
     note_crossings,
     note_unresolved,
     seen_end,
     told_end,
+    why_stopped,
 )
 from .dense_output import hermite_cubic
 from .methods import METHODS
@@ -261,7 +263,7 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
     state.time_before = state.time if end > asked else end
     state.time = end
     state.steps += 1
-    note_motion(h, state, work)
+    note_motion(h, last.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = last.y
     state.f[:] = last.f
@@ -279,6 +281,8 @@ def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
     look_into(s, METHODS[0], end - look.state.time, last.y, last.f, look, has_stages=False)
     told = told_end(end, look) if look.work.scene.has_narrow else end
     seen = seen_end(end, look)
+    if look.pole:
+        return cut_at(end_before_pole(look), look)
     if part > 1.0:
         look.is_untold = look.is_untold or told < end
         return end
@@ -321,9 +325,9 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
             seen = watched_end(s, end, part, look) if work.scene.sees else end
-            if look.lost:
-                state.event = float(look.lost)
-                return Status.NO_VALUE
+            why = why_stopped(seen, look)
+            if why != Status.GOOD:
+                return why
             if not seen < end:
                 break
             asked = seen if seen == look.cut else asked

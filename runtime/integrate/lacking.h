@@ -135,11 +135,14 @@ static void bending(double *w) { (void)w; }
 #ifndef HAS_CROSSING
 #define N_MEASURES 0
 #define N_CROSSINGS 0
+#define N_POLES 0
 #define N_NARROW 0
+#define N_INFINITE 0
 #define EVENTS 0
 #define W_MEASURES 0
 #define W_RANGES 0
 #define W_CROSSINGS 0
+#define W_POLES 0
 #define W_NARROW 0
 static void measure(double *w) { (void)w; }
 static void crossing(double *w) { (void)w; }

@@ -129,6 +129,8 @@ class Layout:
         Their formulas.
     led : tuple of str
         Drivers whose laws are no polynomials.
+    poles : tuple of str
+        For each function that is zero where a force may be infinite the key of that force.
     given : tuple of GivenStart
         Where the scene has its bodies and how they move, where parameters may change its start.
     """
@@ -152,6 +154,7 @@ class Layout:
     events: tuple[tuple[str, str], ...] = ()
     whens: tuple[str, ...] = ()
     led: tuple[str, ...] = ()
+    poles: tuple[str, ...] = ()
     undetermined: tuple[tuple[str, tuple[str, ...]], ...] = ()
     given: tuple[GivenStart, ...] = ()
 
@@ -184,6 +187,7 @@ class Layout:
             events=tuple((name, action) for name, action in data["events"]),
             whens=tuple(data["whens"]),
             led=tuple(data["led"]),
+            poles=tuple(data["poles"]),
             given=tuple(map(GivenStart.from_data, data.get("given", ()))),
         )
 

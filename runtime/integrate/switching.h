@@ -273,7 +273,8 @@ static int is_resolved(double first, double last, double *w)
 
 /* where a step of length h must end, at most at an end: no longer than a part of the intervals that
  * are resolved, unless it ends before such a one; what keeps steps short for long, such as a
- * quotient that is 0/0 somewhere, is gone over and counted */
+ * quotient that is 0/0 somewhere, is gone over and counted, and so is what takes too many intervals
+ */
 static double resolved_step(double h, double part, double end, State *s, Work *work)
 {
     if (N_FEATURES == 0) return end;
@@ -285,7 +286,8 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
         return end;
     }
     double first = start, allowed = whole, width = whole / part;
-    for (size_t n = 0; n != MOST_INTERVALS; ++n) {
+    size_t n = 0;
+    for (; n != MOST_INTERVALS; ++n) {
         const double last = first + width;
         const int good = is_resolved(first, last, work->w);
         if (!good && width > FINEST * whole) {
@@ -297,6 +299,7 @@ static double resolved_step(double h, double part, double end, State *s, Work *w
         if (!(first < start + allowed)) break;
         width = 2.0 * width;
     }
+    if (n == MOST_INTERVALS) note_unresolved(start, s);
     s->short_steps = allowed < SHORT * s->longest ? s->short_steps + 1 : 0;
     if (!(allowed < whole)) return end;
     /* in equal steps: what is left of the way must be none too short */

@@ -25,6 +25,17 @@ static double largest_residual(const State *s, size_t first, size_t end)
 /* a doubt where a number is larger than it may be, or a NaN */
 static int beyond(double size, double most, int doubt) { return size <= most ? 0 : doubt; }
 
+/* which part of the energy that has moved may be lost: the limit, unless bodies move so little in
+ * the longest step that velocities and their errors are compared with more: at rest all that moves
+ * may be such an error */
+static double allowed_part(double limit, const Settings *settings, const State *s)
+{
+    const double way = s->fastest * s->stride;
+    if (settings->fixed_step > 0.0 || !(0.0 < way && way < NOTHING_MOVES)) return limit;
+    const double part = limit * (NOTHING_MOVES / way);
+    return part + part * part;
+}
+
 /* what speaks against a run; no energy is known of drivers that move what has no mass: they do no
  * work. Where joints hold all that could move what energy there is is rounding */
 static void judge(const Settings *settings, const State *s, Verdict *verdict)
@@ -39,7 +50,8 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
     if (s->fallbacks > 0.0 && missed > MISSES) tolerance = larger(tolerance, missed);
     const double limit = many * tolerance, off = many * larger(tolerance, LEAST);
     const double known = larger(larger(fabs(s->energy), fabs(s->potential)), moved);
-    const double energy_limit = larger(larger(limit * moved, KNOWN * known), HEAT);
+    const double part = allowed_part(limit, settings, s);
+    const double energy_limit = larger(larger(part * moved, KNOWN * known), HEAT);
     /* without signs, so that errors of steps add up that are none in all */
     const double work_limit = larger(energy_limit, s->steps * tolerance * moved);
     int doubts = beyond(s->not_finite, 0.0, PUBLIC(DOUBT_NOT_FINITE));
@@ -54,6 +66,7 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
         doubts |= beyond(s->drift, off, PUBLIC(DOUBT_DRIFT));
         doubts |= beyond(s->row_drift, off, PUBLIC(DOUBT_ROW_DRIFT));
     }
-    if (!IS_DRIVEN) doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
+    if (settings->method != METHODS)
+        doubts |= beyond(s->branch_points, 0.0, PUBLIC(DOUBT_BRANCH_POINTS));
     *verdict = (Verdict){ doubts, limit, off, energy_limit, work_limit, constraints, missed };
 }

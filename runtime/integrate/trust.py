@@ -10,7 +10,7 @@ import numpy as np
 from .arithmetic import larger
 from .methods import METHODS
 from .result import key_of, listed, shortly
-from .settings import CLEARLY, Doubt
+from .settings import CLEARLY, NOTHING_MOVES, Doubt
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -95,7 +95,7 @@ class Trust:
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
     branch_point_time : float or None [s]
-        When the motion last went so near to where branches of it meet that rounding, or the length
+        When the motion first went so near to where branches of it meet that rounding, or the length
         of steps, decides which of them goes on.
     error : kousoku.runtime.error_estimate.ErrorEstimate or None
         Of all rows, where that was wanted.
@@ -170,6 +170,19 @@ def beyond(size: float, most: float, doubt: Doubt) -> Doubt:
     return Doubt(0) if size <= most else doubt
 
 
+def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) -> float:
+    """Return which part of the energy that has moved may be lost.
+
+    It is the limit, unless bodies move so little in the longest step that velocities and their
+    errors are compared with more: at rest all that moves may be such an error.
+    """
+    way = single["fastest"] * single["stride"]
+    if settings.fixed_step > 0.0 or not 0.0 < way < NOTHING_MOVES:
+        return limit
+    part = limit * (NOTHING_MOVES / way)
+    return part + part * part
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
@@ -194,7 +207,8 @@ def judge(
         tolerance = larger(tolerance, missed)
     limit, off = many * tolerance, many * larger(tolerance, LEAST)
     known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
-    energy_limit = larger(larger(limit * moved, KNOWN * known), HEAT)
+    part = allowed_part(limit, settings, single)
+    energy_limit = larger(larger(part * moved, KNOWN * known), HEAT)
     # without signs, so that errors of steps add up that are none in all
     work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
@@ -208,7 +222,7 @@ def judge(
     if is_free:  # else corrections take away all of the error of a step or row
         doubts |= beyond(single["drift"], off, Doubt.DRIFT)
         doubts |= beyond(single["row_drift"], off, Doubt.ROW_DRIFT)
-    if not is_driven:
+    if settings.method != len(METHODS):
         doubts |= beyond(single["branch_points"], 0.0, Doubt.BRANCH_POINTS)
     return Verdict(doubts, limit, off, energy_limit, work_limit, constraints, missed)
 
@@ -266,7 +280,7 @@ def trust_of(
         f" {shortly(single['row_drift'])} {far}",
         OF_STEPS: f"try {advice}",
         Doubt.BRANCH_POINTS: f"{count:.0f} step{'s' * (count > 1)} went by a singular"
-        f" configuration, the last to t = {single['branch_point_time']:.6g} s: the motion may be"
+        f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
     }
     problems = [text for doubt, text in told.items() if doubt & verdict.doubts]

@@ -54,6 +54,18 @@ def test_ledger_of_the_run_is_printed_below_the_rows(run: Run) -> None:
     assert (code, "smallest pivot ratio" in out) == (0, True)
 
 
+def test_strict_refuses_a_start_that_assembly_changed(run: Run, tmp_path: Path) -> None:
+    text = PENDULUM.read_text(encoding="utf-8")
+    moved = tmp_path / "pendulum.toml"
+    started = text.replace("mass = 1", "velocity = [1, 2, 0]\nmass = 1")
+    moved.write_text(started, encoding="utf-8")
+    code, out, _ = run("simulate", moved, "--end", 1, "--samples", 2)
+    assert (code, "assembly changed bodies.rod: velocity by 1 m/s" in out) == (0, True)
+    code, _, err = run("simulate", moved, "--end", 1, "--samples", 2, "--strict")
+    assert (code, "strict refuses that" in err) == (2, True)
+    assert run("simulate", PENDULUM, "--end", 1, "--samples", 2, "--strict")[0] == 0
+
+
 @pytest.mark.parametrize("samples", [2, 13, 14, 102])
 def test_the_table_has_at_most_13_rows_and_the_last_of_them(run: Run, samples: int) -> None:
     code, out, _ = run("simulate", PENDULUM, "--end", 2, "--samples", samples)

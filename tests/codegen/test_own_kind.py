@@ -291,16 +291,19 @@ def test_kernels_of_a_name_are_those_that_are_committed() -> None:
     assert kernels("INLINE", target="numpy").manifest.package == "p2"
 
 
-@pytest.mark.usefixtures("compiler")
+@pytest.mark.usefixtures("compiler", "numpy_solver")
 def test_the_file_that_the_document_shows_runs_as_it_stands(tmp_path: Path) -> None:
     document = (ROOT / "docs" / "own_kind.md").read_text(encoding="utf-8")
-    (program,) = re.findall(r"```python\n(.*?)```", document, re.DOTALL)
-    (tmp_path / "slant.py").write_text(program, encoding="utf-8")
+    program, scene = re.findall(r"```python\n(.*?)```", document, re.DOTALL)
+    (tmp_path / "slant.py").write_text(program + scene, encoding="utf-8")
     command = [sys.executable, "-X", "utf8", "slant.py"]
     run = subprocess.run(command, cwd=tmp_path, capture_output=True, encoding="utf-8", check=True)
     assert "C = a_i^T a_j − cos_θ" in run.stdout
     assert "\n[0.] [[" in run.stdout
-    assert "kousoku." not in program  # public names only
+    assert "trust: energy" in run.stdout
+    torque = [float(x) for x in run.stdout.splitlines()[-1].strip("[]").split()]
+    assert np.linalg.norm(torque) == pytest.approx(0.2 * 981 * 3 * 0.6)
+    assert "kousoku." not in program + scene  # public names only
     statements = [line for line in program.splitlines() if line.strip()]
     assert len(statements) <= 11
     assert (tmp_path / "slant" / "kernels.h").exists()

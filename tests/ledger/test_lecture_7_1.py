@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kousoku.ledger import find, lecture_7_1, rotation_words
+from kousoku.ledger import entries, find
+from kousoku.ledger.documents import lecture_7_1
+from kousoku.ledger.documents.lecture_7_1 import derived, is_missing_number
+from kousoku.ledger.entry import LECTURE_7_1
 from kousoku.ledger.proof import prove
-from kousoku.ledger.rotation_words import derived
 from kousoku.model.errors import LedgerError
 from kousoku.symbolic import derive
 from kousoku.symbolic.matrices import neg
@@ -27,7 +29,8 @@ def steps() -> list[tuple[int, str]]:
 
 def test_all_equations_of_the_lecture_are_steps_of_the_code() -> None:
     numbers = {find(key).equation for _, key in steps()}
-    shown = {e.equation for e in lecture_7_1.ENTRIES if e.equation[0] in "47"}
+    own = [e.equation for e in entries() if e.document == LECTURE_7_1]
+    shown = {key for key in own if key[0] in "47"}
     assert numbers == shown | {"orthogonality", "tilde-turned"}
 
 
@@ -42,7 +45,7 @@ def test_a_step_that_says_something_else_is_refused(
         return replace(step, **{side: neg(getattr(step, side))})
 
     changed = tuple(wrong(s) if k == place else s for k, s in enumerate(rotation.steps))
-    monkeypatch.setattr(rotation_words, "derive", lambda _: replace(rotation, steps=changed))
+    monkeypatch.setattr(lecture_7_1, "derive", lambda _: replace(rotation, steps=changed))
     with pytest.raises(LedgerError, match="the code's steps that cite this"):
         prove(find(key))
 
@@ -54,21 +57,20 @@ def test_a_step_that_says_something_else_is_refused(
 def test_an_output_that_is_something_else_is_refused(
     monkeypatch: pytest.MonkeyPatch, key: str, output: str
 ) -> None:
-    monkeypatch.setattr(rotation_words, "derived", lambda *names: neg(derived(*names)))
+    monkeypatch.setattr(lecture_7_1, "derived", lambda *names: neg(derived(*names)))
     with pytest.raises(LedgerError, match=rf"the code's rotation\.\w+ gives this as {output}: "):
         prove(find(key))
 
 
-def test_another_number_is_not_the_one_that_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
-    other = lecture_7_1.DEFINITION.replace("7.13", "7.15")
-    monkeypatch.setattr(lecture_7_1, "DEFINITION", other)
+def test_another_number_is_not_the_one_that_is_missing() -> None:
     with pytest.raises(LedgerError, match="the number is another one"):
-        prove(find("7.1.9"))
+        is_missing_number(find("7.1.9").corrected.replace("7.13", "7.15"))
 
 
 def test_the_equation_of_poisson_corresponds_side_by_side(monkeypatch: pytest.MonkeyPatch) -> None:
     assert str(prove(find("poisson"))).count("all 9 elements equal, identically") == 3
     printed = find("5.16").printed.replace("{P'OB}", "{OB}")  # ω in both, without its prime
-    monkeypatch.setattr(lecture_7_1, "POISSON", printed)
+    other = replace(find("5.16"), corrected=printed)
+    monkeypatch.setattr(lecture_7_1, "find", lambda key: other if key == "5.16" else find(key))
     with pytest.raises(LedgerError, match="element"):
         prove(find("poisson"))

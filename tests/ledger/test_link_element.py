@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 
 import pytest
 
-from kousoku.ledger import link_checks, link_element, link_words
+from kousoku.ledger.documents import link_element
 from kousoku.ledger.proof import prove
+from kousoku.ledger.reading import read
 from kousoku.model.errors import LedgerError
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.release
 
-ENTRIES = {entry.equation: entry for entry in link_element.ENTRIES}
+ENTRIES = {entry.equation: entry for entry in read(link_element)}
 FORMULAS = [entry for entry in ENTRIES.values() if entry.vocabulary]
 CHANGES = (
     ("+", "-"),
@@ -78,11 +79,11 @@ def test_a_link_of_five_has_remainders_of_the_second_order() -> None:
 def forgetful() -> Iterator[None]:
     """Forget what was derived, before and after."""
     kept = (
-        link_words.words,
-        link_checks.epsilon,
-        link_checks.expanded,
-        link_checks.differentiated,
-        link_checks.rigid,
+        link_element.words,
+        link_element.epsilon,
+        link_element.expanded,
+        link_element.differentiated,
+        link_element.rigid,
     )
     for function in kept:
         function.cache_clear()
@@ -109,21 +110,21 @@ def test_a_proof_fails_where_the_code_derives_something_else(
     monkeypatch: pytest.MonkeyPatch, left: str, key: str
 ) -> None:
     prove(ENTRIES[key])
-    true = link_words.code()
+    true = link_element.code()
     steps = tuple(replace(s, right=2 * s.right) if str(s.left) == left else s for s in true.steps)
     wrong: Derivation = replace(true, steps=steps)
-    monkeypatch.setattr(link_words, "code", lambda: wrong)
-    link_words.words.cache_clear()
+    monkeypatch.setattr(link_element, "code", lambda: wrong)
+    link_element.words.cache_clear()
     with pytest.raises(LedgerError):
         prove(ENTRIES[key])
 
 
 def test_the_matrix_of_the_code_is_compared(monkeypatch: pytest.MonkeyPatch) -> None:
-    true = link_words.code()
+    true = link_element.code()
     first, *rest = true.functions
     epsilon, matrix = first.outputs
     outputs = (epsilon, replace(matrix, expression=2 * matrix.expression))
     wrong = replace(true, functions=(replace(first, outputs=outputs), *rest))
-    monkeypatch.setattr(link_checks, "code", lambda: wrong)
+    monkeypatch.setattr(link_element, "code", lambda: wrong)
     with pytest.raises(LedgerError, match="the code's D"):
         prove(ENTRIES["15"])

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import pytest
 import sympy
 
-from kousoku.ledger import link_method, link_motion, link_steps, link_words
-from kousoku.ledger.link_mechanisms import LEVER_CRANK, PISTON_CRANK
+from kousoku.ledger.documents import link_method
+from kousoku.ledger.documents.link_element import code
+from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK, determinant
 from kousoku.ledger.proof import prove
+from kousoku.ledger.reading import read
 from kousoku.model.errors import LedgerError
 
 if TYPE_CHECKING:
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 
 pytestmark = pytest.mark.release
 
-ENTRIES = {entry.equation: entry for entry in link_method.ENTRIES}
+ENTRIES = {entry.equation: entry for entry in read(link_method)}
 FORMULAS = [entry for entry in ENTRIES.values() if entry.vocabulary]
 CHANGES = (
     ("+", "-"),
@@ -99,9 +101,9 @@ def test_a_proof_fails_where_the_code_derives_something_else(
     monkeypatch: pytest.MonkeyPatch, left: str, key: str
 ) -> None:
     prove(ENTRIES[key])
-    true = link_words.code()
+    true = code()
     steps = tuple(replace(s, right=-s.right) if str(s.left) == left else s for s in true.steps)
-    monkeypatch.setattr(link_steps, "code", lambda: replace(true, steps=steps))
+    monkeypatch.setattr(link_method, "code", lambda: replace(true, steps=steps))
     with pytest.raises(LedgerError, match=f"the code's step for {left}".replace("^*", r"\^\*")):
         prove(ENTRIES[key])
 
@@ -109,16 +111,16 @@ def test_a_proof_fails_where_the_code_derives_something_else(
 def test_the_step_that_substitutes_is_compared_multiplied_out(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    true = link_words.code()
+    true = code()
     steps = tuple(replace(s, left=2 * s.left) if s.source == "20" else s for s in true.steps)
-    monkeypatch.setattr(link_steps, "code", lambda: replace(true, steps=steps))
+    monkeypatch.setattr(link_method, "code", lambda: replace(true, steps=steps))
     with pytest.raises(LedgerError, match="the code's step"):
         prove(ENTRIES["20"])
 
 
 def test_the_motion_is_that_of_a_piston_crank() -> None:
     """At tan(α/2) = 2/3 and tan(β/2) = 1/3: sines 12/13 and 3/5, a crank of 3, a rod of 60/13."""
-    x = link_motion.motion(0).xreplace(link_steps.NUMBERS)
+    x = link_method.motion(0).xreplace(link_method.NUMBERS)
     assert list(x[2:6, 0]) == [
         3 * sympy.Rational(5, 13),
         3 * sympy.Rational(12, 13),
@@ -133,8 +135,8 @@ def test_each_mechanism_has_as_many_equations_as_unknowns() -> None:
         assert len(mechanism.unknown) == unknown == 3 * len(mechanism.links)
     without = replace(PISTON_CRANK, known={"u_1": "0", "v_1": "0", "ψ_11": "Δα"})
     with pytest.raises(LedgerError, match="6 equations for 7 unknowns"):
-        link_steps.determinant(without)
+        determinant(without)
 
 
 def test_each_correction_gains_one_power_of_the_step() -> None:
-    assert link_steps.crank_orders(3) == (3, 4, 5, 6)
+    assert link_method.crank_orders(3) == (3, 4, 5, 6)

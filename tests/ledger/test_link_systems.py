@@ -10,19 +10,20 @@ from typing import TYPE_CHECKING, Any
 import pytest
 import sympy
 
-from kousoku.ledger import link_examples
-from kousoku.ledger.formula import Array
-from kousoku.ledger.link_assembly import (
+from kousoku.ledger.documents import link_examples
+from kousoku.ledger.documents.link_examples import (
     Assembled,
-    are_faults,
     displacement,
-    faults,
+    faults_of,
+    has_faults,
     lever,
     parts,
     piston,
 )
+from kousoku.ledger.formula import Array
 from kousoku.ledger.parser import parse
 from kousoku.ledger.proof import prove, proved
+from kousoku.ledger.reading import read
 from kousoku.model.assemble import Role, assemble
 from kousoku.model.errors import LedgerError
 from kousoku.model.read import read_scene
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from kousoku.ledger.entry import Entry
     from kousoku.model.assemble import System
 
-ENTRIES = {entry.equation: entry for entry in link_examples.ENTRIES}
+ENTRIES = {entry.equation: entry for entry in read(link_examples)}
 SCENES = Path(__file__).parents[2] / "scenes"
 WORDS = {"29": piston, "33": lever}
 CELL = re.compile(r"-?\\(?:cos|sin) \\beta_\d\^0|-?l_\d\^0")
@@ -106,10 +107,10 @@ def test_the_corrected_system_has_no_fault_and_the_printed_one_those_that_are_na
 ) -> None:
     entry: Entry = ENTRIES[key]
     words = WORDS[key]()
-    assert faults(entry.corrected, words) == []
-    assert len(faults(entry.printed, words)) == {"29": 3, "33": 4}[key]
+    assert faults_of(entry.corrected, words) == []
+    assert len(faults_of(entry.printed, words)) == {"29": 3, "33": 4}[key]
     with pytest.raises(LedgerError, match="its faults are none"):
-        are_faults(entry.corrected, WORDS[key], "a fault").run()
+        has_faults({"29": "piston", "33": "lever"}[key], entry.corrected, ["a fault"])
 
 
 # -- what the code assembles ---------------------------------------------------------------------

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import pytest
 
-from kousoku.ledger import lecture_7_1
-from kousoku.ledger.entry import Check, Entry
+from kousoku.ledger import entries
+from kousoku.ledger.documents.lecture_7_1 import words
+from kousoku.ledger.entry import LECTURE_7_1, Check, Entry
 from kousoku.ledger.proof import different, equal, prove
-from kousoku.ledger.rotation_words import words
 from kousoku.model.errors import LedgerError
 
-ENTRIES = {entry.equation: entry for entry in lecture_7_1.ENTRIES}
+ENTRIES = {e.equation: e for e in entries() if e.document == LECTURE_7_1}
 
 
 def test_a_proof_tells_each_statement_and_what_was_seen() -> None:
@@ -76,8 +77,9 @@ def test_no_sign_tilde_transpose_or_prime_can_change(entry: Entry) -> None:
 
 
 def test_a_check_that_is_false_is_named() -> None:
-    same = different("A differs from A", words, r"\mathbf{A}^{OB}", r"\mathbf{A}^{OB}")
-    other = equal("A is symmetric", words, r"\mathbf{A}^{OB}", r"(\mathbf{A}^{OB})^T")
+    a, transposed = r"\mathbf{A}^{OB}", r"(\mathbf{A}^{OB})^T"
+    same = Check("A differs from A", partial(different, words, a, a))
+    other = Check("A is symmetric", partial(equal, words, a, transposed))
     for check, message in ((same, "A differs from A: no difference"), (other, "A is symmetric: ")):
         with pytest.raises(LedgerError, match=message):
             prove(replace(ENTRIES["skew-symmetric"], checks=(check,)))

@@ -84,6 +84,8 @@ def _texts() -> Iterator[Text]:
         text, where = path.read_text(encoding="utf-8"), str(path.relative_to(ROOT))
         if path.suffix == ".py":
             yield from (Text(where, part) for part in of_python(text, path.parent.name))
+        elif path.parent == ROOT / "ledger" / "documents":  # quotations; all else is below
+            yield Text(where, "\n".join(x for x in text.splitlines() if x.startswith("#")))
         else:
             yield Text(where, text)
     for entry in entries():

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 SHIPPED_SUFFIXES = {
     "codegen": (".py", ".jinja"),
     "generated": (".py", ".c", ".h", ".json"),
-    "ledger": (".py", ".json"),
+    "ledger": (".py", ".json", ".toml"),
     "model": (".py", ".json"),
     "runtime": (".py", ".c", ".h"),
     "symbolic": (".py",),

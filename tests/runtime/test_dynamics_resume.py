@@ -258,6 +258,36 @@ def test_state_that_was_damaged_is_not_run(bodies_folder: Callable[..., Path], t
     assert (rows == 7.0).all()
 
 
+@pytest.mark.usefixtures("numpy_solver", "compiler")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_solver_that_is_called_alone_refuses_what_a_run_refuses(
+    bodies_folder: Callable[..., Path], target: Any
+) -> None:
+    solver = load_dynamics(bodies_folder(chain(2), ALL), target=target)
+    settings = solver.begin(TIMES).options.settings()
+    rows = np.empty((len(TIMES), solver.target.row_size))
+
+    def status_with(**given: Any) -> int:
+        """Return what the first call of a new run returns."""
+        run = solver.begin(TIMES)
+        memory = Memory(run.state, run._memory.work)
+        return solver.target.runner(settings._replace(**given), TIMES, memory)(1, rows)
+
+    for tolerance in (0.0, -1.0, 9e-16, 1.0, 2.0, np.inf, np.nan):
+        assert status_with(tolerance=tolerance) == Status.BAD_ARGUMENT, tolerance
+        with pytest.raises(SolveError, match="tolerance"):
+            solver.begin(TIMES, tolerance=tolerance)
+    for tolerance in (1e-15, 1e-9, 0.9):
+        assert status_with(tolerance=tolerance) >= Status.GOOD, tolerance
+    for step in (-1.0, np.inf, np.nan, 0.2):
+        assert status_with(fixed_step=step, largest_step=0.1) == Status.BAD_ARGUMENT, step
+        with pytest.raises(SolveError, match="step"):
+            solver.begin(TIMES, step=step, largest_step=0.1)
+    assert status_with(fixed_step=0.1, largest_step=0.1) >= Status.GOOD
+    for longest in (0.0, -1.0, np.nan):
+        assert status_with(largest_step=longest) == Status.BAD_ARGUMENT, longest
+
+
 @pytest.mark.usefixtures("interrupts")
 def test_interrupt_keeps_what_was_computed_and_the_run_can_go_on(load: Load) -> None:
     solver = load(chain(2))

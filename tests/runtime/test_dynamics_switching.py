@@ -13,7 +13,7 @@ import pytest
 from kousoku.model.errors import MotionError
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.dynamics import load_dynamics
-from tests.stress.force_laws import BUMP, FORMS, SHAFT
+from tests.stress.force_laws import BUMP, FORMS, PULSES, SHAFT
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -65,6 +65,49 @@ def test_no_pulse_is_missed(solver_of: Callable[..., Any]) -> None:
         assert run.ledger.steps < 60
 
 
+@pytest.mark.parametrize("name", ["sech", "logistic"])
+def test_no_pulse_of_a_quotient_of_exponentials_is_missed(
+    solver_of: Callable[..., Any], name: str
+) -> None:
+    solver, random_ = solver_of(FORMS[name].text), random.Random(3)
+    integral, _ = PULSES[name][1](0.0)
+    for k in range(200):
+        parameters, _ = FORMS[name].draw(random_)
+        run = solver.simulate(END, samples=2, parameters=parameters, **WAYS[k % 2])
+        speed = 10.0 * parameters["width"] * integral
+        assert run.velocity["block"][-1, 0] == pytest.approx(speed, rel=1e-6), parameters
+        assert run.ledger.unresolved == 0
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_no_wall_is_passed_whose_law_is_steep_far_away(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    cap = FORMS["cap_wall"].text
+    for text in (cap, cap.replace("- 1)^2", "- 1)^4")):
+        solver = solver_of(text, target=target)
+        for width, place in ((3e-3, 12.5), (2e-4, 66.5), (2e-5, 30.0), (1e-5, 85.0)):
+            parameters = {"place": place, "width": width, "height": 200.0 / width}  # it has 50 J
+            run = solver.simulate(END, samples=2, parameters=parameters)
+            assert run.velocity["cart"][-1, 0] == pytest.approx(-10.0, rel=1e-6), width
+            assert run.ledger.steps < 200
+
+
+@pytest.mark.usefixtures("numpy_solver")
+@pytest.mark.parametrize("target", ["c", "numpy"])
+def test_what_bounds_do_not_tell_in_many_intervals_is_counted(
+    solver_of: Callable[..., Any], target: Any
+) -> None:
+    block = PULSE[: PULSE.index("force = [")]
+    hit = block + 'force = ["10*exp(1 - exp(((t - place)/width)^2))", "0", "0"]\n'
+    parameters = {"place": 5.0, "width": 1e-3}
+    run = solver_of(hit, target=target).simulate(END, samples=2, parameters=parameters)
+    missed = run.velocity["block"][-1, 0] == 0.0
+    assert not missed or run.ledger.unresolved > 0
+    assert missed == (f"in {run.ledger.unresolved} step" in str(run.ledger.trust))
+
+
 def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
     solver, random_ = solver_of(BUMP), random.Random(3)
     for k in range(300):
@@ -75,6 +118,18 @@ def test_no_bump_of_a_driver_is_missed(solver_of: Callable[..., Any]) -> None:
         speed = width * math.sqrt(math.pi)
         assert run.velocity["bob"][-1, 1] == pytest.approx(speed, rel=1e-8), (place, width)
         assert run.ledger.steps < 300
+
+
+@pytest.mark.parametrize("law", ["((t - 5)^2)^(3/2)", "((t - 5)^4)^0.625"])
+@pytest.mark.parametrize("method", ["kinematics", "dopri5", "dop853"])
+def test_roots_of_even_powers_have_their_derivatives_where_they_are_zero(
+    solver_of: Callable[..., Any], law: str, method: str
+) -> None:
+    run = solver_of(SHAFT.format(law=f"({law})/100", load="0"))
+    motion = run.simulate(END, samples=11, method=method)
+    assert np.isfinite(motion.rows).all()
+    speed = 0.75 if "3/2" in law else 0.025 * 5**1.5
+    assert motion.angular_velocity["shaft"][-1, 2] == pytest.approx(speed, rel=1e-12)
 
 
 @pytest.mark.parametrize("rows", [2, 11, 100, 101, 102, 201])

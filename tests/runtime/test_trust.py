@@ -78,6 +78,21 @@ def test_energy_that_has_moved_is_that_of_all_steps(method: Any, target: Any) ->
     assert few.is_trusted
 
 
+@pytest.mark.compiles
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-4, 1e-6, 1e-9])
+@pytest.mark.parametrize("method", ["dopri5", "dop853"])
+@pytest.mark.parametrize("load", ["-30*(x - 1e-14) - 20*x_dot", "-3e3*(x - 1e-15) - 2e3*x_dot"])
+def test_what_is_held_at_rest_is_trusted(load: str, method: Any, tolerance: float) -> None:
+    """Rounding moves it; the longest steps that dampers allow make of that what a tolerance may."""
+    at_rest = {"cart": {**CART["bodies"]["cart"], "velocity": [0, 0, 0]}}
+    loads = {"load": {"type": "along", "coordinate": "x", "force": load}}
+    mechanism = kousoku.load({**CART, "bodies": at_rest, "forces": loads}, target="c")
+    for end in (0.1, 2.0, 50.0):
+        run = mechanism.simulate(end, samples=3, method=method, tolerance=tolerance)
+        assert np.abs(run.body("cart").position).max() < tolerance
+        assert run.ledger.trust.is_trusted, run.ledger.trust
+
+
 def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
     run = cart("-3*x").simulate(20, samples=21, step=1.0)
     trust = run.ledger.trust

@@ -71,7 +71,7 @@ force = ["{law}", "0", "0"]
 """
 TRAPEZOID = "max(0, min(1, (t - place)/(rise*width), (place + width - t)/(rise*width)))"
 #: For each law of time with a height of one its integral and centre, in widths from its place on.
-PULSES = {
+PULSES: dict[str, tuple[str, Callable[[float], tuple[float, float]]]] = {
     "trapezoid": (TRAPEZOID, lambda rise: (1.0 - rise, 0.5)),
     "steps": (
         "(sign(t - place) + 1)*(sign(place + width - t) + 1)/4 + 0*rise",
@@ -85,6 +85,14 @@ PULSES = {
     "gauss": (
         "exp(-(12*(t - place)/width - 6)^2) + 0*rise",
         lambda _: (math.sqrt(math.pi) / 12.0, 0.5),
+    ),
+    "sech": (
+        "2/(exp(80*(t - place)/width - 40) + exp(40 - 80*(t - place)/width)) + 0*rise",
+        lambda _: (math.pi / 80.0, 0.5),
+    ),
+    "logistic": (
+        "1/(1 + exp(20 - 80*(t - place)/width)) - 1/(1 + exp(60 - 80*(t - place)/width)) + 0*rise",
+        lambda _: (0.5, 0.5),
     ),
     "two": (
         f"{TRAPEZOID} + exp(-(24*(t - place)/width - 18)^2)",
@@ -140,6 +148,7 @@ wall = {{ type = "along", coordinate = "x", force = "{law}" }}
 WALLS = {
     "triangle_wall": ("-height*max(0, 1 - abs(2*(x - place)/width - 1))", 0.5),
     "step_wall": ("-height*(sign(x - place) + 1)*(sign(place + width - x) + 1)/4", 1.0),
+    "cap_wall": ("-height*max(0, 1 - (2*(x - place)/width - 1)^2)", 2.0 / 3.0),
     "gauss_wall": ("-height*exp(-(12*(x - place)/width - 6)^2)", math.sqrt(math.pi) / 12.0),
     "trapezoid_wall": (
         "-height*max(0, min(1, (x - place)/(0.1*width), (place + width - x)/(0.1*width)))",

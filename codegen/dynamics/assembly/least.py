@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
@@ -87,10 +87,8 @@ def _size(system: System) -> float:
     terms = dict.fromkeys(term.coordinate for one in system.constraints for term in one.terms)
     sources: list[Instance | Coordinate] = [*system.constraints]
     for source in (*sources, *(system.coordinates[k] for k in terms)):
-        constants = dict(source.constants)
-        lengths += [constants[name] for name in ("length",) if name in constants]
-        for letter, body in (("i", source.i), ("j", source.j)):
-            lengths += [constants.get(f"s_{letter}_b", ())] if body >= 0 else []
+        bodies = {"i": source.i, "j": source.j}
+        lengths += [values for end, values in lengths_of(source) if bodies.get(end, 0) >= 0]
     return max((abs(x) for values in lengths for x in values), default=0.0) or 1.0
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION
+from kousoku.model.own_kind import is_own
 from kousoku.model.precise import ZERO
 from kousoku.runtime.integrate.result import listed
 
@@ -43,7 +44,8 @@ def violations(
     values, _ = rows.at(pose)
     for instance, first in zip(rows.constraints, rows.first, strict=False):
         own = slice(first, first + rows.count(instance))
-        if instance.kind == COMBINATION or rows.is_left_out[own].any():
+        is_told = instance.kind == COMBINATION or is_own(instance.kind)
+        if is_told or rows.is_left_out[own].any():
             size, unit = max(map(abs, values[own])), 0 if rows.in_metres[first] else 1
         else:
             size, unit = _size(instance, pose)

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.interpret import Arithmetic
 from kousoku.model.precise import CONTEXT
 from kousoku.model.terms import Function, Name, Number, ordered
 
@@ -172,6 +173,25 @@ _SIMPLE: dict[Function, Callable[..., Jet]] = {
     Function.MAX: lambda a, b: a if a.x >= b.x else b,
     Function.ABS: lambda a: a if a.x >= 0 else -a,
 }
+
+
+def arithmetic_of(digits: Digits) -> Arithmetic[Jet]:
+    """Return the arithmetic of jets, for the evaluation of kernels."""
+
+    def one(function: Function) -> Callable[[Jet], Jet]:
+        return lambda a: _applied(function, (a,), digits)
+
+    return Arithmetic(
+        number=lambda value: Jet(digits.number(value)),
+        sqrt=one(Function.SQRT),
+        sin=one(Function.SIN),
+        cos=one(Function.COS),
+        atan2=lambda y, x: atan2(y, x, digits),
+        exp=one(Function.EXP),
+        log=one(Function.LOG),
+        abs=one(Function.ABS),
+        max=_SIMPLE[Function.MAX],
+    )
 
 
 def _power(a: Jet, b: Jet, digits: Digits) -> Jet:

@@ -4,7 +4,8 @@ Each body of the scene is for itself: m v̇ = F and I′ ω̇′ = N′ − ω̃
 drivers and coordinates as the scene gives them, each by its geometric definition. Nothing is
 merged, put into a plane, put onto a joint or left out, and no kernel, operation or composition has
 a part in it: what these do wrong shows. A residual C along a motion, :mod:`.jets`, tells Ċ and C̈,
-and by Ċ = C_q v − ν and C̈ = C_q v̇ − γ all that is needed of it.
+and by Ċ = C_q v − ν and C̈ = C_q v̇ − γ all that is needed of it. Of a kind of one's own C is what
+its kernel computes, there is no other definition; its Jacobian, ν and γ have no part in it.
 """
 
 from __future__ import annotations
@@ -16,15 +17,20 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.checking.jets import (
     FIFTY,
     Jet,
+    arithmetic_of,
     atan2,
     cross,
     dot,
     formula,
     sqrt,
 )
+from kousoku.codegen.interpret import evaluate
+from kousoku.codegen.passes.rebuild import with_outputs
+from kousoku.codegen.store import load_frozen
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -254,6 +260,8 @@ class BodyEquations:
                 law = self._value(one.law, {TIME: Jet(time, self.digits.number(1))})
                 total -= law.times(self.digits.number(one.law_unit))
             return (total,)
+        if is_own(one.kind):
+            return self._own(one, at)
         i, j = at[one.i], at[one.j]
         kind = one.kind.partition("_")[0]
         if kind == "n1":
@@ -271,6 +279,21 @@ class BodyEquations:
             (length,) = own["length"]
             return (sqrt(dot(across, across), self.digits) - Jet(length),)
         raise ValueError(f"{one.joint}: no definition of the kind {one.kind}")
+
+    def _own(self, one: Instance, at: Mapping[int, Course]) -> Sequence[Jet]:
+        """Return C of a kind of one's own: its definition is that of its kernels.
+
+        It is taken in the frames that it is stated in. What follows of it, C_q, ν and γ, is found
+        here anew.
+        """
+        own = {name: [Jet(x) for x in self._numbers(values)] for name, values in one.constants}
+        inputs = {name.removeprefix(PREFIX): values for name, values in own.items() if is_own(name)}
+        for body, place in zip("ij", (one.i, one.j), strict=True):
+            course, origin = at[place], dict(one.constants)[f"origin_{body}"]
+            inputs[f"r_{body}"] = [*course.point(self._numbers(origin))]
+            inputs[f"p_{body}"] = [*composed(course.p, own[f"frame_{body}"])]
+        kernel = next(k for k in load_frozen(one.kind).kernels if k.name == "constraint")
+        return evaluate(with_outputs(kernel, ["C"]), inputs, arithmetic_of(self.digits))["C"]
 
     def _value(self, text: str, names: Mapping[str, Jet]) -> Jet:
         """Return the value of a formula of these names and the parameters."""

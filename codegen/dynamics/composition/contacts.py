@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.own_kind import is_own
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
@@ -66,6 +67,9 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
         for given in [dict(row.constants)]
     }
     for one in _acting(system):
+        if is_own(one.kind):  # it may know places and directions of frame O
+            yield from ((body, ANYTHING) for body in {one.i, one.j} - {GROUND_INDEX})
+            continue
         if GROUND_INDEX in (one.i, one.j) and one.i != one.j:
             body = one.j if one.i == GROUND_INDEX else one.i
             yield body, _contact(one, parallel)

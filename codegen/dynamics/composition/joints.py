@@ -8,7 +8,7 @@ from functools import cache
 from itertools import groupby
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, Part, frozen
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, Part, frozen, inputs_of
 from kousoku.codegen.dynamics.recording.recorder import Block, column, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
 from kousoku.model.errors import SceneError
@@ -114,8 +114,8 @@ def joints_of(
             live = live_rows(system, instance, recorder, body)
             chosen = tuple(row for row in live if row in rows.get(place, live))
             if chosen:
-                names = tuple(name for name, _ in instance.constants)
-                blocks = tuple(recorder.constant(values) for _, values in instance.constants)
+                names = tuple(name for name, _ in inputs_of(instance))
+                blocks = tuple(recorder.constant(values) for _, values in inputs_of(instance))
                 kept.append((place, Part(instance.kind, chosen, names), blocks))
                 bodies += instance.others
         count = sum(len(part.rows) for _, part, _ in kept)
@@ -149,28 +149,30 @@ def _live(
     one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
     i, j = body(one.i), body(one.j)
-    constants = [recorder.constant(values) for _, values in one.constants]
-    pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
     columns = (*i.columns, *(COLUMNS + k for k in j.columns))
-    names = tuple(name for name, _ in one.constants)
-    return _live_rows(one.kind, names, pattern, tuple(lengths), columns)
+    rows = enumerate(slopes_of(one, recorder, body))
+    return tuple(row for row, there in rows if any(there[k] for k in columns))
+
+
+def slopes_of(
+    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+) -> tuple[tuple[bool, ...], ...]:
+    """Return which elements of the Jacobian (rows, 12) are not structurally zero."""
+    i, j = body(one.i), body(one.j)
+    constants = [recorder.constant(values) for _, values in inputs_of(one)]
+    pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
+    names = tuple(name for name, _ in inputs_of(one))
+    return _slopes(one.kind, names, pattern, tuple(lengths))
 
 
 @cache
-def _live_rows(
-    kind: str,
-    names: tuple[str, ...],
-    pattern: Pattern,
-    lengths: tuple[int, ...],
-    columns: tuple[int, ...],
-) -> tuple[int, ...]:
+def _slopes(
+    kind: str, names: tuple[str, ...], pattern: Pattern, lengths: tuple[int, ...]
+) -> tuple[tuple[bool, ...], ...]:
     trace = Trace(lengths)
     nodes = [trace.matrix(*block).flat for block in pattern]
     inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
     jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
     width = 2 * COLUMNS
-    return tuple(
-        row
-        for row in range(len(jacobian) // width)
-        if any(trace.graph.value(jacobian[row * width + k]) != 0 for k in columns)
-    )
+    there = [trace.graph.value(node) != 0 for node in jacobian]
+    return tuple(tuple(there[row : row + width]) for row in range(0, len(there), width))

@@ -38,6 +38,9 @@ ORIGIN = (0.0, 0.0, 0.0)
 MOST_ROWS = 60
 #: Joints that a message names.
 SHOWN = 6
+#: What multipliers of rows that carry nothing count beside forces: their squares tell those apart
+#: that give the same forces, and change the least ones by 10⁻¹² of them.
+LITTLE = Fraction(1, 2**20)
 #: Components of force and torque that a joint in the xy-plane has.
 IN_PLANE = (0, 1, 5)
 
@@ -51,7 +54,8 @@ class Shared:
     groups : sequence of sequence of str, optional
         The joints of each set of rows that depend on each other; unless given, all joints are one.
     idle : mapping of int to sequence of int
-        Rows that nothing changes, by the places of their constraints: they carry nothing.
+        Rows that nothing changes, or that others of their joint imply, by the places of their
+        constraints: they carry nothing.
     """
 
     groups: Sequence[Sequence[str]] | None = None
@@ -230,9 +234,9 @@ class LeastNorm:
             ]
             for place, (instance, row) in enumerate(own):
                 if row in self.scale.shared.idle.get(instance, ()):
-                    unit = column([int(n == place) for n in range(rows.count)]).T
+                    unit = [LITTLE if n == place else 0 for n in range(rows.count)]
                     shares = [zeros(1, other.count) for other in left_out]
-                    shares[k] = unit
+                    shares[k] = self.recorder.constant(unit).T
                     yield shares, zeros(1, 1)
 
     def _products(self, pairs: Sequence[tuple[Block, Block]]) -> Block:
@@ -282,6 +286,22 @@ class LeastNorm:
                 (share,) = call(Couple(), share, units[id(one.kept)].T, way[one.kept.first].T)
             shares.append(share)
         return shares, self._sum(one, units)
+
+    def idle_rows(self, one: Reaction) -> list[tuple[JointBlocks, int, int]]:
+        """Return first and count of the rows of constraints of a joint that have idle ones."""
+        found = []
+        for rows in one.parts:
+            first = 0
+            for instance, part in zip(rows.instances, rows.parts, strict=True):
+                if instance in self.scale.shared.idle:
+                    found.append((rows, first, len(part.rows)))
+                first += len(part.rows)
+        return found
+
+    def multipliers(self, x: Block, into: Block) -> None:
+        """Write a little of the multipliers of rows some of which are idle."""
+        little = self.recorder.constant([LITTLE])
+        self.recorder.call(Couple(), zeros(x.height, 1), x, little, into=(into,))
 
     def wrench(self, one: Reaction, into: Block) -> None:
         """Write force and torque / ℓ of a joint at its point, as its multipliers are."""

@@ -5,6 +5,9 @@ from __future__ import annotations
 from itertools import chain
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.mechanics import lengths_of
+from kousoku.model.own_kind import ORIGINS
+
 if TYPE_CHECKING:
     from kousoku.model.mechanism import Coordinate, Instance, System
 
@@ -15,7 +18,8 @@ it, which is less than what corrections settle at, and what is left of constrain
 
 def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
     """Return whether a constant is a point in frame O."""
-    return name.startswith("s_") and (source.i if name[2] == "i" else source.j) < 0
+    is_point = name in {"s_i_b", "s_j_b", *ORIGINS}
+    return is_point and (source.i if "_i" in name else source.j) < 0
 
 
 def characteristic_length(system: System) -> float:
@@ -27,14 +31,12 @@ def characteristic_length(system: System) -> float:
     sources: tuple[Instance | Coordinate, ...] = (*system.constraints, *system.coordinates)
     lengths, ground = [0.0], []
     for source in sources:
-        for name, numbers in source.constants:
-            if name == "length":
+        bodies = {"i": source.i, "j": source.j}
+        for end, numbers in lengths_of(source):
+            if bodies.get(end, 0) < 0:
+                ground.append([float(x) for x in numbers])
+            else:
                 lengths += map(abs, numbers)
-            elif name.startswith("s_"):
-                if is_ground_point(source, name):
-                    ground.append([float(x) for x in numbers])
-                else:
-                    lengths += map(abs, numbers)
     lengths += (max(along) - min(along) for along in zip(*ground, strict=True))
     places = (*chain.from_iterable(ground), *chain.from_iterable(one.r for one in system.bodies))
     return max(max(lengths) or 1.0, LEAST * max(map(abs, places), default=0.0))

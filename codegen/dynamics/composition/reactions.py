@@ -173,15 +173,17 @@ def record_wrenches(
     """Record what joints do with any multipliers of all rows: the segment ``wrench``.
 
     It gives reactions as :func:`record_reactions` does, and at its point force and torque / ℓ of
-    each joint, whose squares are least where reactions are not unique. Parameters are those of
-    that function.
+    each joint, whose squares are least where reactions are not unique; behind them a little of the
+    multipliers of constraints that have idle rows. Parameters are those of that function.
     """
     joints, left_out = rows
     found = reactions_of(joints, left_out)
     least = LeastNorm(recorder, schur, body, joints, scale)
     kept = sum(joint.count for joint in joints)
     lam = recorder.region("all_lam", kept + sum(joint.count for joint in left_out))
-    wrenches = recorder.region("wrenches", sum(map(least.height, found)))
+    idle = {id(one): least.idle_rows(one) for one in found}
+    size = sum(least.height(one) + sum(n for *_, n in idle[id(one)]) for one in found)
+    wrenches = recorder.region("wrenches", size)
     recorder.begin("wrench")
     for joint in left_out:
         geometry(joint)
@@ -193,5 +195,9 @@ def record_wrenches(
         ]
         least.wrench(one, wrenches.part(first, least.height(one)))
         first += least.height(one)
+        of_part = {id(part): x for part, x in one.multipliers}
+        for part, row, count in idle[id(one)]:
+            least.multipliers(of_part[id(part)].part(row, count), wrenches.part(first, count))
+            first += count
     widths = [len(body(end).columns) for one in found for end in one.ends]
     _write_reactions(schur, found, widths, recorder.known("reactions"))

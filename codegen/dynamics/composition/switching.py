@@ -108,11 +108,12 @@ def record_switching(
         record("switching", recorder.region("span", 2), parts)
     if seen.laws:
         record("bending", recorder.region("law_span", 2), {"laws": seen.laws})
-    if seen.crossings or seen.narrow:
+    if seen.crossings or seen.narrow or seen.poles:
         region = recorder.region("measures", 2 * len(seen.measures))
         recorder.begin("measure")
         for k, one in enumerate(seen.measures):
             forces.measure(system, one, region.part(2 * k, 1), region.part(2 * k + 1, 1))
         ranges = recorder.region("ranges", 2 + RANGES * len(seen.measures))
-        parts = {"crossings": seen.crossings, "narrow": seen.narrow}
+        parts = {"crossings": seen.crossings, "poles": seen.poles}
+        parts |= {"narrow": seen.narrow, "infinite": seen.infinite}
         record("crossing", ranges, parts, *seen.measures)

@@ -63,7 +63,8 @@ COME_WITH = {
     ("HAS_BENDING",): ("N_LAWS", "W_LAW_SPAN", "W_LAWS"),
     ("HAS_CROSSING",): (
         *("N_MEASURES", "N_CROSSINGS", "N_NARROW", "EVENTS"),
-        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW"),
+        *("N_POLES", "N_INFINITE"),
+        *("W_MEASURES", "W_RANGES", "W_CROSSINGS", "W_NARROW", "W_POLES"),
     ),
 }
 #: How wide lines of tables are.

@@ -51,8 +51,10 @@ def sizes(program: Program) -> dict[str, int]:
         "N_FEATURES": present.get("features", 0) // BOUNDS,
         "N_LAWS": present.get("laws", 0) // BOUNDS,
         "N_MEASURES": present.get("measures", 0) // 2,
-        "N_CROSSINGS": present.get("crossings", 0) // BOUNDS,
+        "N_CROSSINGS": (present.get("crossings", 0) + present.get("poles", 0)) // BOUNDS,
+        "N_POLES": present.get("poles", 0) // BOUNDS,
         "N_NARROW": present.get("narrow", 0) // BOUNDS,
+        "N_INFINITE": present.get("infinite", 0) // BOUNDS,
     }
 
 

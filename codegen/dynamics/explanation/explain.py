@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.simplification.weights import weighted
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.own_kind import is_own, kind_name
 from kousoku.model.system import system_of
 from kousoku.model.text import counted
 from kousoku.model.varying import fixed_system
@@ -178,7 +179,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         if found.joints
         else freedom,
         removed=tuple(
-            f"{row.joint}: row {row.row} of {system.constraints[row.instance].kind}"
+            f"{row.joint}: row {row.row} of {kind_name(system.constraints[row.instance].kind)}"
             for row in freedom.dropped
         ),
         drivers=drivers_of(system),
@@ -236,9 +237,12 @@ def _counted(system: System, program: Program) -> list[Step]:
     kinds = [one.kind for one in system.constraints]
     kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]
     used = [name for name in dict.fromkeys(kinds) if name in shipped]
+    own = [kind_name(name) for name in dict.fromkeys(kinds) if is_own(name)]
+    of_own = f"; of one's own: {', '.join(own)}" if own else ""
+    used_of = f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}{of_own}"
     grounded = sum(GROUND_INDEX in one.bodies for one in system.constraints)
     return [
-        Step("kinds not used", f"{len(used)} of {len(shipped)} used: {', '.join(used) or 'none'}"),
+        Step("kinds not used", used_of),
         Step("ground has no columns", f"{grounded} constraints with the ground", columns=6),
         Step(
             "mass blocks inverted beforehand",

@@ -9,15 +9,18 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.own_frames import framed
 from kousoku.codegen.dynamics.recording.matrix import Matrix, square, stack
 from kousoku.codegen.store import load_frozen
-from kousoku.model.mechanism import COMBINATION
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.own_kind import is_own, kind_name
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.codegen.kernel import Kernel
+    from kousoku.model.mechanism import Coordinate, Instance
 
 #: Columns of a Jacobian for one body: δr in frame O, then δθ′ in the frame of the body.
 COLUMNS = 6
@@ -25,8 +28,34 @@ COLUMNS = 6
 
 @cache
 def frozen(package: str, name: str) -> Kernel:
-    """Return a kernel of a kind that is shipped."""
-    return next(kernel for kernel in load_frozen(package).kernels if kernel.name == name)
+    """Return a kernel of a kind that is shipped, or of one's own, for principal frames."""
+    found = load_frozen(package)
+    if is_own(package):
+        found = framed(found, frozen("rotation", "orientation"))
+    return next(kernel for kernel in found.kernels if kernel.name == name)
+
+
+def lengths_of(source: Instance | Coordinate) -> Iterator[tuple[str, tuple[float, ...]]]:
+    """Yield what is fixed and a length: ``i`` or ``j`` of points of a body, else ``""``; [m]."""
+    numbers, points = {"length"}, {"s_i_b", "s_j_b"}
+    if is_own(source.kind):
+        lengths = [one for one in frozen(source.kind, "constraint").inputs if one.unit == "m"]
+        numbers = {one.name for one in lengths if is_own(one.name) and not one.shape}
+        fixed = {one.name[-4:] for one in lengths if is_own(one.name) and one.shape}
+        ends = (("s_i_b", source.i), ("s_j_b", source.j))
+        # The origin of frame O is no point of a joint.
+        points = {name for name, body in ends if body != GROUND_INDEX or name[1:] in fixed}
+    for name, values in source.constants:
+        if name in points:
+            yield name[2], values
+        elif name in numbers:
+            yield "", values
+
+
+def inputs_of(source: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
+    """Return what kernels take of what is fixed: those of one's own know other points."""
+    unread = {"s_i_b", "s_j_b"} if is_own(source.kind) else set()
+    return tuple((name, values) for name, values in source.constants if name not in unread)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +101,7 @@ def share(trace: Trace, p: Matrix, orientation: Matrix) -> None:
 
 
 def _title(parts: Sequence[Part]) -> str:
-    return " + ".join(part.kind for part in parts)
+    return " + ".join(kind_name(part.kind) for part in parts)
 
 
 def _evaluate(

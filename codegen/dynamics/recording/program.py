@@ -317,7 +317,9 @@ REGIONS = {
     "measures": "value and rate of what formulas read of a state, in their units",
     "ranges": "two times, s; least and most of each measure between them, of its rate, of the next",
     "crossings": "of each event, then each switching function of the state, as of switches",
+    "poles": "of what is zero where forces may be infinite, likewise",
     "narrow": "of each part of a formula that varies with the state, likewise",
+    "infinite": "of each part of a formula that may be infinite, likewise",
     "design": "numbers of the scene that depend on parameters",
     "constants": "the scene's numbers",
 }
@@ -326,7 +328,7 @@ REGIONS = {
 ON_DEMAND_REGIONS = (
     *("more_lam", "more_power", "all_lam", "wrenches"),
     *("span", "switches", "features", "law_span", "laws"),
-    *("measures", "ranges", "crossings", "narrow"),
+    *("measures", "ranges", "crossings", "poles", "narrow", "infinite"),
 )
 
 #: What the segments read and write, in the order in which they can run.
@@ -351,7 +353,7 @@ ON_DEMAND = {
     "switching": "span, parameters -> switches, features",
     "bending": "law_span, parameters -> laws",
     "measure": "q, v -> measures",
-    "crossing": "ranges, parameters -> crossings, narrow",
+    "crossing": "ranges, parameters -> crossings, poles, narrow, infinite",
 }
 
 #: The segments that read what ``geometry`` left; the others need regions only.

@@ -19,7 +19,7 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.dynamics.redundancy.branch import (
     HOLDS,
     Branch,
@@ -131,9 +131,9 @@ def _scales(residuals: Residuals, bodies: Sequence[MovingBody]) -> Scales:
     arms = [0.0] * (len(bodies) + 1)  # the ground last
     sources: list[Instance | Coordinate] = [*residuals.constraints, *residuals.coordinates]
     for one in sources:
-        for name, values in one.constants:
-            if name in {"s_i_b", "s_j_b"}:
-                body = one.i if name == "s_i_b" else one.j
+        for end, values in lengths_of(one):
+            if end:
+                body = one.i if end == "i" else one.j
                 arms[body] = max(arms[body], *map(abs, values))
     arms[GROUND_INDEX] = 0.0  # where its points are tells nothing of sizes
     largest = max(arms) or 1.0

@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.combinations import fixed_law
+from kousoku.codegen.dynamics.composition.length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
@@ -63,7 +64,7 @@ class DependentSet:
     Parameters
     ----------
     joints : tuple of str
-        Whose rows take part: what these joints carry is not determined.
+        Whose rows take part: what these joints carry is not determined, where they are several.
     rows : int
         How many rows take part.
     dimension : int
@@ -102,7 +103,8 @@ class Freedom:
     drivers : int
         How many of the rows are those of drivers in loops.
     idle : tuple of Row
-        Of the rows that are left out those that nothing changes.
+        Of the rows that are left out those that nothing changes, and those of kinds of one's own
+        that others of the same joint imply: they carry nothing.
     closed : tuple of Closed
         Of the rows that are left out those that others imply but for less than the closure
         tolerance, and not to rounding.
@@ -131,9 +133,17 @@ class Freedom:
 
     @property
     def not_unique(self) -> tuple[str, ...]:
-        """Joints whose reactions are not unique."""
+        """Joints whose reactions are not unique.
+
+        Multipliers of rows of one joint that cancel each other do so in its force and torque, too.
+        """
+        return tuple(dict.fromkeys(joint for joints in self.shared for joint in joints))
+
+    @property
+    def shared(self) -> tuple[tuple[str, ...], ...]:
+        """The joints of each set of rows that depend on each other along the branch."""
         sets = (one.joints for one in self.dependent if one.is_everywhere)
-        return tuple(dict.fromkeys(joint for joints in sets for joint in joints))
+        return tuple(joints for joints in sets if len(joints) > 1)
 
 
 class _Found(NamedTuple):
@@ -194,9 +204,9 @@ def near_origin(system: System) -> System:
         return system
 
     def seen(one: Instance | Coordinate) -> tuple[tuple[str, tuple[float, ...]], ...]:
-        ends = {f"s_{k}_b" for k, body in (("i", one.i), ("j", one.j)) if body == GROUND_INDEX}
         return tuple(
-            (name, _less(value, origin) if name in ends else value) for name, value in one.constants
+            (name, _less(value, origin) if is_ground_point(one, name) else value)
+            for name, value in one.constants
         )
 
     return replace(

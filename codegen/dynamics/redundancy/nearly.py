@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
 from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PART
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.simplification.weights import weighted
 from kousoku.model.errors import AssemblyError
 from kousoku.model.held import without_held
 from kousoku.model.varying import fixed_system
@@ -59,7 +60,7 @@ def put_together(given: System) -> System:
     if left_out:
         with suppress(AssemblyError):
             placed = assemble(given, left_out)
-            fixed = without_held(fixed_system(placed))
+            fixed = weighted(without_held(fixed_system(placed))).system
             if freedom_of(fixed, compose(fixed)).closed:
                 return placed
     try:

@@ -8,6 +8,9 @@ each joint
 - no row that is left has a derivative by z, θ_x or θ_y: its reactions stay in the plane; or
 - both its bodies are held to the ground in z, θ_x and θ_y by rows that were dropped, whose
   reactions balance whatever leads out of the plane.
+
+A derivative of a kind that is shipped is looked at where it starts, of a kind of one's own it must
+vanish structurally; and rows of one's own hold nothing in the plane.
 """
 
 from __future__ import annotations
@@ -26,7 +29,7 @@ from kousoku.codegen.dynamics.composition.bodies import (
     start,
 )
 from kousoku.codegen.dynamics.composition.combinations import fixed_law
-from kousoku.codegen.dynamics.composition.joints import live_rows
+from kousoku.codegen.dynamics.composition.joints import live_rows, slopes_of
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.dynamics.recording.recorder import Recorder
 from kousoku.codegen.dynamics.simplification.forces_plane import (
@@ -36,6 +39,7 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
@@ -91,6 +95,8 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
         if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
             return False
         joint = joints.setdefault((instance.joint, instance.bodies), _Joint())
+        if is_own(instance.kind):  # what is zero by chance at the start does not count
+            jacobian = np.array(slopes_of(instance, recorder, body))
         joint.live.append(jacobian[list(live)])
         joint.dropped.append(jacobian[dropped])
         if dropped or instance.kind != COMBINATION:
@@ -215,7 +221,12 @@ def _kernel_at_start(
 
 
 def _axes(system: System, instance: Instance) -> list[tuple[float, ...]]:
-    """Return the axes of an instance, or of what it combines."""
+    """Return the axes of an instance, or of what it combines.
+
+    What a kind of one's own does with axes is not known: it has one that is none.
+    """
+    if is_own(instance.kind):
+        return [()]
     constants = list(instance.constants)
     for term in instance.terms:
         constants += system.coordinates[term.coordinate].constants

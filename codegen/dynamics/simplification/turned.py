@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
 from kousoku.model.mechanism import COMBINATION
+from kousoku.model.own_kind import is_own
 from kousoku.model.rows import ROWS
 
 if TYPE_CHECKING:
@@ -59,7 +60,9 @@ def turned(system: System, shift: int) -> System:
 
 
 def turned_row(kind: str, row: int, shift: int) -> int:
-    """Return which row of the turned kind is a row of a kind."""
+    """Return which row of the turned kind is a row of a kind; those of one's own are not turned."""
+    if is_own(kind):
+        return row
     kept = _components(kind)
     component = (kept[row] - shift) % 3
     return _components(_turned_kind(kind, shift)).index(component) if len(kept) > 1 else row

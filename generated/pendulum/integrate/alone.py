@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .events import Told, add_row, bends, without_value
+from .events import Told, add_row, bends, infinite, without_value
 from .given import require_options, require_steps, times_of, values_of
 from .given_start import given_start
 from .initial_given import initial_of, parameters_of
@@ -253,6 +253,9 @@ class Run:
         state = state_of(self._scene.solver.scene, self.state)
         if status == Status.BENDS:
             why = bends(self._layout, state.bent, state.limit, state.behind)
+            return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
+        if status == Status.INFINITE:
+            why = infinite(self._layout, state.pole)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
         if status == Status.NO_VALUE:
             where = (

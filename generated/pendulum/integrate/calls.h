@@ -67,8 +67,10 @@ static int is_sound(const State *s, size_t n_times)
 static int are_possible(const Settings *settings, const State *s)
 {
     const int is_kinematic = IS_DRIVEN && settings->method == METHODS;
-    if (!(settings->tolerance > 0.0) || !(settings->largest_step > 0.0)) return 0;
-    if (!(settings->fixed_step >= 0.0)) return 0;
+    if (!(settings->tolerance >= LEAST_TOLERANCE && settings->tolerance < 1.0)) return 0;
+    if (!(settings->largest_step > 0.0)) return 0;
+    if (!(settings->fixed_step >= 0.0 && settings->fixed_step <= settings->largest_step)) return 0;
+    if (!isfinite(settings->fixed_step)) return 0;
     if (settings->method < 0 || settings->method >= METHODS + IS_DRIVEN) return 0;
     if (is_kinematic && settings->fixed_step > 0.0) return 0;
     return s->method == 0.0 || s->method == 1.0 + settings->method;

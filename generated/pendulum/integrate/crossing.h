@@ -36,11 +36,27 @@
 #define SOON 0.1
 /* what rates are known to of a length in a step, in units of the tolerance */
 #define SLOW 1e-4
+/* where it is infinite a part of a force is so much larger that much nearer to the place: 1/x is
+ * FURTHER times as large; from one distance to the next that factor changes by no more than this */
+#define STEEP 7.0
+#define EVENLY 1.5
+/* a step that leads over such a place is made again, over this part of the way there; a run ends
+ * where the way is this part of its longest step */
+#define CLOSER 0.9
+#define NO_WAY 1e-6
+/* a function is near to zero where it is less than so many times what it is known to; what that is
+ * further away tells nothing of how near it comes between */
+#define BANDS 16.0
 
 enum {
-    N_SEEN = N_CROSSINGS + N_NARROW,
+    N_SWITCHING = N_CROSSINGS - N_POLES, /* events, and where formulas switch */
+    N_TOLD = N_CROSSINGS + N_NARROW,
+    N_SEEN = N_TOLD + N_INFINITE,
     N_READ = 2 * N_MEASURES,
-    W_SEEN = N_CROSSINGS > 0 ? W_CROSSINGS : W_NARROW /* one behind the other */
+    /* one behind the other */
+    W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS
+             : N_POLES > 0   ? W_POLES
+                             : W_NARROW
 };
 
 /* notes a step from a time on over which bounds do not tell how formulas vary */
@@ -58,11 +74,14 @@ typedef struct {
 /* a step that is looked at, whose polynomial is in the state: what values are known to, in the
  * motion and in its polynomial, which functions cross, where it was cut, and at which part of it at
  * least, whether samples leave open how narrow parts vary somewhere in it, whether it is kept if
- * nothing cuts it, and the event without a value right behind its start, counted from 1 */
+ * nothing cuts it, the event without a value right behind its start, counted from 1, the function
+ * that is zero in it where a force is infinite, counted likewise, when that is, and by what rates
+ * change in it, in the mean */
 typedef struct {
     const Method *m;
     double start, h, least_part, slack, cut, noise[ROOM(N_READ)], rounding[ROOM(N_READ)];
-    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost;
+    double pole_time, bend[ROOM(N_MEASURES)];
+    int crosses[ROOM(N_SEEN)], was_crossing[ROOM(N_SEEN)], is_untold, is_kept, lost, pole;
 } Look;
 
 /* whether what is a at the start of h and b at its end is positive between: no less than lines from
@@ -136,6 +155,7 @@ static void look_into(const Settings *settings, const Method *m, int has_stages,
         look->noise[2 * k] = settings->tolerance * size + SMALLEST * most;
         const double fast = larger(fabs(a[1]), fabs(b[1])) + SLOW * size / h;
         look->noise[2 * k + 1] = settings->tolerance * fast;
+        look->bend[k] = (b[1] - a[1]) / h;
         look->rounding[2 * k] = SMALLEST * (size + most);
         look->rounding[2 * k + 1] = SMALLEST * fast;
     }
@@ -198,12 +218,15 @@ static int is_told(size_t k, int side, const Node *a, const Node *b, const doubl
     const double least = side < 0 ? -bounds[1] : bounds[0];
     const double falls = side < 0 ? -bounds[3] : bounds[2];
     const double rises = side < 0 ? -bounds[2] : bounds[3];
-    const double band = larger(half_width(a, k), half_width(b, k));
+    const double band_a = half_width(a, k), band_b = half_width(b, k);
+    const double first = sign * middle(a, k), last = sign * middle(b, k);
+    const double near_a = side == 0 || first < BANDS * band_a ? band_a : 0.0;
+    const double near_b = side == 0 || last < BANDS * band_b ? band_b : 0.0;
+    const double within = larger(near_a, near_b);
     if (side != 0 && side_at(b, k) == -side) return rises <= 0.0;
-    if (least > -band || falls >= 0.0 || rises <= 0.0) return 1;
-    if (side == 0) return bounds[1] < band;
-    const double first = sign * middle(a, k) + band, last = sign * middle(b, k) + band;
-    return stays_positive(first, last, falls, rises, b->time - a->time);
+    if (least > -within || falls >= 0.0 || rises <= 0.0) return 1;
+    if (side == 0) return bounds[1] < within;
+    return stays_positive(first + within, last + within, falls, rises, b->time - a->time);
 }
 
 /* whether a function has a value at a node */
@@ -268,10 +291,11 @@ static double valued_end(const Node *a, const Node *b, Look *look, const State *
 }
 
 /* what values are known to where a function is looked for: an event that may jump does so in the
- * polynomial */
+ * polynomial, and a force is infinite there */
 static const double *noise_of(size_t k, const Look *look)
 {
-    return (int)k < EVENTS && events[k][2] ? look->rounding : look->noise;
+    const int is_exact = (int)k >= N_SWITCHING || ((int)k < EVENTS && events[k][2]);
+    return is_exact ? look->rounding : look->noise;
 }
 
 /* the first time between two nodes at which a function that crosses does: those of events are zero
@@ -323,12 +347,110 @@ static double first_time(const Node *a, const Node *b, Look *look, const State *
 static double first_left(const Node *a, const Node *b, const Look *look, const State *s, Work *work)
 {
     double first = HUGE_VAL;
-    for (size_t k = EVENTS; k != N_CROSSINGS; ++k) {
+    for (size_t k = EVENTS; (int)k < N_SWITCHING; ++k) {
         const int now = side_at(b, k);
         if (s->sides[k] != 0.0 || now == 0 || now * middle(a, k) > 0.0) continue;
         first = smaller(first, time_of(k, a, b, look, s, work));
     }
     return first;
+}
+
+/* what is seen that far from a time where formulas read this, and go on evenly */
+static void see_beside(double way, double time, const double *read, const double *noise,
+    const Look *look, Work *work, Node *node)
+{
+    for (size_t k = 0; k != N_MEASURES; ++k) {
+        node->read[2 * k] = read[2 * k] + way * read[2 * k + 1];
+        node->read[2 * k + 1] = read[2 * k + 1] + way * look->bend[k];
+    }
+    see_at(noise, time + way, work->w, node);
+}
+
+/* how large parts of forces that may be infinite are that far from a time */
+static void sizes_beside(double way, double time, const double *read, const Look *look, Work *work,
+    double *sizes)
+{
+    const double exact[ROOM(N_READ)] = { 0.0 };
+    Node node;
+    see_beside(way, time, read, exact, look, work, &node);
+    for (size_t k = 0; k != N_INFINITE; ++k) sizes[k] = fabs(middle(&node, N_TOLD + k));
+}
+
+/* whether a force is infinite where a function gets on a side of zero at a time, so that no motion
+ * leads through: it grows as 1/x or faster on a side. What is 0/0 there, or jumps, does not
+ * grow, and what grows less, as 1/sqrt(x), has a finite integral */
+static int is_infinite(
+    size_t k, int side, double time, const Look *look, const State *s, Work *work)
+{
+    double near[ROOM(N_INFINITE)], there[ROOM(N_INFINITE)], away[ROOM(N_INFINITE)];
+    double read[ROOM(N_READ)], far = ROUNDINGS * SMALLEST * larger(fabs(time), look->h);
+    int is_pole = 0;
+    Node a, b;
+    read_at(time, look, s, work, read);
+    for (;;) {
+        see_beside(-far, time, read, look->rounding, look, work, &a);
+        see_beside(far, time, read, look->rounding, look, work, &b);
+        if (side_at(&a, k) == -side && side_at(&b, k) == side) break;
+        far *= FURTHER;
+        if (!(far < s->stride)) return 1; /* rounding hides that */
+    }
+    for (int n = 0; n != 2; ++n) {
+        const double way = n == 0 ? -far : far;
+        sizes_beside(FURTHER * FURTHER * way, time, read, look, work, near);
+        sizes_beside(FURTHER * FURTHER * FURTHER * way, time, read, look, work, there);
+        sizes_beside(FURTHER * FURTHER * FURTHER * FURTHER * way, time, read, look, work, away);
+        for (size_t i = 0; i != N_INFINITE; ++i) {
+            const double both = near[i] * away[i], square = there[i] * there[i];
+            const int grows = near[i] > STEEP * there[i] && there[i] > STEEP * away[i] &&
+                              both <= EVENLY * square && square <= EVENLY * both;
+            is_pole = is_pole || grows || isinf(near[i]);
+        }
+    }
+    return is_pole;
+}
+
+/* finds the first pole of a force between two nodes, but behind nothing else that crosses there,
+ * where functions pass zero at which forces may be infinite */
+static void find_pole(
+    const int *passes, const Node *a, const Node *b, Look *look, const State *s, Work *work)
+{
+    int crossed[ROOM(N_SEEN)], any = 0;
+    double first = HUGE_VAL;
+    memcpy(crossed, look->crosses, sizeof crossed);
+    for (size_t k = 0; k != N_CROSSINGS; ++k) any = any || crossed[k];
+    if (any) first = first_time(a, b, look, s, work);
+    memcpy(look->crosses, crossed, sizeof crossed);
+    for (size_t k = 0; k != N_POLES; ++k) {
+        const size_t own = N_SWITCHING + k;
+        if (!passes[k]) continue;
+        const int side = side_at(b, own);
+        const double time = side_at(a, own) == side ? a->time : time_of(own, a, b, look, s, work);
+        if (time <= first && is_infinite(own, side, time, look, s, work)) {
+            first = look->pole_time = time;
+            look->pole = (int)k + 1;
+        }
+    }
+}
+
+/* where a step ends before a pole that is seen in it: at its start if that is near */
+static double end_before_pole(const Look *look, const State *s)
+{
+    const double way = look->pole_time - look->start;
+    return way > NO_WAY * s->stride ? look->start + CLOSER * way : look->start;
+}
+
+/* why a run leads no further, where a step would end there; GOOD where it does */
+static int why_stopped(double seen, const Look *look, State *s)
+{
+    if (look->lost) {
+        s->event = look->lost;
+        return NO_VALUE;
+    }
+    if (look->pole && !(seen > s->time)) {
+        s->pole = look->pole;
+        return INFINITE;
+    }
+    return GOOD;
 }
 
 /* where a step to an end must end: where a function first crosses, or how far was looked */
@@ -338,18 +460,27 @@ static double seen_end(double end, Look *look, State *s, Work *work)
     const double nearest = look->start + larger(ONWARD * tiny, look->least_part * look->h);
     const double widest = look->h / CELLS;
     const double soon = look->start + larger(ONWARD * tiny, look->slack);
+    int passed[ROOM(N_POLES)] = { 0 }, passes[ROOM(N_POLES)] = { 0 };
     double width = widest;
     Node a, b;
+    look->pole = 0;
     look_at(look->start, look, s, work, &a);
     valued_end(&a, &a, look, s, work);
     if (look->lost) return end;
     for (size_t n = 0; n != MOST_LOOKS && a.time < end; ++n) {
-        int is_known = 1, any = 0, is_lost = 0;
+        int is_known = 1, any = 0, is_lost = 0, may_be_infinite = 0;
         look_at(a.time + 1.0000001 * width < end ? a.time + width : end, look, s, work, &b);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
             if (s->sides[k] == 0.0) s->sides[k] = side_at(&a, k);
             const int side = (int)s->sides[k];
             look->crosses[k] = side != 0 && side_at(&b, k) == -side;
+            if (N_POLES > 0 && (int)k >= N_SWITCHING) {
+                const size_t pole = k - N_SWITCHING;
+                const int now = passed[pole] ? -side : side;
+                look->crosses[k] = 0;
+                passes[pole] = now != 0 && side_at(&b, k) == -now;
+                may_be_infinite = may_be_infinite || passes[pole];
+            }
             any = any || look->crosses[k];
         }
         const double valued = valued_end(&a, &b, look, s, work);
@@ -370,7 +501,8 @@ static double seen_end(double end, Look *look, State *s, Work *work)
         }
         bound_seen(&a, &b, work->w);
         for (size_t k = 0; k != N_CROSSINGS; ++k) {
-            const int side = (int)s->sides[k];
+            int side = (int)s->sides[k];
+            if (N_POLES > 0 && (int)k >= N_SWITCHING && passed[k - N_SWITCHING]) side = -side;
             if (is_lost && !has_value(&b, k)) continue; /* it ends where that has no value */
             if (!is_told(k, side, &a, &b, work->w)) is_known = 0;
         }
@@ -383,6 +515,11 @@ static double seen_end(double end, Look *look, State *s, Work *work)
             width = 0.5 * (b.time - a.time);
             continue;
         }
+        if (may_be_infinite && look->is_kept) {
+            find_pole(passes, &a, &b, look, s, work);
+            if (look->pole) return end;
+        }
+        for (size_t k = 0; k != N_POLES; ++k) passed[k] = passed[k] != passes[k];
         if (any) return smaller(larger(first_time(&a, &b, look, s, work), nearest), end);
         a = b;
         width = smaller(2.0 * width, widest);

@@ -73,6 +73,23 @@ def bends(layout: Layout, bent: float, limit: float, behind: float) -> str:
     )
 
 
+def infinite(layout: Layout, pole: float) -> str:
+    """Return a message: which force no motion leads through, and what to do.
+
+    Parameters
+    ----------
+    layout : Layout
+        Of the scene.
+    pole : float
+        The number in the state of the run, counted from 1.
+    """
+    return (
+        f"no step can be taken: {layout.poles[int(pole) - 1]} is infinite right behind, as 1/x"
+        " where x is 0: no motion leads through; wanted a formula that is bounded there, as"
+        " x/(x^2 + 1e-6) for 1/x"
+    )
+
+
 def add_row(rows: list[Array], event: float, row: Array) -> None:
     """Add the row of an event, whose number is counted from 1; one that is there is not told again.
 

@@ -8,11 +8,17 @@ enum { NOT_ASSEMBLED = PUBLIC(NOT_ASSEMBLED), NOT_PROJECTED = PUBLIC(NOT_PROJECT
 enum {
     STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL),
     NO_VALUE = PUBLIC(NO_VALUE),
-    BENDS = PUBLIC(BENDS)
+    BENDS = PUBLIC(BENDS),
+    INFINITE = PUBLIC(INFINITE)
 };
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0
+/* tolerances are from this one on, and below 1; given.py has it, too */
+#define LEAST_TOLERANCE 1e-15
+/* bodies that a step moves by no more than that, in lengths and radians, count as at rest: their
+ * velocities are compared with that */
+#define NOTHING_MOVES 1e-4
 /* a time that is no longer than rounding of times, in smallest steps; the part of a rate by which
  * it changes unevenly in that time where its law bends. settings.py has both, too */
 #define NO_TIME 8.0

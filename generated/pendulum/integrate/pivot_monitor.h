@@ -68,6 +68,6 @@ enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
 static void note_branch_point(double time, int is_there, State *s)
 {
     if (!is_there) return;
+    if (s->branch_points == 0.0) s->branch_point_time = time;
     s->branch_points += 1;
-    s->branch_point_time = time;
 }

@@ -217,6 +217,11 @@ class Scene:
         return "ranges" in self.regions
 
     @property
+    def n_poles(self) -> int:
+        """Count of functions that are zero where forces may be infinite."""
+        return self.size("poles") // 4
+
+    @property
     def has_narrow(self) -> bool:
         """Whether formulas vary with the state beyond polynomials."""
         return "narrow" in self.regions
@@ -245,7 +250,7 @@ class Scene:
             "N_PARAMETERS": self.size("parameters"),
             "MOMENTA": self.size("momenta"),
             "NCHECK": self.nc + self.size("C_left_out"),
-            "N_CROSSINGS": self.size("crossings") // 4,
+            "N_CROSSINGS": self.size("crossings") // 4 + self.n_poles,
             "EVENTS": len(self.events),
         }
 
@@ -301,7 +306,9 @@ class Workspace:
     measures: Array
     ranges: Array
     crossings: Array
+    poles: Array
     narrow: Array
+    infinite: Array
     constants: Array
 
     def __init__(self, scene: Scene, slots: Array) -> None:
@@ -315,8 +322,10 @@ class Workspace:
         rows = scene.nc + scene.size("C_left_out")
         self.all_C = slots[base : base + rows]
         # those that vary with the state behind those that cross
-        base = scene.regions.get("crossings", scene.regions.get("narrow", (0, 0)))[0]
-        self.seen = slots[base : base + len(self.crossings) + len(self.narrow)]
+        names = ("crossings", "poles", "narrow", "infinite")
+        base, size = scene.regions.get("ranges", (0, 0))
+        base += size
+        self.seen = slots[base : base + sum(map(scene.size, names))]
 
     def run(self, segment: str) -> None:
         """Compute a segment; one that the scene lacks does nothing."""

@@ -22,6 +22,9 @@ LEAST_TOLERANCES = {"dopri5": 2e-5, "dop853": 0.0}
 #: Rows that are left out, and miss so many times the closure tolerance, are not implied by others;
 #: memory.h has it, too.
 CLEARLY = 10.0
+#: Bodies that a step moves by no more than that, in lengths of the scene and radians, count as at
+#: rest: their velocities are compared with that. memory.h has it, too.
+NOTHING_MOVES = 1e-4
 #: A time that is no longer than rounding of times, in smallest steps; the part of a rate by which
 #: it changes unevenly in that time where its law bends. memory.h has both, too.
 NO_TIME = 8.0
@@ -72,6 +75,7 @@ class Status(IntEnum):
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
+    ``INFINITE``: a force is infinite right behind the time that was reached.
     """
 
     GOOD = 0
@@ -87,6 +91,7 @@ class Status(IntEnum):
     NOT_CLOSED = -6
     NO_VALUE = -7
     BENDS = -8
+    INFINITE = -9
 
 
 class Doubt(IntFlag):

@@ -11,6 +11,7 @@ from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import prepare_dense
+from .given import LEAST_TOLERANCE
 from .kinematics import driven_step
 from .methods import METHODS
 from .pivot_monitor import note_largest_pivot, pivot_ratio
@@ -168,9 +169,11 @@ class Solver:
     def _are_possible(self, settings: Settings, s: State) -> bool:
         """Return whether a run may be made so, and goes on with the method that it began with."""
         is_kinematic = self.scene.is_driven and settings.method == len(METHODS)
-        if not (settings.tolerance > 0.0 and settings.largest_step > 0.0):
+        if not (LEAST_TOLERANCE <= settings.tolerance < 1.0 and settings.largest_step > 0.0):
             return False
-        if not settings.fixed_step >= 0.0 or (is_kinematic and settings.fixed_step > 0.0):
+        if not 0.0 <= settings.fixed_step <= settings.largest_step:
+            return False
+        if not math.isfinite(settings.fixed_step) or (is_kinematic and settings.fixed_step > 0.0):
             return False
         if not 0 <= settings.method < len(METHODS) + self.scene.is_driven:
             return False

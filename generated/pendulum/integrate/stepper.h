@@ -24,13 +24,10 @@
  * up, and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
  * DOP853 it is 4 times too small; this is 10 times too large */
 #define LOCKED 4e-3
-/* where drivers determine the motion, a step in which pivot ratios sink to this part of those at
- * its ends goes over a place where branches meet: errors keep those shorter that go by beside it.
- * Ratios go with the square of the distance from there; a stage from this part of the step on
- * tells how */
-#define MEETING 0.04
+/* pivot ratios go with the square of the distance from a place where branches meet; a stage from
+ * this part of the step on tells how */
 #define INSIDE 0.25
-/* others are looked at where they sink to this part of the larger ratio at the ends, or a stage has
+/* steps are looked at where they sink to this part of the larger ratio at the ends, or a stage has
  * this part of the smaller one; and where ratios are smaller than this and the step is longer than
  * this part of the way to such a place */
 #define SINKS 0.1
@@ -43,6 +40,9 @@
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
+/* both where drivers determine the motion: what they lead has no error that keeps steps short */
+#define LOOSE_LED 1e-5
+#define LONGEST_LED 0.3
 #define LEVEL 0.999
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
@@ -52,7 +52,6 @@
  * bodies by a part of LENGTH in the step, and no less than rounding leaves where nothing moves, in
  * the longest step so far: in a short one rates of what does move are no larger */
 #define PART 0.05
-#define NOTHING_MOVES 1e-4
 /* a first step in the time in which bodies move LENGTH, or a radian; where nothing moves yet, in
  * the whole time */
 #define FIRST 0.01
@@ -81,21 +80,24 @@ static void add_to_start(const double *start, double *y, double *low)
     }
 }
 
-/* the largest speed so far, in lengths of the scene and radians [1/s] */
-static double fastest(const State *s) { return larger(s->fastest, size_of(s->y + NQ)); }
+/* the largest speed so far and at the end of a step, in lengths of the scene and radians [1/s] */
+static double fastest(const double *end, const State *s)
+{
+    return larger(larger(s->fastest, size_of(s->y + NQ)), size_of(end + NQ));
+}
 
 /* what the rates of a step are compared with, in lengths of the scene and radians [1/s]: told by
  * the motion, in other units of time it is the same */
 static double usual_rate(double h, const double *end, const State *s)
 {
-    const double known = larger(fastest(s), size_of(end + NQ));
+    const double known = fastest(end, s);
     return smaller(PART / h, larger(NOTHING_MOVES / larger(s->stride, h), known));
 }
 
 /* notes what later steps are compared with */
-static void note_motion(double h, State *s)
+static void note_motion(double h, const double *end, State *s)
 {
-    s->fastest = fastest(s);
+    s->fastest = fastest(end, s);
     s->stride = larger(s->stride, h);
 }
 
@@ -246,17 +248,17 @@ static double meeting_part(int is_dip, const Trial *trial, const State *s)
     return part > x ? x + (1.0 - x) * dip / (dip + last) : x * first / (first + dip);
 }
 
-/* whether a step may end on another branch. Where drivers determine the motion, one over a place
- * where branches meet may */
+/* whether a step may end on another branch */
 static int may_end_elsewhere(
     const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
 {
-    if (IS_DRIVEN) return sinks(MEETING, trial, s);
     if (!HAS_REFINEMENT) return 0;
-    const int is_free = !(settings->fixed_step > 0.0), is_loose = settings->tolerance > LOOSE;
+    const int is_free = !(settings->fixed_step > 0.0);
+    const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
     const double first = s->position_ratio, last = trial->last_ratio;
     const int is_steady = trial->least_ratio > LEVEL * larger(first, trial->most_ratio);
-    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return 1;
+    const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
+    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return 1;
     const double most = s->largest_pivot_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
@@ -289,7 +291,7 @@ static void accept(
     s->steps += 1;
     note_branch_point(s->time, trial->leaps, s);
     s->position_ratio = trial->last_ratio;
-    note_motion(h, s);
+    note_motion(h, work->y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
     memcpy(s->low, work->low, NY * sizeof *s->y);
@@ -346,7 +348,7 @@ static int step(
         if (good && trial.error <= 1.0) note_largest_pivot(work, s);
         int is_whole = good;
         const double last = trial.is_last ? end : s->time + h;
-        if (good && trial.error <= 1.0 && (N_CROSSINGS > 0 || asked < last)) {
+        if (good && trial.error <= 1.0 && (N_SWITCHING > 0 || asked < last)) {
             is_whole = make_dense_stages(m, &trial, work, s);
         }
         if ((good || is_fixed) && trial.least_ratio < weak * s->largest_pivot_ratio) {
@@ -368,8 +370,7 @@ static int step(
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (is_whole && trial.error <= 1.0) {
             trial.leaps = may_end_elsewhere(m, settings, &trial, work, s);
-            const int can_be_shorter = !IS_DRIVEN && !is_fixed;
-            if (trial.leaps && can_be_shorter) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
+            if (trial.leaps && !is_fixed) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
         }
         if (!is_whole) trial.error = 1e3;
         double by_error = 0.2;
@@ -379,7 +380,8 @@ static int step(
         if (N_SEEN > 0 && is_whole && (trial.error <= 1.0 || !is_guessed)) {
             const int is_kept = trial.error <= 1.0;
             const double *f = work->k[m->stages];
-            look_into(settings, m, N_CROSSINGS > 0 && is_kept, h, work->y, s->f, f, &look, s, work);
+            const int has_stages = N_SWITCHING > 0 && is_kept;
+            look_into(settings, m, has_stages, h, work->y, s->f, f, &look, s, work);
             look.least_part = is_kept && !is_vague ? 0.0 : LEAST_PART;
             look.is_kept = is_kept;
             double to = last;
@@ -389,11 +391,14 @@ static int step(
                 look.is_untold = !are_narrow_told(s->time, last, &look, s, work);
             }
             /* one that leads beyond its end stays as it is */
-            const double seen = is_beyond ? last : seen_end(last, &look, s, work);
-            if (look.lost) {
-                s->event = look.lost;
-                return NO_VALUE;
+            double seen = is_beyond ? last : seen_end(last, &look, s, work);
+            if (look.pole && !has_stages && make_dense_stages(m, &trial, work, s)) {
+                look_into(settings, m, 1, h, work->y, s->f, f, &look, s, work);
+                seen = seen_end(last, &look, s, work);
             }
+            if (look.pole) seen = end_before_pole(&look, s);
+            const int why = why_stopped(seen, &look, s);
+            if (why != GOOD) return why;
             if (seen <= to && seen < last) {
                 to = end = cut_at(seen, &look);
             } else if (EVENTS > 0 && is_kept && last == look.cut && polished++ < MOST_POLISHED) {

@@ -15,12 +15,14 @@ from .crossing import (
     Look,
     are_narrow_told,
     cut_at,
+    end_before_pole,
     look_into,
     note_crossings,
     note_unresolved,
     polished_cut,
     seen_end,
     told_end,
+    why_stopped,
 )
 from .dense_output import combine
 from .pivot_monitor import (
@@ -39,7 +41,7 @@ from .projection import (
     take_normal_part,
 )
 from .row_switch import forget_trials
-from .settings import Status
+from .settings import NOTHING_MOVES, Status
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -76,13 +78,10 @@ CLEAR = 1e-3
 #: and the better estimate can be blind at just these. Of a half-wave of a sine in one step of
 #: DOP853 it is 4 times too small; this is 10 times too large.
 LOCKED = 4e-3
-#: Where drivers determine the motion, a step in which pivot ratios sink to this part of those at
-#: its ends goes over a place where branches meet: errors keep those shorter that go by beside it.
-#: Ratios go with the square of the distance from there; a stage from this part of the step on tells
-#: how.
-MEETING = 0.04
+#: Pivot ratios go with the square of the distance from a place where branches meet; a stage from
+#: this part of the step on tells how.
 INSIDE = 0.25
-#: Others are looked at where they sink to this part of the larger ratio at the ends, or a stage has
+#: Steps are looked at where they sink to this part of the larger ratio at the ends, or a stage has
 #: this part of the smaller one; and where ratios are smaller than this and the step is longer than
 #: this part of the way to such a place.
 SINKS = 0.1
@@ -95,6 +94,9 @@ FAR = 0.5
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
+#: Both where drivers determine the motion: what they lead has no error that keeps steps short.
+LOOSE_LED = 1e-5
+LONGEST_LED = 0.3
 LEVEL = 0.999
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
@@ -104,7 +106,6 @@ SAFETY = 0.8
 #: bodies by a part of a length in the step, and no less than rounding leaves where nothing moves,
 #: in the longest step so far: in a short one rates of what does move are no larger.
 PART = 0.05
-NOTHING_MOVES = 1e-4
 #: A first step in the time in which bodies move a length of the scene, or a radian; where nothing
 #: moves yet, in the whole time.
 FIRST = 0.01
@@ -161,9 +162,10 @@ def add_to_start(start: Array, y: Array, low: Array | None) -> None:
     y[:] = total
 
 
-def fastest(state: State, work: Work) -> float:
-    """Return the largest speed so far, in lengths of the scene and radians [1/s]."""
-    return larger(state.fastest, work.w.size_of(state.y[work.scene.nq :]))
+def fastest(end: Array, state: State, work: Work) -> float:
+    """Return the largest speed so far and at the end of a step, in lengths and radians [1/s]."""
+    size_of, nq = work.w.size_of, work.scene.nq
+    return larger(larger(state.fastest, size_of(state.y[nq:])), size_of(end[nq:]))
 
 
 def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
@@ -171,13 +173,13 @@ def usual_rate(h: float, end: Array, state: State, work: Work) -> float:
 
     It is told by the motion: in other units of time it is the same.
     """
-    known = larger(fastest(state, work), work.w.size_of(end[work.scene.nq :]))
+    known = fastest(end, state, work)
     return smaller(PART / h, larger(NOTHING_MOVES / larger(state.stride, h), known))
 
 
-def note_motion(h: float, state: State, work: Work) -> None:
+def note_motion(h: float, end: Array, state: State, work: Work) -> None:
     """Note what later steps are compared with."""
-    state.fastest = fastest(state, work)
+    state.fastest = fastest(end, state, work)
     state.stride = larger(state.stride, h)
 
 
@@ -336,18 +338,15 @@ def meeting_part(trial: Trial, state: State, *, is_dip: bool) -> float:
 def may_end_elsewhere(
     m: Method, settings: Settings, trial: Trial, work: Work, state: State
 ) -> bool:
-    """Return whether a step may end on another branch.
-
-    Where drivers determine the motion, one over a place where branches meet may.
-    """
-    if work.scene.is_driven:
-        return sinks(MEETING, trial, state)
+    """Return whether a step may end on another branch."""
     if not work.scene.has_refinement:
         return False
-    is_free, is_loose = not settings.fixed_step > 0.0, settings.tolerance > LOOSE
+    is_free = not settings.fixed_step > 0.0
+    is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
     is_steady = trial.least_ratio > LEVEL * larger(first, trial.most_ratio)
-    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
+    longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
+    if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
         return True
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_sinking = is_dip or sinks(SINKS, trial, state)
@@ -385,7 +384,7 @@ def accept(
     state.steps += 1
     note_branch_point(state.time, state, is_there=trial.leaps)
     state.position_ratio = trial.last_ratio
-    note_motion(h, state, work)
+    note_motion(h, work.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = work.y
     state.low[:] = work.low
@@ -449,7 +448,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             note_largest_pivot(work, state)
         is_whole = is_good
         last = end if is_last else state.time + trial.h
-        has_crossings, has_events = len(state.sides) > 0, len(state.counts) > 0
+        has_crossings = len(state.sides) > work.scene.n_poles
+        has_events = len(state.counts) > 0
         if is_good and trial.error <= 1.0 and (has_crossings or asked < last):
             is_whole = make_dense_stages(m, trial, work, state)
         if (is_good or is_fixed) and trial.least_ratio < weak * state.largest_pivot_ratio:
@@ -468,7 +468,7 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
             return Status.NOT_PROJECTED
         if is_whole and trial.error <= 1.0:
             trial.leaps = may_end_elsewhere(m, s, trial, work, state)
-            if trial.leaps and not (work.scene.is_driven or is_fixed):
+            if trial.leaps and not is_fixed:
                 is_whole = not way_of(trial, state, work) > STILL_LONG
         if not is_whole:
             trial.error = 1e3
@@ -488,9 +488,14 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
                 look.is_untold = not are_narrow_told(state.time, last, look)
             # one that leads beyond its end stays as it is
             seen = last if is_beyond else seen_end(last, look)
-            if look.lost:
-                state.event = float(look.lost)
-                return Status.NO_VALUE
+            if look.pole and not has_stages and make_dense_stages(m, trial, work, state):
+                look_into(s, m, trial.h, work.y, work.k[m.stages], look, has_stages=True)
+                seen = seen_end(last, look)
+            if look.pole:
+                seen = end_before_pole(look)
+            why = why_stopped(seen, look)
+            if why != Status.GOOD:
+                return why
             if seen <= to and seen < last:
                 to = end = cut_at(seen, look)
             elif has_events and is_kept and last == look.cut and polished < MOST_POLISHED:

@@ -273,7 +273,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
     """Return where a step of length h must end, at most at an end.
 
     No longer than a part of the intervals that are resolved, unless it ends before such a one. What
-    keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted.
+    keeps steps short for long, such as a quotient that is 0/0 somewhere, is gone over and counted,
+    and so is what takes too many intervals.
     """
     if not work.scene.has_features:
         return end
@@ -297,6 +298,8 @@ def resolved_step(h: float, part: float, end: float, state: State, work: Work) -
         if not first < start + allowed:
             break
         width = 2.0 * width
+    else:
+        note_unresolved(start, state)
     state.short_steps = state.short_steps + 1 if allowed < SHORT * state.longest else 0
     if not allowed < whole:
         return end

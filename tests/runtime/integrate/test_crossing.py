@@ -30,7 +30,10 @@ def looked_at(
 
     monkeypatch.setattr(crossing, "look_at", look_at)
     monkeypatch.setattr(crossing, "bound_seen", bound_seen)
-    look: Any = SimpleNamespace(state=SimpleNamespace(sides=np.zeros(0)))
+    look: Any = SimpleNamespace(
+        state=SimpleNamespace(sides=np.zeros(0)),
+        work=SimpleNamespace(w=SimpleNamespace(narrow=np.zeros(4))),
+    )
     return are_narrow_told(1.0, 3.0, look), pairs
 
 
@@ -95,6 +98,6 @@ def test_what_is_near_zero_on_its_side_already_cuts_no_step(
     left = Node(3.0, nothing, np.array([-2e-2]), np.array([-1e-2]))
     look: Any = SimpleNamespace(
         state=SimpleNamespace(sides=np.zeros(1)),
-        work=SimpleNamespace(scene=SimpleNamespace(events=())),
+        work=SimpleNamespace(scene=SimpleNamespace(events=(), n_poles=0)),
     )
     assert first_left(near, left, look) == cut

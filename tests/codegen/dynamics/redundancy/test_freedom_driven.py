@@ -18,6 +18,7 @@ from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.redundancy.branch import Branch
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, Coordinate, Instance, System, Term
@@ -261,3 +262,22 @@ def test_a_row_that_nothing_changes_is_refused_with_its_amount(
 
     with pytest.raises(SceneError, match=r"^joints\.square: is violated by 0\.6 rad, and no body"):
         require_unmoved_rows_hold(system, compose(system))
+
+
+def test_bodies_without_masses_may_have_rows_that_others_nearly_imply() -> None:
+    places = {"crank": [0, 0, 0], "rod": [1, 0, 0], "slider": [3, 0, 0]}
+    ends = {"bodies": ["crank", "rod"]}
+    joints = {
+        "a": hinge("ground", "crank", 0, 0),
+        "b": {"type": "spherical", "at": [1, 0, 0], **ends},
+        "parallel": {"type": "parallel_axes", "axis": [0, 0, 1], **ends},
+        "c": hinge("rod", "slider", 3, 0),
+        "d": {"type": "prismatic", "bodies": ["ground", "slider"], "at": [3, 0, 0], "axis": X},
+    }
+    system = built(
+        {name: {"position": place} for name, place in places.items()},
+        joints,
+        drivers={"motor": {"joint": "a", "value": "0.3 + t"}},
+    )
+    slider = put_together(system).bodies[2]  # wanted masses where rows were looked at
+    assert slider.r[0] == pytest.approx(math.cos(0.3) + (4 - math.sin(0.3) ** 2) ** 0.5)

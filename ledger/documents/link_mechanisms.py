@@ -1,4 +1,4 @@
-"""The two mechanisms of Yamada and Tatsumi (1981), section 4, and their assembly from links."""
+"""The two mechanisms of Yamada and Tatsumi (1981), their assembly from links, and their freedom."""
 
 from __future__ import annotations
 
@@ -6,8 +6,17 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+import sympy
+from sympy.polys.matrices import DomainMatrix
+
+from kousoku.ledger.names import Names
+from kousoku.ledger.proof import GENERAL
+from kousoku.model.errors import LedgerError
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
+
+NAMES = Names(GENERAL)
 
 Scalar = Any
 
@@ -82,3 +91,56 @@ LEVER_CRANK = Mechanism(
     (30, 60, 80, 100),
     MappingProxyType({"u_1": "0", "v_1": "0", "ψ_11": "Δα", "ψ_42": "0"}),
 )
+
+
+# -- one degree of freedom -----------------------------------------------------------------------
+
+
+def determinant(mechanism: Mechanism) -> Scalar:
+    """Return the determinant of the columns of the unknowns, with sines and cosines as letters."""
+    letters = {k: sympy.symbols(f"c{k} s{k} l{k}") for k in range(1, len(mechanism.links) + 1)}
+
+    def element(link: int) -> list[list[Scalar]]:
+        c, s, l0 = letters[link]
+        return [[-c, -s, 0, c, s, 0], [-s, c, l0, s, -c, 0], [s, -c, 0, -s, c, -l0]]
+
+    rows = mechanism.assembled(element)
+    square = sympy.Matrix([[row[k] for k in mechanism.unknown] for row in rows])
+    if square.rows != square.cols:
+        raise LedgerError(f"{square.rows} equations for {square.cols} unknowns")
+    matrix = DomainMatrix.from_Matrix(square).to_field()
+    return matrix.domain.to_sympy(matrix.det())
+
+
+@NAMES.proof()
+def pistons_freedom() -> dict[str, bool]:
+    """Look at the determinant of the piston crank, and at the rod's angle."""
+    c1, s1, l1, c2, l2 = sympy.symbols("c1 s1 l1 c2 l2")
+    crank, rod = PISTON_CRANK.lengths
+    apart = determinant(PISTON_CRANK) - l1 * l2**2 * c2 * (c1**2 + s1**2)
+    return {
+        "6 equations, 6 unknowns, determinant l1 l2² cos β2": sympy.cancel(apart) == 0,
+        f"cos β2 is never 0, as l1 = {crank} < l2 = {rod}": crank < rod,
+        "one known displacement, of the crank, is not 0": _moved(PISTON_CRANK) == ["ψ_11"],
+    }
+
+
+@NAMES.proof()
+def levers_freedom() -> dict[str, bool]:
+    """Look at the determinant of the lever crank, and at where coupler and lever are in line."""
+    c1, s1, l1, c2, s2, l2 = sympy.symbols("c1 s1 l1 c2 s2 l2")
+    c3, s3, l3, c4, s4, l4 = sympy.symbols("c3 s3 l3 c4 s4 l4")
+    want = -l1 * l2**2 * l3**2 * l4 * (s2 * c3 - c2 * s3)
+    apart = determinant(LEVER_CRANK) - want * (c1**2 + s1**2) * (c4**2 + s4**2)
+    a, b, c, d = LEVER_CRANK.lengths
+    counted = "12 equations, 12 unknowns, determinant −l1 l2² l3² l4 sin(β2 − β3)"
+    return {
+        counted: sympy.cancel(apart) == 0,
+        f"sin(β2 − β3) is never 0: O2 and O4 are {d - a} to {d + a} apart, "
+        f"in line {abs(b - c)} or {b + c}": abs(b - c) < d - a and d + a < b + c,
+        "one known displacement, of the crank, is not 0": _moved(LEVER_CRANK) == ["ψ_11"],
+    }
+
+
+def _moved(mechanism: Mechanism) -> list[str]:
+    return [name for name, value in mechanism.known.items() if value != "0"]

@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 import mpmath
 
-from kousoku.ledger.link_mechanisms import LEVER_CRANK, PISTON_CRANK
+from kousoku.ledger.documents.link_mechanisms import LEVER_CRANK, PISTON_CRANK
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.ledger.link_mechanisms import Mechanism
+    from kousoku.ledger.documents.link_mechanisms import Mechanism
 
 #: mpmath with 30 digits, apart from the context that other code may set.
 MP = mpmath.mp.clone()

@@ -1,4 +1,4 @@
-"""What the symbols of "three mass points" mean: points carried by a frame, under Newton's law.
+"""Three mass points: points carried by a frame, under Newton's law, and what is proved of them.
 
 Everything is found on the component level: positions are differentiated along ṗ = ½ p∘(0, ω′).
 An internal force is central, and opposite to the one on the other point. An external force is what
@@ -8,28 +8,34 @@ identity. Nothing that an entry states is used.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache, reduce
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 from sympy import S
-from sympy.matrices.expressions import Identity, MatrixSymbol
+from sympy.matrices.expressions import BlockMatrix, Identity, MatrixSymbol, Transpose, ZeroMatrix
 
-from kousoku.ledger.entry import Check
-from kousoku.ledger.proof import equal, refuted
+from kousoku.ledger import find
+from kousoku.ledger.names import Names
+from kousoku.ledger.proof import GENERAL, difference, different, equality, value_of
 from kousoku.ledger.turning import along, flat, orientation, turned
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic import derive
-from kousoku.symbolic.components import cross, dot, plus, subtract
+from kousoku.symbolic.components import Flow, cross, dot, plus, subtract
 from kousoku.symbolic.mass import FORCE, I_A_B, MASS, OMEGA_B, R_AG_B, TORQUE_B, P
-from kousoku.symbolic.matrices import Orientation, elements, symbol
+from kousoku.symbolic.matrices import Orientation, Skew, elements, mul, neg, symbol
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from kousoku.ledger.names import Words
+    from kousoku.ledger.proof import Side
     from kousoku.ledger.vocabulary import Value
+
+NAMES = Names(GENERAL)
 
 Vector = list[Any]
 
@@ -40,26 +46,28 @@ OMEGA_DOT = Quantity("omega_b_dot", (3,), "rad/s^2", "change of the angular velo
 M = Quantity("m", (3,), "kg", "masses")
 S_B = Quantity("s_b", (3, 3), "m", "places of the points, frame A, one a row")
 K = Quantity("k", (3,), "N/m", "internal force of each pair of points, over their distance")
-#: How the document writes the acceleration of point i.
-ACCELERATION = (
-    r"a_{OA}^O - \{C_{OA} cross(\omega_{A}^A)  \} cross(r_{Ai}^A) \omega_{A}^A"
-    r" - C_{OA} cross(r_{Ai}^A)  \{\frac{d}{dt}\omega_{A}^A \}"
-)
 MOTION = (R, V, V_DOT, P, OMEGA_B, OMEGA_DOT)
+#: Two points on which nothing else is known.
+ARMS = tuple(Quantity(f"r_{k}", (3,), "m", f"point {k}") for k in (1, 2))
+SPEEDS = tuple(Quantity(f"v_{k}", (3,), "m/s", f"velocity of point {k}") for k in (1, 2))
+INNER = Quantity("f_12", (3,), "N", "force on point 1 from point 2, in any direction")
 
 
+@NAMES.words
 @cache
 def words() -> Vocabulary:
     """Return what the symbols mean for points 1, 2 and 3, anywhere in frame A."""
     return carried("123", _rows(), (*MOTION, M, S_B, K))
 
 
+@NAMES.words
 @cache
 def one_point() -> Vocabulary:
     """Return what they mean for any point i; j and k are the two others."""
     return carried("ijk", _rows(), (*MOTION, M, S_B, K))
 
 
+@NAMES.words
 @cache
 def centred() -> Vocabulary:
     """Return what they mean where the origin of frame A is the centre of mass."""
@@ -70,6 +78,7 @@ def centred() -> Vocabulary:
     return carried("123", places, (*MOTION, M, first, second, K))
 
 
+@NAMES.words
 @cache
 def body() -> Vocabulary:
     """Return what they mean for any rigid body, given by mass, centre and inertia."""
@@ -86,10 +95,63 @@ def body() -> Vocabulary:
     return Vocabulary((P, OMEGA_B, MASS, R_AG_B, I_A_B, FORCE, TORQUE_B), meanings)
 
 
+@NAMES.words
 @cache
 def any_vectors() -> Vocabulary:
     """Return a and b, any two vectors."""
     return free({name: Quantity(name, (3,), "-", "any vector") for name in "ab"})
+
+
+@NAMES.words
+@cache
+def opposite() -> Vocabulary:
+    """Return two points and internal forces that are opposite, and no more than that."""
+    words = free({"vec r_A1": ARMS[0], "vec r_A2": ARMS[1], "vec f_12": INNER})
+    return words.knowing({"vec f_21": neg(symbol(INNER))})
+
+
+@NAMES.words
+@cache
+def newton() -> Vocabulary:
+    """Return one point with its mass m, its acceleration a, and f, the change of m v."""
+    known, change = one_point(), rate()
+    momentum = scaled(elements(M)[0], known.given["v_Oi^O"])
+    given = {**known.given, "f": change(momentum)}
+    meanings = {"m": elements(M)[0], "a": known.meanings["a_Oi^O"], "f": MatrixSymbol("f", 3, 1)}
+    return Vocabulary(known.quantities, {**known.meanings, **meanings}, given)
+
+
+@NAMES.words
+@cache
+def on_one_line() -> Vocabulary:
+    """Return what the symbols mean for points on a line: through point 0, in direction t."""
+    start, line = Quantity("s_0", (3,), "m", "point 0"), Quantity("t", (3,), "-", "direction")
+    along_line = Quantity("x", (3,), "-", "where on the line each point is")
+    places = [plus(elements(start), scaled(x, elements(line))) for x in elements(along_line)]
+    known = carried("123", places, (*MOTION, M, start, line, along_line, K))
+    return known.knowing({"r_A0^A": symbol(start), "t": symbol(line)})
+
+
+@NAMES.words
+@cache
+def in_a_plane() -> Vocabulary:
+    """Return what the symbols mean for points in the plane of the motion: z = 0, ω along z."""
+    x, y = (Quantity(f"{axis}_b", (3,), "m", f"{axis} of each point, frame A") for axis in "xy")
+    places = [[*place, S.Zero] for place in zip(elements(x), elements(y), strict=True)]
+    return _about_z(carried("123", places, (*MOTION, M, x, y, K)))
+
+
+@NAMES.words
+@cache
+def off_the_plane() -> Vocabulary:
+    """Return what they mean for points anywhere, and ω along z."""
+    return _about_z(words())
+
+
+def _about_z(known: Vocabulary) -> Vocabulary:
+    spin = [S.Zero, S.Zero, elements(OMEGA_B)[2]]
+    turning = replace(known, given={**known.given, "spin": spin})
+    return turning.knowing({"ω_A^A": MatrixSymbol("spin", 3, 1)})
 
 
 def _rows() -> list[Vector]:
@@ -211,27 +273,10 @@ def scaled(number: Any, vector: Sequence[Any]) -> Vector:
     return [number * x for x in vector]
 
 
-def over_points(term: str) -> str:
-    """Return the terms of points 1, 2 and 3, each ``#`` being the number, side by side."""
-    return " ".join(term.replace("#", number) for number in "123")
-
-
 def free(vectors: Mapping[str, Quantity]) -> Vocabulary:
     """Return a vocabulary of vectors that nothing binds."""
     quantities = tuple(vectors.values())
     return Vocabulary(quantities, {name: symbol(q) for name, q in vectors.items()})
-
-
-def unreadable(statement: str, formula: str, vocabulary: Callable[[], Vocabulary] = words) -> Check:
-    """Return the check that a formula cannot be formed: its shapes do not fit."""
-
-    def run() -> str:
-        seen = refuted(formula, vocabulary())
-        if not seen.startswith("cannot be formed"):
-            raise LedgerError(f"it can be formed: {seen}")
-        return seen
-
-    return Check(statement, run)
 
 
 # -- ties to the code ----------------------------------------------------------------------------
@@ -244,32 +289,87 @@ def derived(package: str, function: str, output: str) -> Value:
     return found[output]
 
 
-def in_code(
-    package: str,
-    output: str,
-    formula: str,
-    vocabulary: Callable[[], Vocabulary] = words,
-) -> Check:
-    """Return the check that an output of the code, ``function.output``, is what a formula says."""
-    function, name = output.split(".")
-    statement = f"the code's {package}.{function} gives this as {name}"
-    return equal(statement, vocabulary, lambda: derived(package, function, name), formula)
+@NAMES.proof("the code's {package}.{function} gives this as {output}")
+def in_code(package: str, function: str, output: str, formula: str | Side, words: Words) -> str:
+    """Prove that an output of a function of the code is what a formula says."""
+    known = words()
+    return equality(known, derived(package, function, output), value_of(formula, known))
 
 
-def in_step(
-    package: str,
-    name: str,
-    formula: str,
-    vocabulary: Callable[[], Vocabulary] = words,
-) -> Check:
-    """Return the check that the last step about ``name`` in the code is what a formula says."""
+@NAMES.proof("the code's steps of {package} end with this as {name}")
+def in_step(package: str, name: str, formula: str | Side, words: Words) -> str:
+    """Prove that the last step about a symbol in the code is what a formula says."""
+    found = [s.right for s in derive(package).steps if getattr(s.left, "name", "") == name]
+    if not found:
+        raise LedgerError(f"the code's {package} has no step about {name}")
+    known = words()
+    return equality(known, found[-1], value_of(formula, known))
 
-    def right() -> Value:
-        found = [s.right for s in derive(package).steps if getattr(s.left, "name", "") == name]
-        if not found:
-            raise LedgerError(f"the code's {package} has no step about {name}")
-        return found[-1]
 
-    return equal(
-        f"the code's steps of {package} end with this as {name}", vocabulary, right, formula
+# -- points and forces ---------------------------------------------------------------------------
+
+
+@NAMES.proof()
+def distances_are_fixed() -> str:
+    """Differentiate the distances of all pairs of points: they do not change."""
+    change, given = rate(), words().given
+    for one, other in (("1", "2"), ("1", "3"), ("2", "3")):
+        apart = subtract(given[f"r_O{one}^O"], given[f"r_O{other}^O"])
+        seen = equality(words(), change([dot(apart, apart)])[0], S.Zero)
+    return f"for all three pairs: {seen}"
+
+
+@NAMES.proof()
+def internal_forces_turn() -> str:
+    """Let two points move by their internal forces alone: Σ r × m v changes by the moment."""
+    masses, force = Quantity("m", (2,), "kg", "masses"), elements(INNER)
+    direction: dict[Any, Any] = {}
+    for k, sign in enumerate((1, -1)):
+        direction |= dict(zip(elements(ARMS[k]), elements(SPEEDS[k]), strict=True))
+        pulled = [sign * x / elements(masses)[k] for x in force]
+        direction |= dict(zip(elements(SPEEDS[k]), pulled, strict=True))
+    flow = Flow(direction, ())
+    turning = added(
+        [
+            scaled(m, cross(elements(r), elements(v)))
+            for m, r, v in zip(elements(masses), ARMS, SPEEDS, strict=True)
+        ]
     )
+    moment = added([cross(elements(ARMS[0]), force), cross(elements(ARMS[1]), scaled(-1, force))])
+    given = {"change": [flow(x) for x in turning], "moment": moment}
+    known = Vocabulary((*ARMS, *SPEEDS, INNER, masses), {}, given)
+    change = MatrixSymbol("change", 3, 1)
+    seen = equality(known, change, MatrixSymbol("moment", 3, 1))
+    witness = difference(known, change, ZeroMatrix(3, 1))
+    if not witness:
+        raise LedgerError("opposite forces never turn the points")
+    return f"{seen}; not zero: {witness}"
+
+
+@NAMES.proof()
+def are_coefficients(formula: str) -> str:
+    """Change the accelerations alone: F and N change by the matrix times that, and linearly."""
+    changes = [Quantity(f"d{q.name}", (3,), q.unit, "its change") for q in (V_DOT, OMEGA_DOT)]
+    flow = along(*zip((V_DOT, OMEGA_DOT), changes, strict=True))
+    known = words()
+    first = [flow(x) for name in ("F_A^O", "N_A^A") for x in known.given[name]]
+    given = {**known.given, "first": first, "second": [flow(x) for x in first]}
+    changing = replace(known, quantities=(*known.quantities, *changes), given=given)
+    matrix = value_of(formula, changing)
+    column = BlockMatrix([[symbol(q)] for q in changes])
+    equality(changing, MatrixSymbol("second", 6, 1), ZeroMatrix(6, 1))
+    return equality(changing, MatrixSymbol("first", 6, 1), mul(matrix, column))
+
+
+@NAMES.proof("with N_A as printed, C_OA in place of its transpose, it does not hold")
+def fails_with_printed_torque(formula: str | Side) -> str:
+    """Prove that a balance of moments has another value than N_A as it is printed."""
+    return different(words, formula, find("torque-definition").printed)
+
+
+@NAMES.proof()
+def transpose_is_negative() -> str:
+    """Transpose the elements of a skew matrix one by one: it is minus itself."""
+    known = any_vectors()
+    transposed = Transpose(Skew(known.meanings["a"]))
+    return equality(known, transposed, value_of("-cross(a)", known))

@@ -1,4 +1,8 @@
-"""What is checked of the link element beyond that sides are equal: remainders, ranks, the code."""
+"""Yamada and Tatsumi 1981, section 2: what the symbols of one link mean, and what is proved of it.
+
+The link is at any reference position, displaced by any **u**. Angles are those of the direction
+from end to end, so that their sines and cosines are quotients of lengths, and all is exact.
+"""
 
 from __future__ import annotations
 
@@ -10,64 +14,136 @@ import sympy
 from sympy import S, Symbol
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
-from kousoku.ledger.entry import Check
-from kousoku.ledger.link_words import (
-    PLACE,
-    U,
-    angle,
-    at,
-    code,
-    column,
-    derived,
-    displaced,
-    length,
-    reference,
-    span,
-    turned,
-    words,
-)
+from kousoku.ledger import find
+from kousoku.ledger.documents import link_mechanisms
+from kousoku.ledger.names import Names
 from kousoku.ledger.proof import equality, value_of
 from kousoku.ledger.vocabulary import Vocabulary
 from kousoku.model.errors import LedgerError
 from kousoku.model.quantity import Quantity
+from kousoku.symbolic import derive
 from kousoku.symbolic.link_element import LENGTH, OFFSET, X
 from kousoku.symbolic.matrices import elements
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Sequence
 
-#: (5) to (7) as printed, from which all else is differentiated.
-DEFORMATIONS = (
-    r"\epsilon_{i1} = l_i - l_i^0 \quad (\text{リンクの伸び})",
-    r"\epsilon_{i2} = \{(\beta_i^0 + \psi_{i1}) - \beta_i\} l_i^0 = (\beta_{i1} - \beta_i) l_i^0",
-    r"\epsilon_{i3} = \{(\beta_i - (\beta_i^0 + \psi_{i2}))\} l_i^0"
-    r" = (\beta_i - \beta_{i2}) l_i^0",
-)
-#: (15) as printed.
-MATRIX = (
-    r"[D_i^0] = \begin{bmatrix} -\cos \beta_i^0 & -\sin \beta_i^0 & 0"
-    r" & \cos \beta_i^0 & \sin \beta_i^0 & 0 \\"
-    r" -\sin \beta_i^0 & \cos \beta_i^0 & l_i^0 & \sin \beta_i^0 & -\cos \beta_i^0 & 0 \\"
-    r" \sin \beta_i^0 & -\cos \beta_i^0 & 0 & -\sin \beta_i^0 & \cos \beta_i^0 & -l_i^0"
-    r" \end{bmatrix}"
-)
+    from kousoku.ledger.proof import Side
+    from kousoku.symbolic.derivation import Derivation
+
+NAMES = Names(link_mechanisms.NAMES)
+
+#: Where the ends are at the reference, and how far they and their rotations are displaced.
+PLACE = Quantity("place", (4,), "m", "x1 y1 x2 y2 at the reference position")
+U = Quantity("displacement", (6,), "m, rad", "u1 v1 ψ1 u2 v2 ψ2")
 TURN = Quantity("turn", (3,), "m, rad", "an infinitesimal rigid motion: of end 1 along x and y, θ")
 THETA = Quantity("θ", (), "rad", "a rotation of any size")
 #: A link of length 5 along (3, 4), and a displacement: for these all is rational.
 NUMBERS = dict(zip(elements(PLACE), (0, 0, 3, 4), strict=True))
+COORDINATES = ("x_i1", "y_i1", "β_i1", "x_i2", "y_i2", "β_i2")
+DISPLACEMENTS = ("u_i1", "v_i1", "ψ_i1", "u_i2", "v_i2", "ψ_i2")
 
 Scalar = Any
 
 
+def column(cells: Sequence[Scalar]) -> ImmutableDenseMatrix:
+    """Return numbers as a vector."""
+    return ImmutableDenseMatrix([[cell] for cell in cells])
+
+
+def span(x: Sequence[Scalar]) -> tuple[Scalar, Scalar]:
+    """Return the components of the vector from end 1 to end 2."""
+    return x[3] - x[0], x[4] - x[1]
+
+
+def length(x: Sequence[Scalar]) -> Scalar:
+    """Return the distance of the ends."""
+    dx, dy = span(x)
+    return sympy.sqrt(dx**2 + dy**2)
+
+
+def angle(x: Sequence[Scalar]) -> Scalar:
+    """Return the angle of the link from the x axis."""
+    dx, dy = span(x)
+    return sympy.atan2(dy, dx)
+
+
+def reference() -> list[Scalar]:
+    """Return x1 y1 β1 x2 y2 β2 where no end is turned against the link."""
+    x1, y1, x2, y2 = elements(PLACE)
+    beta = angle([x1, y1, S.Zero, x2, y2, S.Zero])
+    return [x1, y1, beta, x2, y2, beta]
+
+
+def displaced(u: Sequence[Scalar]) -> list[Scalar]:
+    """Return x1 y1 β1 x2 y2 β2 after a displacement."""
+    return [a + b for a, b in zip(reference(), u, strict=True)]
+
+
+def turned(theta: Scalar) -> list[Scalar]:
+    """Return the displacement of a rigid link that turns about its end 1."""
+    dx, dy = span(reference())
+    c, s = sympy.cos(theta), sympy.sin(theta)
+    return [S.Zero, S.Zero, theta, c * dx - s * dy - dx, s * dx + c * dy - dy, theta]
+
+
+def at(x: Sequence[Scalar]) -> dict[str, Sequence[Scalar]]:
+    """Return what the arrays of the code's link are at a position: no end is offset."""
+    return {"x": x, "offset": [S.Zero, S.Zero]}
+
+
+@cache
+def code() -> Derivation:
+    """Return the code's derivation of the link."""
+    return derive("link")
+
+
+def derived(left: str) -> Any:
+    """Return what the last step of the code's derivation that is about ``left`` says it is."""
+    symbols = {Symbol("length"): length(reference()), Symbol("beta"): angle(elements_of_x())}
+    found = {str(step.left): step.right for step in code().steps}
+    return found[left].xreplace(symbols)
+
+
+def elements_of_x() -> list[Scalar]:
+    """Return the elements of the position of the ends in the code's derivation."""
+    x = sympy.MatrixSymbol("x", 6, 1)
+    return [x[k, 0] for k in range(6)]
+
+
+@NAMES.words
+@cache
+def words() -> Vocabulary:
+    """Return what the symbols of (1) to (13) mean: ε as the code derives it."""
+    u = elements(U)
+    x0, x = reference(), displaced(u)
+    epsilon = [derived(f"epsilon_{k}") for k in (1, 2, 3)]
+    meanings: dict[str, Any] = {
+        "x_i^0": column(x0),
+        "x_i": column(x),
+        "u_i": column(u),
+        "ε_i": column(epsilon),
+        "l_i^0": length(x0),
+        "l_i": length(x),
+        "β_i^0": x0[2],
+        "β_i": angle(x),
+        **{f"ε_i{k}": value for k, value in enumerate(epsilon, 1)},
+        **{f"{name}^0": value for name, value in zip(COORDINATES, x0, strict=True)},
+        **dict(zip(COORDINATES, x, strict=True)),
+        **dict(zip(DISPLACEMENTS, u, strict=True)),
+    }
+    return Vocabulary((PLACE, U), meanings, at(x))
+
+
 @cache
 def epsilon() -> tuple[Scalar, ...]:
-    """Return (5) to (7) as functions of the displacement."""
-    return tuple(value_of(formula, words()) for formula in DEFORMATIONS)
+    """Return (5) to (7) as functions of the displacement, from which all else is differentiated."""
+    return tuple(value_of(find(key).printed, words()) for key in "567")
 
 
 def matrix() -> ImmutableDenseMatrix:
     """Return (15) as printed."""
-    return value_of(MATRIX, words())
+    return value_of(find("15").printed, words())
 
 
 def still(x: Scalar) -> Scalar:
@@ -75,6 +151,7 @@ def still(x: Scalar) -> Scalar:
     return x.xreplace(dict.fromkeys(elements(U), S.Zero))
 
 
+@NAMES.words
 @cache
 def expanded() -> Vocabulary:
     """Return the words of (14): ε is its own first-order term, by differentiating (5) to (7)."""
@@ -84,6 +161,7 @@ def expanded() -> Vocabulary:
     return words().knowing({"ε_i": column(terms), "D_i^0": matrix()})
 
 
+@NAMES.words
 @cache
 def differentiated() -> Vocabulary:
     """Return the words of (15): the derivatives of (5) to (7) where u = 0."""
@@ -91,6 +169,7 @@ def differentiated() -> Vocabulary:
     return words().knowing({"D_i^0": ImmutableDenseMatrix(rows)})
 
 
+@NAMES.words
 @cache
 def rigid() -> Vocabulary:
     """Return the words of (16): u is any infinitesimal motion of a rigid link."""
@@ -101,28 +180,36 @@ def rigid() -> Vocabulary:
     return Vocabulary((PLACE, TURN), meanings)
 
 
-def numbers(statement: str, seen: Callable[[], Mapping[str, bool]]) -> Check:
-    """Return the check that all of some statements about numbers are true."""
-
-    def run() -> str:
-        wrong = [name for name, is_true in seen().items() if not is_true]
-        if wrong:
-            raise LedgerError(f"it is not true that {', '.join(wrong)}")
-        return "; ".join(seen())
-
-    return Check(statement, run)
+# -- positions and displacements -----------------------------------------------------------------
 
 
-# -- one angle in place of three -----------------------------------------------------------------
+@NAMES.proof()
+def components_of_u() -> dict[str, bool]:
+    """Move a link along x and y and turn it: four components depend on where it goes."""
+    u = rigid().meanings["u_i"]
+    a, b, theta = elements(TURN)
+    moved = [k for k in range(6) if u[k, 0].free_symbols & {a, b}]
+    return {
+        "four components of a rigid motion depend on its translation": moved == [0, 1, 3, 4],
+        "the other two are its rotation, whatever its translation": u[2, 0] == u[5, 0] == theta,
+    }
 
 
+@NAMES.proof()
+def reference_has_no_deformation() -> dict[str, bool]:
+    """Look at (5) to (7) where there is no displacement."""
+    values = [still(e) for e in epsilon()]
+    return {f"ε{k} = 0 at x0": value == 0 for k, value in enumerate(values, 1)}
+
+
+@NAMES.proof()
 def one_angle_is_too_few() -> dict[str, bool]:
     """Turn end 1 of a link alone, by 1: the two angles differ, and with one angle ε2 is zero."""
     u = dict.fromkeys(elements(U), S.Zero) | {elements(U)[2]: S.One}
     known = words().meanings
     end, link = (known[name].xreplace(u).xreplace(NUMBERS) for name in ("β_i1", "β_i"))
-    deformation = value_of(DEFORMATIONS[1], words()).xreplace(u).xreplace(NUMBERS)
-    printed = value_of(DEFORMATIONS[1], words().knowing({"β_i1": known["β_i"]}))
+    deformation = value_of(find("6").printed, words()).xreplace(u).xreplace(NUMBERS)
+    printed = value_of(find("6").printed, words().knowing({"β_i1": known["β_i"]}))
     return {
         "an end that is turned by 1 has β_i1 = β_i + 1": sympy.expand(end - link) == 1,
         "a link of length 5 has ε2 = 5 then": sympy.expand(deformation) == 5,
@@ -133,6 +220,7 @@ def one_angle_is_too_few() -> dict[str, bool]:
 # -- remainders ----------------------------------------------------------------------------------
 
 
+@NAMES.proof()
 def second_order() -> dict[str, bool]:
     """Look at the second derivatives of ε along one displacement of a link of length 5."""
     size = Symbol("size")
@@ -149,6 +237,7 @@ def second_order() -> dict[str, bool]:
     return seen
 
 
+@NAMES.proof()
 def finite_turn() -> str:
     """Turn a rigid link by a finite angle: ε is zero, and D u is not, from the second order on."""
     theta = Symbol("θ")
@@ -165,6 +254,7 @@ def finite_turn() -> str:
 # -- rigid and deformed --------------------------------------------------------------------------
 
 
+@NAMES.proof()
 def turn_is_rigid() -> str:
     """Turn a link by any angle: its length stays, and its own angle grows by as much."""
     theta = Symbol("θ")
@@ -178,6 +268,7 @@ def turn_is_rigid() -> str:
     return equality(words, *(column(side) for side in zip(*seen, strict=True)))
 
 
+@NAMES.proof()
 def undeformed_is_turned() -> str:
     """With ψ = β − β0 at both ends, turn the link by ψ: it points as it does, up to its length."""
     x0, x = reference(), displaced(elements(U))
@@ -189,6 +280,7 @@ def undeformed_is_turned() -> str:
     return equality(Vocabulary((PLACE, U), {}), column(left), column(right))
 
 
+@NAMES.proof()
 def rank() -> str:
     """Look at two minors of (15): their squares add up to l0⁴, so that one of them is not zero."""
     d, l0 = matrix(), length(reference())
@@ -202,6 +294,7 @@ def rank() -> str:
 # -- the code ------------------------------------------------------------------------------------
 
 
+@NAMES.proof()
 def is_position() -> str:
     """Compare the code's x = x0 + u with the words' own."""
     given = {"x_0": reference(), "u": elements(U)}
@@ -209,18 +302,27 @@ def is_position() -> str:
     return equality(words_of_code, derived("x"), words().meanings["x_i"])
 
 
-def at_reference(name: str) -> Scalar:
-    """Return what the code derives of the reference position."""
+@NAMES.proof("the code's step for {step}")
+def in_code(step: str, formula: str | Side) -> str:
+    """Prove that a step of the code's derivation says what a formula says."""
+    return equality(words(), derived(step), value_of(formula, words()))
+
+
+@NAMES.proof("the code's step for {step}")
+def at_reference_in_code(step: str, formula: str | Side) -> str:
+    """Prove that a step about the reference position says what a formula says."""
     x = sympy.MatrixSymbol("x_0", 6, 1)
     values = {x[k, 0]: value for k, value in enumerate(reference())}
-    return derived(name).xreplace(values)
+    return equality(words(), derived(step).xreplace(values), value_of(formula, words()))
 
 
-def length_in_code() -> Scalar:
-    """Return the length that the code's step for ε1 takes the design length from."""
-    return derived("epsilon_1") + length(reference())
+@NAMES.proof("the code's length l")
+def length_in_code(formula: str | Side) -> str:
+    """Prove that the length from which the code's step for ε1 takes the design length is this."""
+    return equality(words(), derived("epsilon_1") + length(reference()), value_of(formula, words()))
 
 
+@NAMES.proof()
 def is_variation() -> str:
     """Compare the code's δε at the reference, with δx = u, with (15) times u."""
     given = {**at(reference()), "δx": elements(U)}
@@ -231,6 +333,7 @@ def is_variation() -> str:
     return "; ".join(f"δε{k}: {text}" for k, text in enumerate(seen, 1))
 
 
+@NAMES.proof()
 def is_jacobian() -> str:
     """Compare the code's D with (15), at the reference, and its D anywhere with ∂ε/∂u."""
     words_of_code = replace(words(), given=at(reference()))
@@ -242,19 +345,16 @@ def is_jacobian() -> str:
     return f"at the reference (15), {seen}; displaced ∂ε/∂u, {anywhere}"
 
 
-def are_wrapped(k: int) -> Callable[[], str]:
-    """Return the check that the code's angle, found by atan2, is that of end k from the link."""
-
-    def run() -> str:
-        functions = {f.name: f for f in code().functions}
-        cell = functions["deformation"].outputs[0].components[k]
-        x = displaced(elements(U))
-        values = dict(zip(elements(X), x, strict=True)) | dict.fromkeys(elements(OFFSET), S.Zero)
-        values |= {elements(LENGTH)[0]: length(reference())}
-        ((s, c),) = (a.args for a in cell.atoms(sympy.atan2))
-        relative = x[3 * k - 1] - angle(x)
-        want = [length(x) * f(relative) for f in (sympy.sin, sympy.cos)]
-        got = [value.xreplace(values) for value in (s, c)]
-        return equality(words(), *(column([sympy.expand_trig(e) for e in v]) for v in (got, want)))
-
-    return run
+@NAMES.proof()
+def is_wrapped(end: int) -> str:
+    """Prove that the code's angle, found by atan2, is that of an end from the link."""
+    functions = {f.name: f for f in code().functions}
+    cell = functions["deformation"].outputs[0].components[end]
+    x = displaced(elements(U))
+    values = dict(zip(elements(X), x, strict=True)) | dict.fromkeys(elements(OFFSET), S.Zero)
+    values |= {elements(LENGTH)[0]: length(reference())}
+    ((s, c),) = (a.args for a in cell.atoms(sympy.atan2))
+    relative = x[3 * end - 1] - angle(x)
+    want = [length(x) * f(relative) for f in (sympy.sin, sympy.cos)]
+    got = [value.xreplace(values) for value in (s, c)]
+    return equality(words(), *(column([sympy.expand_trig(e) for e in v]) for v in (got, want)))

@@ -10,17 +10,21 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from sympy import Integer
+from sympy import Integer, S
 from sympy.matrices.expressions import Identity, MatrixSymbol, ZeroMatrix
 from sympy.matrices.immutable import ImmutableDenseMatrix
 
 from kousoku.ledger.formula import Name
+from kousoku.ledger.names import Names
+from kousoku.ledger.proof import GENERAL
 from kousoku.ledger.turning import along, flat, orientation, spatial, turned
 from kousoku.ledger.vocabulary import Value, Vocabulary
 from kousoku.model.quantity import Quantity
 from kousoku.symbolic.bodies import BODIES, CONFIGURATION, SYMBOLS, A
 from kousoku.symbolic.components import cross, dot, plus, subtract
 from kousoku.symbolic.matrices import Orientation, elements, mul, symbol, transpose
+
+NAMES = Names(GENERAL)
 
 QUANTITIES = {q.name: q for q in CONFIGURATION if q.shape}
 #: δr in frame O and δθ′ in the body frame, by body.
@@ -58,6 +62,7 @@ def _array(name: str, size: int) -> Value:
     return MatrixSymbol(name, *((3, 3) if size == 9 else (size, 1)))
 
 
+@NAMES.words
 @cache
 def words() -> Vocabulary:
     """Return what the symbols of the lecture's equations mean."""
@@ -109,6 +114,7 @@ def _of_body(b: str, known: dict[str, Value]) -> dict[str, Value]:
     }
 
 
+@NAMES.words
 @cache
 def offset() -> Vocabulary:
     """Return the same words with d and δd as quantities in place of r^j and δr^j.
@@ -134,6 +140,18 @@ def offset() -> Vocabulary:
     return replace(known, quantities=quantities, given=given)
 
 
+@NAMES.words
+@cache
+def together() -> Vocabulary:
+    """Return the words with both points in one place: r^j = r^i + s_i − s_j, and d = 0."""
+    known = offset()
+    d = elements(next(q for q in known.quantities if q.name == "d"))
+    zero = dict.fromkeys(d, S.Zero)
+    given = {name: [x.xreplace(zero) for x in value] for name, value in known.given.items()}
+    return replace(known, given={**given, "d": [S.Zero] * 3})
+
+
+@NAMES.words
 @cache
 def frames() -> Vocabulary:
     """Return what the base vectors mean: their components in frame O, and rows of them."""

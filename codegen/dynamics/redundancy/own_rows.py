@@ -1,0 +1,173 @@
+"""Rows of kinds of one's own that look as if others implied them: whether these really do.
+
+C = 1 − cos θ is zero only at θ = 0, where its Jacobian vanishes. No number at positions where it
+holds tells that from a row that others imply; but small motions that the others allow violate it.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
+from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.redundancy.branch import places_of
+from kousoku.codegen.stream import Stream
+from kousoku.model.errors import SceneError
+from kousoku.model.own_kind import is_own, kind_name
+from kousoku.runtime.integrate.settings import CLEARLY
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    import numpy.typing as npt
+
+    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.model.mechanism import System
+
+    Array = npt.NDArray[np.float64]
+
+#: Columns of a body that lead out of the xy-plane.
+OUT = (2, 3, 4)
+#: How far bodies are moved, in lengths of the scene and radians, and in how many directions.
+STEP, DIRECTIONS = 0.1, 3
+#: What a row misses then that others do not imply, as a part of the square of the step.
+MISSED = 1e-3
+#: Singular values that are zero, as parts of the largest.
+ZERO = 1e-9
+#: Steps back onto the other rows at most, and what is left of them then.
+MOST_STEPS, CLOSED = 20, 1e-12
+
+
+def require_own_rows_implied(system: System, freedom: Freedom, *, is_planar: bool) -> None:
+    """Refuse rows of kinds of one's own that would be left out, though others do not imply them.
+
+    Parameters
+    ----------
+    system : System
+        The scene, assembled, its numbers fixed.
+    freedom : Freedom
+        Which rows depend on others.
+    is_planar : bool
+        Whether all bodies stay in planes parallel to the xy-plane.
+
+    Raises
+    ------
+    SceneError
+        The message names the joint.
+    """
+    left = [row for row in freedom.dropped if is_own(system.constraints[row.instance].kind)]
+    if not left:
+        return
+    nearly = CLEARLY * system.closure_tolerance * STEP if freedom.closed else 0.0
+    rows = Residuals.of(system, system.constraints)
+    length = characteristic_length(system)
+    place = {(row.instance, row.row): rows.first[row.instance] + row.row for row in freedom.dropped}
+    columns = [k for k in _columns(system) if not (is_planar and k % COLUMNS in OUT)]
+    moves = _Moves(system, rows, sorted(place.values()), columns, length)
+    for missed in moves.missed():
+        worst = max(left, key=lambda row: missed[place[row.instance, row.row]])
+        if not missed[place[worst.instance, worst.row]] <= max(MISSED * STEP**2, nearly):
+            kind = kind_name(system.constraints[worst.instance].kind)
+            raise SceneError(
+                f"C of {kind} has no Jacobian of its own where the scene starts: no force can hold"
+                " it there, and other joints do not imply it; wanted a C whose Jacobian keeps its"
+                " rank where C = 0, or another start",
+                key=f"joints.{worst.joint}",
+            )
+
+
+def repeated_rows(system: System, freedom: Freedom) -> tuple[Row, ...]:
+    """Return rows that are left out, and that others of the same joint of one's own imply.
+
+    The joint does the same with any multipliers of these: they carry nothing.
+    """
+    found: list[Row] = []
+    for place, instance in enumerate(system.constraints):
+        left = [row for row in freedom.dropped if row.instance == place]
+        if not left or not is_own(instance.kind):
+            continue
+        _, matrix = Residuals.of(system, [instance]).doubles(*places_of(system.bodies))
+        taken = [k for k in range(len(matrix)) if k not in {row.row for row in left}]
+        for row in left:
+            ranks = [_rank(matrix[[*taken, *more]]) for more in ((), (row.row,))]
+            if ranks[0] == ranks[1]:
+                found.append(row)
+            else:
+                taken.append(row.row)
+    return tuple(found)
+
+
+def _rank(matrix: Array) -> int:
+    values = np.linalg.svd(matrix, compute_uv=False)
+    return int((values > ZERO * values.max(initial=0.0)).sum())
+
+
+class _Moves:
+    """Small motions that those rows allow which are kept."""
+
+    def __init__(
+        self,
+        system: System,
+        rows: Residuals,
+        left: Sequence[int],
+        columns: Sequence[int],
+        length: float,
+    ) -> None:
+        self._rows, self._columns = rows, list(columns)
+        self._kept = [k for k in range(rows.rows) if k not in set(left)]
+        self._rows_by = np.where(rows.in_metres, 1 / length, 1.0)
+        is_length = np.arange(rows.columns) % COLUMNS < COLUMNS // 2
+        self._columns_by = np.where(is_length, length, 1.0)[self._columns]
+        self._start = places_of(system.bodies)
+        self._stream = Stream(f"own rows of {system.name}")
+
+    def missed(self) -> Iterator[Array]:
+        """Yield what all rows miss after a motion, in lengths of the scene and radians."""
+        for _ in range(DIRECTIONS):
+            pairs = [(self._stream.sign(), self._stream.magnitude()) for _ in self._columns]
+            wish = np.array([sign * size for sign, size in pairs])
+            _, kept = self._at(*self._start)
+            change = wish - np.linalg.pinv(kept, rcond=ZERO) @ (kept @ wish)
+            largest = np.abs(change).max(initial=0.0)
+            if largest < STEP**2:
+                return
+            places = self._moved(*self._start, STEP * change / largest)
+            for _ in range(MOST_STEPS):
+                c, kept = self._at(*places)
+                if np.abs(c[self._kept]).max(initial=0.0) <= CLOSED:
+                    yield np.abs(c)
+                    break
+                back = np.linalg.pinv(kept, rcond=ZERO) @ c[self._kept]
+                places = self._moved(*places, -back)
+
+    def _at(self, r: Array, p: Array) -> tuple[Array, Array]:
+        """Return all rows, and the Jacobian of those that are kept, scaled."""
+        c, matrix = self._rows.doubles(r, p)
+        kept = matrix[np.ix_(self._kept, self._columns)]
+        return c * self._rows_by, kept * self._rows_by[self._kept, None] * self._columns_by
+
+    def _moved(self, r: Array, p: Array, change: Array) -> tuple[Array, Array]:
+        """Return positions after displacements (δr, δθ′): p ∘ (1, δθ′/2), of norm one."""
+        full = np.zeros(self._rows.columns)
+        full[self._columns] = change * self._columns_by
+        by_body = full.reshape(-1, COLUMNS)
+        r, p = r.copy(), p.copy()
+        r[:-1] += by_body[:, :3]
+        w, v, half = p[:-1, :1], p[:-1, 1:], by_body[:, 3:] / 2
+        scalar = w - (v * half).sum(axis=1, keepdims=True)
+        turned = np.hstack([scalar, v + w * half + np.cross(v, half)])
+        p[:-1] = turned / np.sqrt((turned * turned).sum(axis=1, keepdims=True))
+        return r, p
+
+
+def _columns(system: System) -> list[int]:
+    """Return the columns that are coordinates: points do not turn."""
+    return [
+        COLUMNS * k + n
+        for k, body in enumerate(system.bodies)
+        for n in range(COLUMNS // 2 if body.is_point else COLUMNS)
+    ]

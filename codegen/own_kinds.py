@@ -1,0 +1,116 @@
+"""A constraint of one's own as the type of joints: what a scene has to know of its kernels."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
+
+from kousoku.codegen.dynamics.operations.own_frames import COLUMNS, PLACES, RATES, own_inputs
+from kousoku.codegen.graph import Graph
+from kousoku.codegen.passes.rebuild import substitute
+from kousoku.codegen.store import keep_own
+from kousoku.model.errors import DerivationError
+from kousoku.model.joints import NAMES
+from kousoku.model.own_kind import KEYS, OwnInput, OwnKind
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from typing import Literal
+
+    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.model.quantity import Quantity
+
+#: Outputs of the kernels that a joint is made of, by kernel.
+OUTPUTS = {"constraint": ("C", "C_q"), "rates": ("nu", "gamma")}
+STATE = {name.format(body): (n,) for name, n, _ in (*PLACES, *RATES) for body in "ij"}
+
+
+def own_kind_of(package: Package) -> OwnKind:
+    """Return a kind of one's own as the type of joints; its kernels are kept.
+
+    Parameters
+    ----------
+    package : Package
+        Frozen kernels, as :func:`kousoku.codegen.derived.freeze_derivation` gives them.
+
+    Raises
+    ------
+    DerivationError
+        It is no constraint between two bodies that a joint can be made of; the message says why.
+    """
+    if problem := next(_problems(package), ""):
+        raise DerivationError(
+            f"{package.name} cannot be the type of a joint: {problem}; wanted what"
+            " kousoku.derive(name, C=...) gives, a constraint C = 0 between bodies i and j"
+        )
+    constraint = _kernel(package, "constraint")
+    assert constraint is not None
+    return OwnKind(
+        kernels=keep_own(package),
+        unit="m" if constraint.outputs[0].unit == "m" else "rad",
+        turns=(_turns(constraint, 0), _turns(constraint, 1)),
+        inputs={one.name: _input(one) for one in own_inputs(package)},
+    )
+
+
+def _problems(package: Package) -> Iterator[str]:
+    """Yield what keeps a package from being a constraint between two bodies."""
+    if package.name in NAMES:
+        yield f"{package.name!r} is a type of joints that kousoku has"
+    for name, outputs in OUTPUTS.items():
+        kernel = _kernel(package, name)
+        found = {} if kernel is None else {one.name: one.shape for one in kernel.outputs}
+        if not found.keys() >= {*outputs}:
+            yield f"it has no kernel {name} that gives {' and '.join(outputs)}"
+            return
+        rows = found[outputs[0]]
+        if len(rows) != 1 or not 1 <= rows[0] <= COLUMNS:
+            yield f"{outputs[0]} has shape {rows}, and a joint has 1 to {COLUMNS} rows"
+        if name == "constraint" and found["C_q"] != (*rows, 2 * COLUMNS):
+            yield f"C_q has shape {found['C_q']} for C of shape {rows}"
+        for one in () if kernel is None else kernel.inputs:
+            if STATE.get(one.name, one.shape) != one.shape:
+                yield f"{one.name} has shape {one.shape}"
+    for one in own_inputs(package):
+        if one.name in KEYS:
+            yield f"its input is called {one.name!r}, as a key of joints is"
+        if one.shape not in {(), (3,)}:
+            yield f"its input {one.name} has shape {one.shape}, which is no number and no vector"
+        if one.unit not in {"-", "rad", "m"}:
+            yield f"its input {one.name} is in {one.unit}, not in m, rad or without unit"
+
+
+def _kernel(package: Package, name: str) -> Kernel | None:
+    return next((kernel for kernel in package.kernels if kernel.name == name), None)
+
+
+def _input(one: Quantity) -> OwnInput:
+    unit = cast("Literal['-', 'rad', 'm']", one.unit)  # as was checked
+    return OwnInput(unit=unit, vector=one.shape == (3,), body=_body_of(one), meaning=one.meaning)
+
+
+def _body_of(one: Quantity) -> Literal["", "i", "j"]:
+    """Return the body that a vector is fixed in, by its name."""
+    if one.shape != (3,):
+        return ""
+    return "i" if one.name.endswith("_i_b") else "j" if one.name.endswith("_j_b") else ""
+
+
+def _turns(constraint: Kernel, side: int) -> bool:
+    """Return whether turns of a body change C where its points are the origin of its frame."""
+    graph, body = Graph(), "ij"[side]
+    inputs = {
+        one.name: [
+            graph.const(0)
+            if one.unit == "m" and _body_of(one) == body
+            else graph.input(one.name, k)
+            for k in range(one.size)
+        ]
+        for one in constraint.inputs
+    }
+    found = substitute(graph, constraint, inputs)["C_q"]
+    first = side * COLUMNS + 3
+    return any(
+        graph.value(found[row + k]) != 0
+        for row in range(0, len(found), 2 * COLUMNS)
+        for k in range(first, first + 3)
+    )
