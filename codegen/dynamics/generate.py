@@ -16,6 +16,7 @@ from kousoku.codegen.dynamics.emission.motion_data import is_flat
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, by_instance, freedom_of, kept_rows
+from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
@@ -141,6 +142,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
         *notes_of(changes, given.unit, scene.unit),
         *notes_of_freedom(made.system, freedom),
         *_of_reactions(program),
+        *notes_of_rank(program, made.system),
     )
     about = replace(About.of(scene, notes), moved=tuple([one.body, *one.sizes] for one in changes))
     return Composed(program, made.system, freedom.degrees, about, without_held(placed))
