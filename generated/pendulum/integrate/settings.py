@@ -75,7 +75,8 @@ class Status(IntEnum):
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
-    ``INFINITE``: a force is infinite right behind the time that was reached.
+    ``INFINITE``: a force is infinite right behind the time that was reached. ``DEPENDENT``: rows
+    depend on each other nearly that do not with the parameters of the scene.
     """
 
     GOOD = 0
@@ -92,6 +93,7 @@ class Status(IntEnum):
     NO_VALUE = -7
     BENDS = -8
     INFINITE = -9
+    DEPENDENT = -10
 
 
 class Doubt(IntFlag):

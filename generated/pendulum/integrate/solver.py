@@ -77,7 +77,8 @@ class Solver:
         Returns
         -------
         Status
-            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED``, ``NO_VALUE`` or ``BAD_ARGUMENT``.
+            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED``, ``DEPENDENT``, ``NO_VALUE`` or
+            ``BAD_ARGUMENT``.
         """
         state[:] = 0.0
         given = self.scene.parameters if parameters is None else parameters
@@ -113,9 +114,14 @@ class Solver:
         s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
-        may_open = len(work.w.C_left_out) > 0 and (s.parameters != self.scene.parameters).any()
-        if may_open and not stay_closed(s, work):
+        are_changed = bool((s.parameters != self.scene.parameters).any())
+        if len(work.w.C_left_out) > 0 and are_changed and not stay_closed(s, work):
             return Status.NOT_CLOSED
+        if len(self.scene.rank_rows) > 0 and are_changed:
+            from .rank import keep_rank  # other scenes do not have it
+
+            if not keep_rank(s, work):
+                return Status.DEPENDENT
         s.event = float(first_without_value(s, work))
         if s.event > 0.0:
             return Status.NO_VALUE
