@@ -259,9 +259,10 @@ class Run:
 
             data, one = self._scene.data, self._layout
             rows = [row for part in CheckedRows._fields for row in data[part]]
-            return nearly_dependent(
+            told: str = nearly_dependent(
                 one.name, rows, data["places"], self._work, one.closure_tolerance
             )
+            return told
         if status == Status.INFINITE:
             why = infinite(self._layout, state.pole)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
