@@ -85,7 +85,7 @@ def explain(
 
 
 def verify(
-    what: Mechanism | Derivation | Library | str | Path,
+    what: Mechanism | Derivation | Library | str | Path | Mapping[str, Any] | Scene | SceneBuilder,
     *,
     target: Literal["auto", "c", "numpy"] = "auto",
     kinds: Sequence[Kind] | None = None,
@@ -94,13 +94,14 @@ def verify(
 
     Parameters
     ----------
-    what : Mechanism, Derivation, Library, name of a kind, or path of a folder or of a scene file
-        Of a mechanism the solver is generated again with its reference values, which takes about a
-        second for ten bodies; of a derivation of one's own the kernels are generated.
+    what : Mechanism, Derivation, Library, name of a kind, path of a folder, or a scene
+        A scene is what :func:`kousoku.load` takes; its file ends in ``.toml``. Of a mechanism the
+        solver is generated again with its reference values, which takes about a second for ten
+        bodies; of a derivation of one's own the kernels are generated.
     target : {"auto", "c", "numpy"}
         What to check: all that this machine can run, or one target.
     kinds : sequence of Derivation, Library or path, optional
-        Kinds of one's own that are types of joints of a scene file, as of :func:`kousoku.load`.
+        Kinds of one's own that are types of joints of a scene, as of :func:`kousoku.load`.
 
     Returns
     -------
@@ -120,17 +121,19 @@ def verify(
         from kousoku.deriving import kernels
 
         what = kernels(what, target=target)
-    if isinstance(what, str) and not Path(what).exists() and _is_kind(what):
+    if isinstance(what, str) and _is_kind(what) and not Path(what).exists():
         from kousoku.deriving import kernels
 
         what = kernels(what, target=target)
     if isinstance(what, Mechanism):
         with solver_folder(Given.of(what.scene), what.outputs, references=True) as folder:
             return verified(folder, target=target)
-    if str(what).endswith(".toml"):
+    if isinstance(what, Library):
+        return verified(what, target=target)
+    if not isinstance(what, str | Path) or "\n" in str(what) or str(what).endswith(".toml"):
         with solver_folder(Given.of(what, own_kinds(kinds)), references=True) as folder:
             return verified(folder, target=target)
-    if not isinstance(what, Library) and not (folder_of(what) / MANIFEST).is_file():
+    if not (folder_of(what) / MANIFEST).is_file():
         raise LoadError(
             f"{shown(str(what))} is no generated folder, which has a {MANIFEST}; wanted one, the"
             " name of a kind, or a scene file, *.toml"

@@ -18,6 +18,7 @@ from kousoku.equations import equations_of
 from kousoku.labels import is_turn
 from kousoku.linkage_equations import LinkageEquations
 from kousoku.model.errors import SolveError
+from kousoku.runtime.design import nearly_redundant
 from kousoku.runtime.integrate.body_tables import body_tables, solver_state, written_state
 from kousoku.runtime.integrate.result import key_of, listed, shortly
 from kousoku.runtime.run_ledger import violations_of
@@ -281,7 +282,7 @@ def evaluate(
     left = (found.C, found.C_q @ state.v - found.nu, found.C_q @ v_dot - found.gamma)
     violations = violations_of(scales * np.abs(left), equations.checked)
     speeds = scales * (np.abs(found.C_q) @ np.abs(state.v) + np.abs(found.nu))
-    notes = tuple(_gaps(equations, violations, speeds))
+    notes = (*_gaps(equations, violations, speeds), *_redundant(solver, state))
     return Evaluation(v_dot, lam, is_unique, found.rows, found.columns, violations, notes)
 
 
@@ -314,6 +315,14 @@ def _gaps(
         ]
         if gaps:
             yield f"{equations.name}: at this state {what}: {listed(gaps)}"
+
+
+def _redundant(solver: DynamicsSolver, state: State) -> Iterator[str]:
+    """Yield that rows which the solver keeps are nearly redundant with other parameters."""
+    if state.parameters == dict((solver.base or solver).parameters):
+        return
+    if why := nearly_redundant(solver, np.array([*state.parameters.values()])):
+        yield f"{solver.name}: {why}"
 
 
 def _of_linkage(

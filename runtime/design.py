@@ -11,7 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.model.errors import SolveError
+from kousoku.runtime.dynamics_targets import Memory
+from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.result import key_of
+from kousoku.runtime.integrate.settings import Status
 from kousoku.runtime.run_stop import SHOWN
 
 if TYPE_CHECKING:
@@ -124,6 +127,29 @@ def not_closed(solver: DynamicsSolver, work: Array, times: float) -> str:
         if not sizes[k] <= limit * (solver.length if unit == "m" else 1.0):
             worst.setdefault(joint, f"{key_of(joint)} by {sizes[k]:.3g} {unit}")
     return ", ".join(list(worst.values())[:SHOWN])
+
+
+def nearly_redundant(solver: DynamicsSolver, values: Array) -> str:
+    """Return why no run starts with parameters with which rows nearly depend on each other.
+
+    Parameters
+    ----------
+    solver : DynamicsSolver
+        A scene.
+    values : array
+        All parameters, in the order of the scene.
+
+    Returns
+    -------
+    str
+        Empty where rows are independent.
+    """
+    there, target = with_parameters(solver, values), solver.target
+    memory = Memory(np.zeros(target.state_size), np.zeros(target.work_size))
+    if target.starter(0.0, there.q, there.v, values, memory)() != Status.DEPENDENT:
+        return ""
+    name, tolerance = f"with {told(solver, values)}", solver.layout.closure_tolerance
+    return nearly_dependent(name, solver.checked, solver.places, memory.work, tolerance)
 
 
 def told(solver: DynamicsSolver, values: Array) -> str:

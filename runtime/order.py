@@ -51,6 +51,9 @@ GRAIN = 112
 TOLERANCE, DOUBLED = 1e-5, 4
 #: Differences of halved steps that tell an order, as parts of the largest number: not yet rounding.
 LEAST, MOST = 1e-12, 1e-3
+#: What moves by less, relative to the same, rests: in an equilibrium that is not stable rounding
+#: grows to differences that no order tells.
+MOVES = 1e-6
 #: A method of order p whose steps show less than p less this, twice at least, is none.
 SHORT = 2.0
 #: Parts of the time at which rows are written: inside of steps.
@@ -292,6 +295,7 @@ def _shown(
         found.append(run.save().rows[:, 1:nq_nv])
     size = max(float(np.abs(found[-1]).max(initial=0.0)), 1e-300)
     first, second = (float(np.abs(a - b).max()) / size for a, b in pairwise(found))
-    if not (second > LEAST and first < MOST):
+    moved = float(np.abs(found[-1] - found[-1][0]).max()) / size
+    if not (second > LEAST and first < MOST and moved > MOVES):
         return None
     return math.log2(first / second)

@@ -23,6 +23,7 @@ from kousoku.runtime.integrate.given import (
 from kousoku.runtime.integrate.given_start import given_start
 from kousoku.runtime.integrate.initial_given import initial_of, parameters_of
 from kousoku.runtime.integrate.motion import Motion
+from kousoku.runtime.integrate.nearly_dependent import nearly_dependent
 from kousoku.runtime.integrate.result import listed
 from kousoku.runtime.integrate.settings import CLEARLY, KINEMATICS, Status
 from kousoku.runtime.options import is_given_anew, require_unmoved, with_values
@@ -53,6 +54,8 @@ MESSAGES: dict[int, str] = {
     Status.BAD_ARGUMENT: "a number is not finite, or an argument is out of range",
     Status.NOT_CLOSED: "joints come open: constraints that were left out, because they depend on"
     " others where they were looked at, do not depend on them here",
+    Status.DEPENDENT: "rows of joints depend on each other nearly, that do not with the parameters"
+    " of the scene",
     Status.WRONG_STATE: "the state belongs to another solver, or was damaged",
 }
 #: Instead of the second of them, where steps have a length that was given.
@@ -66,6 +69,8 @@ STILL = "nothing can move"
 PLACED = (Status.GOOD, Status.NO_VALUE)
 #: What a run that is not over goes on after.
 GOES_ON = (Status.BUFFER_FULL, Status.PAUSED, Status.EVENT)
+#: What is said of them in full.
+OF_PARAMETERS = (Status.NOT_CLOSED, Status.DEPENDENT)
 #: What an event returned with.
 EVENTS = (Status.EVENT, Status.STOPPED)
 #: Instead of the first of them, where drivers determine the motion.
@@ -246,8 +251,9 @@ class Run:
         if status == Status.NO_VALUE:
             raise SolveError(f"{self.solver.name}: {self._lost('where the run starts')}")
         if status != Status.GOOD:
-            where = "" if status == Status.NOT_CLOSED else self._where(self._gaps(y))
-            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{self._still()}")
+            where = "" if status in OF_PARAMETERS else self._where(self._gaps(y))
+            still = "" if status == Status.DEPENDENT else self._still()
+            raise SolveError(f"{self.solver.name}: {self._unmet(status)}{where}{still}")
 
     def _lost(self, where: str) -> str:
         """Say which event has no value."""
@@ -281,7 +287,8 @@ class Run:
 
     def _unmet(self, status: int) -> str:
         """Say why the start is not possible."""
-        if status not in {Status.NOT_ASSEMBLED, Status.NOT_CLOSED} or not self.solver.parameters:
+        of_parameters = {Status.NOT_ASSEMBLED, *OF_PARAMETERS}
+        if status not in of_parameters or not self.solver.parameters:
             return MESSAGES[status]
         given = told(self.solver, self._values)
         if status == Status.NOT_CLOSED:
@@ -292,6 +299,10 @@ class Run:
                 " the scene their rows depend on those of other joints: give parameters that fit,"
                 " or generate the solver with them"
             )
+        if status == Status.DEPENDENT:
+            tolerance, places = self.solver.layout.closure_tolerance, self.solver.places
+            rows, work = self.solver.checked, self._memory.work
+            return nearly_dependent(f"with {given}", rows, places, work, tolerance)
         if self.solver.design is None:
             return MESSAGES[status]
         return f"with {given}: {MESSAGES[status]}, or no way of closed joints leads there"

@@ -26,6 +26,7 @@ from kousoku.codegen.dynamics.choose import program_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
+from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.given_start import given_start, require_held
 from kousoku.codegen.dynamics.simplification.weights import require_driven
@@ -139,6 +140,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
         *notes_of(changes, given.unit, scene.unit),
         *notes_of_freedom(analysed.system, analysed.freedom),
         *_of_reactions(program),
+        *notes_of_rank(program, analysed.system),
     )
     about = replace(About.of(scene, notes), moved=tuple([one.body, *one.sizes] for one in changes))
     return Composed(program, analysed.system, analysed.freedom.degrees, about, written)

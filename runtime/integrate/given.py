@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from .result import refusal, shown, unknown
-from .settings import LEAST_TOLERANCE
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -28,6 +27,8 @@ if TYPE_CHECKING:
 
 #: Times that a motion may have; more rows fit into no memory.
 MOST_ROWS = 10**9
+#: Tolerances are from this one on, and below 1; memory.h has it, too.
+LEAST_TOLERANCE = 1e-15
 
 
 def require_options(

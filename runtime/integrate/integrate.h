@@ -38,6 +38,9 @@
 #include "kinematics.h"
 #include "rows.h"
 #include "continuation.h"
+#if HAS_RANK
+#include "rank.h"
+#endif
 #include "trust.h"
 #include "calls.h"
 

@@ -59,6 +59,12 @@ static void position(double *w) { memset(w + W_DQ, 0, NV * sizeof *w); }
 #define HAS_DRIVERS 0
 #endif
 
+/* rows whose rank is looked at where parameters are given */
+#ifndef HAS_RANK
+#define HAS_RANK 0
+#define RANK_ROWS 0
+#endif
+
 /* rows that are left out and take over where others lose rank; inverse masses of the design; the
  * refinement of accelerations where they lose digits */
 #ifndef HAS_ROW_SWITCH
@@ -165,6 +171,8 @@ static const size_t starts[ROOM(STARTS)][2];
 static const size_t positive[ROOM(POSITIVE)];
 /* for each row of the constraints whether its residual is a length */
 static const unsigned char row_is_length[ROOM(NCHECK)];
+/* of rows whose rank is looked at: which, and whether they are left out */
+static const size_t rank_rows[ROOM(RANK_ROWS)][2];
 /* what errors of measures are compared with; of events the direction, what a run does then, and
  * whether the formula may jump */
 static const double measure_sizes[ROOM(N_MEASURES)];

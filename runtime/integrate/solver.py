@@ -11,6 +11,7 @@ from .arithmetic import larger, smaller
 from .continuation import continue_parameters, is_possible, stay_closed
 from .crossing import first_without_value
 from .dense_output import prepare_dense
+from .given import LEAST_TOLERANCE
 from .kinematics import driven_step
 from .methods import METHODS
 from .pivot_monitor import note_largest_pivot, pivot_ratio
@@ -18,7 +19,7 @@ from .projection import note_lost_digits, project
 from .row_switch import note_usual_ratio
 from .rows import energy_balance, find_reactions, write_row
 from .scene import Work, Workspace, state_of
-from .settings import ACTIONS, LEAST_TOLERANCE, Status
+from .settings import ACTIONS, Status
 from .stepper import first_step, step
 from .switching import even_end, meet_switches, resolved_step
 
@@ -76,7 +77,8 @@ class Solver:
         Returns
         -------
         Status
-            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED``, ``NO_VALUE`` or ``BAD_ARGUMENT``.
+            ``GOOD``, ``NOT_ASSEMBLED``, ``NOT_CLOSED``, ``DEPENDENT``, ``NO_VALUE`` or
+            ``BAD_ARGUMENT``.
         """
         state[:] = 0.0
         given = self.scene.parameters if parameters is None else parameters
@@ -112,9 +114,14 @@ class Solver:
         s.potential = work.w.energies[1]
         work.w.run("momentum")
         s.momenta[:] = work.w.momenta
-        may_open = len(work.w.C_left_out) > 0 and (s.parameters != self.scene.parameters).any()
-        if may_open and not stay_closed(s, work):
+        are_changed = bool((s.parameters != self.scene.parameters).any())
+        if len(work.w.C_left_out) > 0 and are_changed and not stay_closed(s, work):
             return Status.NOT_CLOSED
+        if len(self.scene.rank_rows) > 0 and are_changed:
+            from .rank import keep_rank  # other scenes do not have it
+
+            if not keep_rank(s, work):
+                return Status.DEPENDENT
         s.event = float(first_without_value(s, work))
         if s.event > 0.0:
             return Status.NO_VALUE

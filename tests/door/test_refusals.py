@@ -168,3 +168,11 @@ def test_an_event_that_there_is_not_names_those_that_there_are() -> None:
     ball = ks.load(SCENES / "bouncing_ball.toml", target="numpy")
     with pytest.raises(KeyError, match=r"none of 'land': there are lands, .* 'lands'"):
         ball.simulate(1.0, samples=2).events["land"]
+
+
+def test_the_text_of_a_scene_is_verified_as_its_file_is() -> None:
+    text = (SCENES / "pendulum.toml").read_text(encoding="utf-8")
+    assert ks.verify(text, target="numpy").ok
+    what: Any = 3
+    with pytest.raises(ks.KousokuError, match="is no scene"):
+        ks.verify(what)

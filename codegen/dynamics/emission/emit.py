@@ -31,6 +31,8 @@ TEMPLATES = {
     "__init__.py": "dynamics/__init__.py.jinja",
     "integrate/methods.h": "dynamics/methods.h.jinja",
 }
+#: What scenes lack whose parameters change no rows of loops.
+OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_dependent.py"))
 #: What the text is made of beside the integrator, for the digest.
 PARTS = (
     *TEMPLATES.values(),
@@ -71,6 +73,8 @@ def emit_dynamics(
     parts = tuple(part for name, part in PARTS_OF_ROWS.items() if name in outputs)
     view = dynamics_view(program, system, length, parts)
     integrator = along("integrate")
+    if not view.looks_at_rank:
+        integrator = {name: text for name, text in integrator.items() if name not in OF_RANK}
     inputs = hashed(
         scene=repr(astuple(system)),
         composition=repr(view),

@@ -21,6 +21,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     works,
 )
 from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
+from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
 from kousoku.codegen.view_body import layout, output_text, straight_line
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 
 
 #: Tables whose rows have several numbers.
-PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events"})
+PAIRS = frozenset({"shifts", "turns", "drivers", "starts", "parts", "events", "rank_rows"})
 #: The counts and places that come with what scenes may have or lack; those of what a scene lacks
 #: are zeros in ``integrate/lacking.h``.
 COME_WITH = {
@@ -52,6 +53,7 @@ COME_WITH = {
     ("HAS_WORKS",): ("WORKS",),
     ("HAS_COUNTED_TURNS",): ("COUNTED", "COUNTED_END"),
     ("HAS_MOMENTA",): ("MOMENTA", "W_MOMENTA"),
+    ("HAS_RANK",): ("RANK_ROWS",),
     ("HAS_ROW_SWITCH", "HAS_DRIVERS"): ("DRIVERS",),
     ("HAS_REFINEMENT", "HAS_DRIVERS"): ("N_POWER", "W_MORE_POWER"),
     ("HAS_REFINEMENT", "HAS_REACTIONS"): ("W_MORE_LAM",),
@@ -203,6 +205,11 @@ class DynamicsView:
     parameter_names: tuple[str, ...]
     is_driven: bool
     varies: bool
+
+    @property
+    def looks_at_rank(self) -> bool:
+        """Whether the rank of rows is looked at where parameters are given."""
+        return "HAS_RANK" in self.features
 
     @property
     def settings(self) -> tuple[tuple[str, list[str]], ...]:
@@ -372,7 +379,7 @@ def dynamics_view(
     """
     segments, slots = (*program.segments, *program.on_demand), slots_of(program)
     found = tables(program, system, length, parts)
-    counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events")
+    counted = ("shifts", "turns", "drivers", "starts", "positive", "parts", "events", "rank_rows")
     counts = sizes(program) | {name.upper(): len(found[name]) for name in counted}
     row = 1 + sum(program.region(name).size for name in ("q", "v", *parts))
     bases = {region.name: region.base for region in program.regions}
@@ -428,6 +435,7 @@ def _features(program: Program, system: System, parts: Sequence[str]) -> tuple[s
         "HAS_WORKS": works(program) > 0,
         "HAS_MOMENTA": "momentum" in segments,
         "HAS_ROW_SWITCH": has_row_switch(program),
+        "HAS_RANK": bool(rank_rows(program, system)),
         "HAS_VARYING_MASSES": has_row_switch(program) and bool(mass_places(program, system)),
         "HAS_REFINEMENT": "refinement" in segments,
         "HAS_REACTIONS": "reactions" in regions,

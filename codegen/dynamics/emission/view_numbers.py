@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.composition.bodies import inverse_masses as of_body
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
+from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.left_out import take_over
 from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.model import precise
@@ -113,6 +114,7 @@ def tables(
         if switched
         else [],
         "drivers": driver_rows(program, system) if switched else [],
+        "rank_rows": rank_rows(program, system),
         "starts": [(owner[(*q, *v)[place]], (place, at)) for place, at in starts],
         "positive": positive_places(program),
         "measure_sizes": [

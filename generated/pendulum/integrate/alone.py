@@ -254,6 +254,15 @@ class Run:
         if status == Status.BENDS:
             why = bends(self._layout, state.bent, state.limit, state.behind)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"
+        if status == Status.DEPENDENT:
+            from .nearly_dependent import nearly_dependent  # other scenes do not have it
+
+            data, one = self._scene.data, self._layout
+            rows = [row for part in CheckedRows._fields for row in data[part]]
+            told: str = nearly_dependent(
+                one.name, rows, data["places"], self._work, one.closure_tolerance
+            )
+            return told
         if status == Status.INFINITE:
             why = infinite(self._layout, state.pole)
             return f"{self._scene.layout.name}: {why}, at t = {self.time:.9g} s"

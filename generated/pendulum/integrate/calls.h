@@ -47,6 +47,9 @@ int PUBLIC(start)(double time, const double *q, const double *v, const double *p
         memcpy(s->momenta, work->w + W_MOMENTA, MOMENTA * sizeof *s->momenta);
     }
     if (NCHECK > NC && are_changed(s->parameters) && !stay_closed(s, work)) return NOT_CLOSED;
+#if HAS_RANK
+    if (are_changed(s->parameters) && !keep_rank(s, work)) return DEPENDENT;
+#endif
     s->event = first_without_value(s, work);
     if (s->event > 0.0) return NO_VALUE;
     s->key = KEY;

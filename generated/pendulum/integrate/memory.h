@@ -9,12 +9,13 @@ enum {
     STEP_TOO_SMALL = PUBLIC(STEP_TOO_SMALL),
     NO_VALUE = PUBLIC(NO_VALUE),
     BENDS = PUBLIC(BENDS),
-    INFINITE = PUBLIC(INFINITE)
+    INFINITE = PUBLIC(INFINITE),
+    DEPENDENT = PUBLIC(DEPENDENT)
 };
 
 /* rows that are left out, and miss so many times CLOSURE_TOLERANCE, are not implied by others */
 #define CLEARLY 10.0
-/* tolerances are from this one on, and below 1; settings.py has it, too */
+/* tolerances are from this one on, and below 1; given.py has it, too */
 #define LEAST_TOLERANCE 1e-15
 /* bodies that a step moves by no more than that, in lengths and radians, count as at rest: their
  * velocities are compared with that */
@@ -54,6 +55,12 @@ typedef struct {
     double mu[ROOM(FREE_ROWS)];
 } RowSwitch;
 
+/* rows whose rank is looked at, scaled: see rank.h */
+typedef struct {
+    double rows[ROOM(RANK_ROWS)][ROOM(HAS_RANK * NV)]; /* C_q, then a basis */
+    double columns_by[ROOM(HAS_RANK * NV)], rows_by[ROOM(RANK_ROWS)], rates[ROOM(RANK_ROWS)];
+} Rank;
+
 typedef struct {
     double w[W_SIZE];                  /* the workspace of the scene, at the places W_... */
     double k[STAGES][ROOM(NY)];        /* derivatives of the stages */
@@ -61,6 +68,7 @@ typedef struct {
     double scratch[ROOM(NY)], u[ROOM(NY)];
     double way[ROOM(HAS_REFINEMENT * WAY)][ROOM(NQ)]; /* that of a step: see branches.h */
     RowSwitch all;
+    Rank rank;
 } Work;
 
 /* writes what no step changes: the numbers of the scene, and the parameters of the run */

@@ -93,6 +93,9 @@ class Scene:
         What depends on parameters at the start: its place in y, and in the design.
     positive : (n,) array
         Places of the design with numbers that must be positive.
+    rank_rows : (n, 2) array
+        Of each row whose rank is looked at where parameters are given: which, and whether it is
+        left out.
     row_lengths : (n,) array
         What residuals of rows are compared with, as corrections are.
     measure_sizes : (n,) array
@@ -132,6 +135,7 @@ class Scene:
     drivers: Slots = field(init=False, repr=False)
     starts: Slots = field(init=False, repr=False)
     positive: Slots = field(init=False, repr=False)
+    rank_rows: Slots = field(init=False, repr=False)
     row_lengths: Array = field(init=False, repr=False)
     measure_sizes: Array = field(init=False, repr=False)
     events: Slots = field(init=False, repr=False)
@@ -145,7 +149,7 @@ class Scene:
         }
         for name in ("parameters", "floors", "inverse_masses", "measure_sizes"):
             found[name] = np.array(numbers(tables[name]))
-        widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3}
+        widths = {"shifts": 2, "turns": 3, "drivers": 2, "starts": 2, "events": 3, "rank_rows": 2}
         for name, width in widths.items():
             found[name] = places(tables[name], width)
         for name in ("mass_places", "positive"):

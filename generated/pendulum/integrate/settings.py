@@ -14,8 +14,6 @@ OPTIONS = (
     *("initial", "q0", "v0"),
 )
 MOST_STEPS = 1_000_000
-#: Tolerances are from this one on, and below 1; memory.h has it, too.
-LEAST_TOLERANCE = 1e-15
 #: The method of scenes whose motion drivers determine.
 KINEMATICS = "kinematics"
 #: The least tolerance at which each of the others needs the fewest evaluations to the error that it
@@ -77,7 +75,8 @@ class Status(IntEnum):
     that were written, and is not counted with them; after ``STOPPED`` a run does not go on.
     ``NO_VALUE``: the formula of an event has no finite value at the start, or none from where the
     run came. ``BENDS``: the law of a driver bends or jumps where the run came.
-    ``INFINITE``: a force is infinite right behind the time that was reached.
+    ``INFINITE``: a force is infinite right behind the time that was reached. ``DEPENDENT``: rows
+    depend on each other nearly that do not with the parameters of the scene.
     """
 
     GOOD = 0
@@ -94,6 +93,7 @@ class Status(IntEnum):
     NO_VALUE = -7
     BENDS = -8
     INFINITE = -9
+    DEPENDENT = -10
 
 
 class Doubt(IntFlag):

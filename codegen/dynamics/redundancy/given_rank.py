@@ -1,0 +1,68 @@
+"""Rows that may become dependent with other parameters than those of the scene."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.redundancy.closure import SHOWN
+from kousoku.codegen.dynamics.redundancy.left_out import MOST_DENSE
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.model.varying import fixed_system
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.model.mechanism import System
+
+
+def rank_rows(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:
+    """Return the rows whose rank a run with other parameters looks at, by their joints.
+
+    Those are the rows of joints of the loops whose points, axes, lengths or ratios depend on
+    parameters: the place of each among all that are checked, and 1 where it is left out. Where they
+    are too many none is looked at.
+    """
+    found = _rows_of_varying_loops(program, system)
+    return found if len(found) <= MOST_DENSE else []
+
+
+def notes_of_rank(program: Program, system: System) -> Iterator[str]:
+    """Yield a note where rows are too many for a run with other parameters to look at them."""
+    found = _rows_of_varying_loops(program, system)
+    if len(found) > MOST_DENSE:
+        names = [f"joints.{joint}" for joint in dict.fromkeys(joint for joint, _ in found)]
+        more = f" and {len(names) - SHOWN} more" if len(names) > SHOWN else ""
+        yield (
+            f"with other parameters rows of {', '.join(names[:SHOWN])}{more} may become redundant,"
+            f" which no run looks at: they are {len(found)}, more than {MOST_DENSE}"
+        )
+
+
+def _rows_of_varying_loops(program: Program, system: System) -> list[tuple[str, tuple[int, int]]]:
+    if not system.parameters:
+        return []
+    instances = _varying_loops(system)
+    first, last = len(program.rows), len(program.rows) + len(program.left_out)
+    rows: tuple[Row, ...] = (*program.rows, *program.left_out, *program.reduced)
+    return [
+        (row.joint, (place, int(first <= place < last)))
+        for place, row in enumerate(rows)
+        if row.instance in instances and not system.constraints[row.instance].is_driver
+    ]
+
+
+def _varying_loops(system: System) -> frozenset[int]:
+    """Return the places of all constraints of loops of which some depend on parameters."""
+    fixed = fixed_system(system)
+    varying = {
+        k
+        for k, (one, of_scene) in enumerate(zip(system.constraints, fixed.constraints, strict=True))
+        if one != of_scene
+        or any(
+            system.coordinates[term.coordinate] != fixed.coordinates[term.coordinate]
+            for term in one.terms
+        )
+    }
+    parts = (part.instances for part in loops_of(system))
+    return frozenset(k for own in parts if not varying.isdisjoint(own) for k in own)

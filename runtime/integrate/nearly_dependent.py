@@ -1,0 +1,62 @@
+"""What is said of a run whose rows nearly depend on each other with its parameters."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .result import key_of
+from .settings import CLEARLY
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    import numpy.typing as npt
+
+    Array = npt.NDArray[np.float64]
+
+#: What rows hold that is a smaller part of the most is not told with it.
+NEARLY = 1e-3
+#: What rows hold that is less is told as nothing.
+ROUNDING = 1e-12
+#: Joints that a text names.
+SHOWN = 3
+
+
+def nearly_dependent(
+    name: str,
+    rows: Sequence[Sequence[str]],
+    places: Mapping[str, Sequence[int]],
+    work: Array,
+    tolerance: float,
+) -> str:
+    """Return why a run is refused whose rows nearly depend on each other.
+
+    Parameters
+    ----------
+    name : str
+        What is so: the scene, and its parameters.
+    rows : sequence of (str, str)
+        Joint and unit of each row that is checked.
+    places : mapping of str to (int, int)
+        Where regions are in the memory for work, and how large.
+    work : array
+        In which rows that are not independent have what they hold beyond others.
+    tolerance : float
+        The closure tolerance.
+    """
+    first, _ = places.get("C") or places["C_left_out"]
+    missed = work[first : first + len(rows)]
+    worst: dict[str, str] = {}
+    for k in np.argsort(-missed).tolist():
+        if missed[k] > NEARLY * missed.max():
+            (joint, unit), size = rows[k], missed[k] if missed[k] > ROUNDING else 0.0
+            worst.setdefault(joint, f"{size:.3g} {unit} of {key_of(joint)}")
+    held = ", ".join([*worst.values()][:SHOWN])
+    return (
+        f"{name}: rows of joints that are independent with the parameters of the scene are nearly"
+        f" redundant: beyond all others they hold {held} for each length or radian that bodies"
+        f" move, and are independent above {CLEARLY * tolerance:.3g} only; rows are chosen for the"
+        " values of the scene: write these ones into its file, and generate it again"
+    )
