@@ -86,7 +86,8 @@ class Analysed:
     def solved(self) -> list[Row]:
         """Rows that have multipliers."""
         others = {*self.held, *self.left_out}
-        return [row for row in self.outline.rows if row not in others]
+        rows = self.outline.rows
+        return [row for row in rows if row not in others] if others else list(rows)
 
     @property
     def held(self) -> list[Row]:
@@ -98,7 +99,7 @@ class Analysed:
     def left_out(self) -> list[Row]:
         """Rows that depend on others."""
         dropped = set(self.freedom.dropped)
-        return [row for row in self.outline.rows if row in dropped]
+        return [row for row in self.outline.rows if row in dropped] if dropped else []
 
     @property
     def has_loops(self) -> bool:
