@@ -28,13 +28,13 @@ STAGES: dict[str, dict[str, tuple[str, ...]]] = {
     "read": {"kousoku.model.read": ("text_of", "scene_from_toml"), "kousoku.loading": ("_text",)},
     "analyse": {
         "kousoku.codegen.dynamics.generate": (
-            *("system_of", "require_kept", "put_together", "without_held", "merged", "weighted"),
-            *("require_held", "given_start", "outlined", "require_driven"),
+            *("system_of", "require_kept", "put_together", "require_held", "without_held"),
+            *("analyse", "given_start", "require_driven"),
             *("changes_of_assembly", "notes_of_freedom"),
         ),
     },
     "compose": {
-        "kousoku.codegen.dynamics.generate": ("of_outline", "with_reactions", "reduced", "inline"),
+        "kousoku.codegen.dynamics.generate": ("program_of", "inline"),
         "kousoku.loading": ("generated",),
     },
     "print": {

@@ -24,6 +24,7 @@ from kousoku.codegen.dynamics.emission.view_numbers import row_of
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
+from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.interpret import ARRAY
 from kousoku.codegen.interpret import evaluate as evaluated
 from kousoku.labels import columns_of, is_turn, rows_of
@@ -180,7 +181,7 @@ class Equations:
 
     @cached_property
     def _freedom(self) -> Freedom:
-        return freedom_of(fixed_system(self.system), self._program)
+        return freedom_of(fixed_system(self.system), outline_of(self.system, None))
 
     @property
     def unknown(self) -> tuple[str, ...]:

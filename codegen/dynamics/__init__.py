@@ -1,6 +1,10 @@
 """Compose the motion of a system from frozen kinds: a program of small kernels on one workspace.
 
-Where what is, in the order of :mod:`~kousoku.codegen.dynamics.generate`, which calls all of it:
+:mod:`~kousoku.codegen.dynamics.generate` is the way from a scene to the folder of its solver:
+:mod:`~kousoku.codegen.dynamics.analyse` decides what is solved, ``composition`` records it, and
+:mod:`~kousoku.codegen.dynamics.choose` takes of two programs one, where only composing them tells.
+
+Where what is, in that order:
 
 ``assembly``
     Positions and velocities that fit, near those that a scene gives.

@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics
 from kousoku.codegen.dynamics.emission.view_numbers import inverse_masses
-from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics, independent
+from kousoku.codegen.dynamics.generate import LEDGER, generate_dynamics
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy import left_out
 from kousoku.codegen.generate import write_tree
@@ -36,6 +36,7 @@ from kousoku.runtime.dynamics_targets import Memory
 from kousoku.runtime.integrate import row_switch
 from kousoku.runtime.integrate.scene import Work
 from kousoku.runtime.integrate.settings import Status
+from tests.analysed import all_rows, independent, without
 from tests.random_scenes import random_scene
 
 if TYPE_CHECKING:
@@ -98,18 +99,19 @@ def system() -> System:
 
 @pytest.fixture(scope="module")
 def good(system: System) -> Program:
-    return independent(system, (*LEDGER, *OUTPUTS), may_be_planar=False)[0]
+    return compose(independent(system, may_be_planar=False), (*LEDGER, *OUTPUTS))
 
 
 @pytest.fixture(scope="module")
-def bad(system: System, good: Program) -> Program:
-    kept: dict[int, list[int]] = {}
-    for row in sorted((*good.rows, *good.left_out), key=lambda row: (row.instance, row.row)):
-        own = kept.setdefault(row.instance, [])
-        if (row.joint, system.constraints[row.instance].kind, row.row) not in BAD:
-            own.append(row.row)
+def bad(system: System) -> Program:
+    whole = all_rows(system, may_be_planar=False)
+    rows = [
+        row
+        for row in whole.outline.rows
+        if (row.joint, system.constraints[row.instance].kind, row.row) in BAD
+    ]
     joints = [one.joint for one in system.constraints if not one.is_driver]
-    found = compose(system, (*LEDGER, *OUTPUTS), rows=kept, dependent=[joints], may_be_planar=False)
+    found = compose(without(whole, rows, joints), (*LEDGER, *OUTPUTS))
     assert len(found.left_out) == len(BAD)
     return found
 

@@ -22,6 +22,7 @@ from kousoku.codegen.generate import write_tree
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.runtime.dynamics import load_dynamics
+from tests.analysed import all_rows, without
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -54,12 +55,9 @@ def system() -> System:
 
 def write_without(left_out: int, system: System, folder: Path) -> Path:
     """Write the solver without one of all rows, and return where it is."""
-    rows = compose(system).rows
-    row = rows[left_out]
-    kept = [one.row for one in rows if one.instance == row.instance and one != row]
-    program = compose(
-        system, ("checks", *OUTPUTS), rows={row.instance: kept}, dependent=[list("abcdef")]
-    )
+    whole = all_rows(system)
+    rows = [whole.outline.rows[left_out]]
+    program = compose(without(whole, rows, list("abcdef")), ("checks", *OUTPUTS))
     folder /= system.name
     folder.mkdir()
     write_tree(folder, emit_dynamics(inline(program), system, OUTPUTS))
@@ -207,5 +205,5 @@ def test_run_in_pieces_gives_the_bits_of_a_run_in_one(
 def test_scenes_without_rows_that_are_left_out_have_no_such_text(tmp_path: Path) -> None:
     scene = read_scene(Path(__file__).parents[2] / "scenes" / "pendulum.toml")
     pendulum = system_of(scene)
-    files = emit_dynamics(compose(pendulum, ("checks", "energies")), pendulum, ())
+    files = emit_dynamics(compose(all_rows(pendulum), ("checks", "energies")), pendulum, ())
     assert "factorise" not in files["solver.c"] + files["solver.py"]

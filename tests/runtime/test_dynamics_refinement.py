@@ -14,9 +14,10 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.checking.run import Workspace
-from kousoku.codegen.dynamics.generate import LEDGER, independent
+from kousoku.codegen.dynamics.choose import cheaper
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.inline import inline
-from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.codegen.interpret import HIGH
 from kousoku.model.errors import MotionError
 from kousoku.model.families import chain, n_four_bar
@@ -25,6 +26,7 @@ from kousoku.model.system import system_of
 from kousoku.model.write import to_toml
 from kousoku.runtime.dynamics import load_dynamics
 from kousoku.runtime.motion import Motion
+from tests.analysed import independent
 from tests.stress import extremes
 
 if TYPE_CHECKING:
@@ -81,7 +83,8 @@ def time_of_the_line() -> float:
 
 def in_fifty_digits(q: Any, v: Any, scene: Scene = SCENE) -> dict[str, Any]:
     system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
-    program = reduced(system, wanted, independent(system, wanted)[0])
+    found = independent(system)
+    program = cheaper(found, wanted, compose(found, wanted))
     work = Workspace(program, HIGH)
     for name, values in (("q", q), ("v", v)):
         work[name] = [HIGH.number(Fraction(x)) for x in values.tolist()]
@@ -299,7 +302,8 @@ def test_power_of_a_driver_is_refined_with_the_accelerations(
     run = load_dynamics(bodies_folder(scene, OUTPUTS), target=target).begin([0.0, 1.0])
     assert run.finish().ledger.refinements > 0
     system, wanted = assemble(system_of(scene, OUTPUTS)), (*LEDGER, *OUTPUTS)
-    program = reduced(system, wanted, independent(system, wanted)[0])
+    found = independent(system)
+    program = cheaper(found, wanted, compose(found, wanted))
     work = Workspace(inline(program))
     y, f = (run.solver.state[name].view(run.state) for name in ("y", "f"))
     count = len(work["q"])

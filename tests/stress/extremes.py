@@ -14,7 +14,8 @@ from unittest.mock import patch
 import numpy as np
 
 import kousoku as ks
-from kousoku.codegen.dynamics.composition import bodies, compose
+from kousoku.codegen.dynamics import analyse
+from kousoku.codegen.dynamics.composition import bodies
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model.write import toml_of
 from tests.stress.kit import Fault, Outcome, Question, Size
@@ -297,7 +298,7 @@ def run(case: str) -> Outcome:
 
 def unrefined() -> AbstractContextManager[object]:
     """Compose chains of uneven masses without the refinement of their accelerations."""
-    return patch.object(compose, "is_uneven", lambda _: False)
+    return patch.object(analyse, "is_uneven", lambda _: False)
 
 
 def single_masses() -> AbstractContextManager[object]:

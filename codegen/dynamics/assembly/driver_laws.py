@@ -5,6 +5,7 @@ Derivatives are formulas, too, found by the rules: nothing is differenced.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
@@ -98,3 +99,13 @@ def _kernels(law: str, names: tuple[str, ...]) -> tuple[Kernel, ...]:
             Kernel("law", "", law, "", (), (value,), tuple(graph.nodes), ((node,),)),
         )
     return tuple(kernels)
+
+
+def fixed_law(one: Instance, parameters: Sequence[str]) -> float:
+    """Return the value of a law that never changes, 0 where there is none, else infinity."""
+    if not one.is_driver:
+        return 0.0
+    graph, names = Graph(), (TIME, *parameters)
+    leaves = {name: graph.input(name, 0) for name in names}
+    value = graph.value(to_graph(parse_expression(one.law, names), graph, leaves))
+    return math.inf if value is None else one.law_unit * float(value)

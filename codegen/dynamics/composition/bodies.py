@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Coordinates, Place
 from kousoku.codegen.dynamics.recording.recorder import Block, column, slot_of
-from kousoku.model.errors import Problem, SceneError
+from kousoku.codegen.dynamics.simplification.shapes import shape, start
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -17,14 +17,6 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.model.mechanism import MovingBody, System
     from kousoku.model.precise import High
-
-#: Places in (r, p) that are coordinates, and in (δr, δθ′), of a rigid body and of a point.
-SPATIAL = ((0, 1, 2, 3, 4, 5, 6), (0, 1, 2, 3, 4, 5))
-SPATIAL_POINT = ((0, 1, 2), (0, 1, 2))
-PLANAR = ((0, 1, 3, 6), (0, 1, 5))
-PLANAR_POINT = ((0, 1), (0, 1))
-
-NO_TURN = (1.0, 0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,63 +76,6 @@ GROUND = BodyBlocks(
 )
 
 
-def shape(body: MovingBody, *, is_planar: bool) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return which places in (r, p) and (δr, δθ′) are coordinates of a body."""
-    if is_planar:
-        return PLANAR_POINT if body.is_point else PLANAR
-    return SPATIAL_POINT if body.is_point else SPATIAL
-
-
-def start(body: MovingBody) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return (r, p) and (v, ω′) at the start; a point does not turn."""
-    if body.is_point:
-        return (*body.r, *NO_TURN), (*body.v, 0.0, 0.0, 0.0)
-    return (*body.r, *body.p), (*body.v, *body.omega_b)
-
-
-def require_masses(system: System, *, is_planar: bool) -> None:
-    """Refuse bodies that lack what their motion depends on.
-
-    Raises
-    ------
-    SceneError
-        Bodies have no mass, or no moment about an axis that they can turn about: all of them.
-    """
-    found = []
-    for body in system.bodies:
-        if body.mass <= 0:
-            found.append(
-                Problem("is missing; its motion depends on it", f"bodies.{body.name}.mass")
-            )
-            continue
-        _, columns = shape(body, is_planar=is_planar)
-        moments = [body.inertia[k - 3] for k in columns if k > 2]
-        if any(moment <= 0 for moment in moments):
-            problem = (
-                f"has a principal moment of {min(moments)} kg m² about an axis that it can turn"
-                " about; wanted positive ones: give it some thickness"
-            )
-            found.append(Problem(problem, f"bodies.{body.name}.inertia"))
-    if found:
-        raise SceneError.of(found)
-
-
-def thickened(system: System) -> System:
-    """Return the system with bodies that can turn about any axis: thin ones get some thickness.
-
-    A motion in a plane, and what it takes to hold bodies in it, does not change by that.
-    """
-    return replace(system, bodies=tuple(map(_thickened, system.bodies)))
-
-
-def _thickened(body: MovingBody) -> MovingBody:
-    if body.is_point:
-        return body
-    x, y, z = body.inertia
-    thin = float(max(x, y, z)) / 2 or 1.0
-    return replace(body, inertia=(x or thin, y or thin, z or thin))
-
-
 def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[High]:
     """Return the diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
     diagonal = [number(x) for x in (*(body.mass,) * 3, *body.inertia)]
@@ -167,12 +102,6 @@ def _mixed(
     for place, entry in zip(kept, slots, strict=True):
         entries[place] = entry
     return entries
-
-
-def sizes(system: System, *, is_planar: bool) -> tuple[int, int]:
-    """Return the sizes of q and v."""
-    shapes = [shape(body, is_planar=is_planar) for body in system.bodies]
-    return sum(len(kept) for kept, _ in shapes), sum(len(columns) for _, columns in shapes)
 
 
 def body_blocks(

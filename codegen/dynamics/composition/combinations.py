@@ -5,14 +5,12 @@ The derivatives of a law are formulas, too: ν = unit · law′, γ = Σ factor 
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.recorder import column, zeros
 from kousoku.codegen.expressions import to_graph
-from kousoku.codegen.graph import Graph
 from kousoku.model.derivative import derivative
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import TIME
@@ -74,16 +72,6 @@ class Law:
         leaves = dict(zip(names, (*time, *parameters), strict=True))
         node = trace.graph.mul(unit[0], to_graph(expression, trace.graph, leaves))
         return (Matrix(trace.graph, ((node,),), 1),)
-
-
-def fixed_law(one: Instance, parameters: Sequence[str]) -> float:
-    """Return the value of a law that never changes, 0 where there is none, else infinity."""
-    if not one.is_driver:
-        return 0.0
-    graph, names = Graph(), (TIME, *parameters)
-    leaves = {name: graph.input(name, 0) for name in names}
-    value = graph.value(to_graph(parse_expression(one.law, names), graph, leaves))
-    return math.inf if value is None else one.law_unit * float(value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.analyse import in_xy_plane
 from kousoku.codegen.dynamics.composition.auxiliary import (
     WORK,
     Auxiliaries,
@@ -23,24 +24,21 @@ from kousoku.codegen.dynamics.composition.bodies import (
     body_blocks,
     coordinates,
     gyroscopic_ratios,
-    require_masses,
-    sizes,
 )
 from kousoku.codegen.dynamics.composition.combinations import Combinations
 from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
 from kousoku.codegen.dynamics.composition.energies import record_energies
 from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
-from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, require_few_joints
+from kousoku.codegen.dynamics.composition.joints import JointBlocks, joints_of, place_numbers
 from kousoku.codegen.dynamics.composition.least_norm import Scale, Shared, points_of
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.composition.momentum import kept_of, record_momenta
+from kousoku.codegen.dynamics.composition.momentum import record_momenta
 from kousoku.codegen.dynamics.composition.reactions import record_reactions, record_wrenches
 from kousoku.codegen.dynamics.composition.reduced import Reduced
 from kousoku.codegen.dynamics.composition.schur import Schur
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.composition.switching import record_switching
-from kousoku.codegen.dynamics.composition.unevenness import is_uneven
 from kousoku.codegen.dynamics.operations.formulas import Names
 from kousoku.codegen.dynamics.operations.mechanics import (
     FreeAcceleration,
@@ -51,59 +49,33 @@ from kousoku.codegen.dynamics.operations.mechanics import (
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
-from kousoku.codegen.dynamics.redundancy.left_out import others, rows_of, shares_out, take_over
-from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.codegen.dynamics.simplification.planar import plane_of
-from kousoku.codegen.dynamics.simplification.turned import named_back, turned, turned_row
+from kousoku.codegen.dynamics.redundancy.left_out import by_instance, rows_of
+from kousoku.codegen.dynamics.simplification.shapes import sizes
+from kousoku.codegen.dynamics.simplification.turned import named_back
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping, Sequence
     from contextlib import AbstractContextManager
 
-    from kousoku.model.mechanism import System
+    from kousoku.codegen.dynamics.analyse import Analysed
 
 #: A tree of so few joints is eliminated in one go: a processor gains nothing from the two ends of a
 #: chain, which want more kernels.
 SHORT = 16
 
 
-def compose(
-    system: System,
-    wanted: Collection[str] = (),
-    *,
-    rows: Mapping[int, Sequence[int]] | None = None,
-    dependent: Sequence[Sequence[str]] | None = None,
-    idle: Mapping[int, Sequence[int]] | None = None,
-    may_be_planar: bool = True,
-    most_free: int = -1,
-    is_outline: bool = False,
-) -> Program:
+def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
     """Return the program of a system: its segments are those of ``SEGMENTS``.
 
     Parameters
     ----------
-    system : System
-        The scene.
+    analysed : Analysed
+        The scene, with all that is decided of it.
     wanted : collection of str
         What is computed beyond the motion: ``reactions`` for the region ``lam`` and the segment
         ``reaction``, ``energies`` for the segment ``energy``, ``checks`` for the segment ``check``.
         Other names are not looked at.
-    rows : mapping of int to sequence of int, optional
-        For instances of which not all rows are kept, by their place in ``system.constraints``, the
-        rows that are.
-    dependent : sequence of sequence of str
-        The joints of each set of rows that depend on each other: what they carry is not unique.
-        All joints are one set unless given.
-    idle : mapping of int to sequence of int, optional
-        Of the rows that are not kept those that nothing changes: they carry nothing.
-    may_be_planar : bool
-        Whether a scene that stays in a coordinate plane gets planar coordinates.
-    most_free : int
-        Bodies on a joint with the ground that leaves so many velocities at most are described by
-        these, see ``simplification.reduction``; not together with ``rows``.
-    is_outline : bool
-        Whether rows and coordinates are enough: then it has no segments.
 
     Returns
     -------
@@ -114,44 +86,20 @@ def compose(
     Raises
     ------
     SceneError
-        A body lacks a mass or a moment that its motion needs, or has too many joints.
+        Too many rows depend on each other for their reactions.
     """
-    require_few_joints(system)
-    kept, still = rows or {}, idle or {}
-    shift = plane_of(system) if may_be_planar else None
-    if shift is None:
-        require_masses(system, is_planar=False)
-        shared = Shared(dependent, still)
-        composer = _Composer(system, wanted, kept, shared, is_planar=False, most_free=most_free)
-        return composer.outline() if is_outline else composer.program()
-    other = turned(system, shift)
-    require_masses(other, is_planar=True)
-    kinds = [instance.kind for instance in system.constraints]
-    kept, still = (
-        {k: [turned_row(kinds[k], row, shift) for row in own] for k, own in given.items()}
-        for given in (kept, still)
-    )
-    shared = Shared(dependent, still)
-    composer = _Composer(other, wanted, kept, shared, is_planar=True, most_free=most_free)
-    found = composer.outline() if is_outline else composer.program()
-    return named_back(found, system, shift)
+    there = in_xy_plane(analysed)
+    program = _Composer(there, wanted).program()
+    return named_back(program, there.system, analysed.outline.shift or 0)
 
 
 class _Composer:
     """A program while it is composed."""
 
-    def __init__(
-        self,
-        system: System,
-        wanted: Collection[str],
-        rows: Mapping[int, Sequence[int]],
-        shared: Shared,
-        *,
-        is_planar: bool,
-        most_free: int,
-    ) -> None:
-        self.system = system
-        self.shared = shared
+    def __init__(self, analysed: Analysed, wanted: Collection[str]) -> None:
+        system, is_planar = analysed.system, analysed.outline.is_planar
+        self.analysed, self.system = analysed, system
+        self.shared = Shared(analysed.freedom.shared, by_instance(analysed.freedom.idle))
         self.wanted = wanted
         self.is_planar = is_planar
         self.recorder = Recorder()
@@ -172,18 +120,20 @@ class _Composer:
         self.forces = ForceTasks(self.recorder, self.body, self.coordinates, names, rates)
         given = tuple(name for name, _ in system.parameters)
         combinations = Combinations(self.recorder, self.coordinates, *fixed, given)
-        self.tasks = JointTasks(system, self.recorder, self.body, combinations)
-        self.reduced = Reduced(system, self.recorder, self.body, combinations)
-        self.reduced.find(most_free, is_planar=is_planar)
-        rows = self.reduced.rows or rows
-        self.joints = joints_of(system, self.recorder, rows, self.body)
+        told = system, self.recorder, self.body, combinations
+        self.tasks = JointTasks(*told)
+        self.reduced = Reduced(analysed.reductions, *told)
+        places = (*self.reduced.instances, *range(len(system.constraints)))
+        place_numbers(system, self.recorder, places)
+        self.joints, self.held, self.left_out = (
+            joints_of(system, self.recorder, by_instance(rows))
+            for rows in (analysed.solved, analysed.held, analysed.left_out)
+        )
         self.rows = sum(joint.count for joint in self.joints)
-        rest = others(system, rows) if rows else {}
-        beside = joints_of(system, self.recorder, rest, self.body) if rest else []
-        self.left_out, self.held = ([], beside) if self.reduced.tasks else (beside, [])
         self.residuals = region("C", self.rows)
-        self.others = region("C_left_out", sum(joint.count for joint in beside))
-        at_once = not self.left_out and (len(self.joints) > SHORT or bool(loops_of(system)))
+        beside = sum(joint.count for joint in (*self.left_out, *self.held))
+        self.others = region("C_left_out", beside)
+        at_once = not self.left_out and (len(self.joints) > SHORT or analysed.has_loops)
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
     def body(self, index: int) -> BodyBlocks:
@@ -193,10 +143,6 @@ class _Composer:
     def _of_body(self, index: int) -> AbstractContextManager[None]:
         """Say that tasks belong to a body."""
         return self.recorder.of(self.system.bodies[index].name)
-
-    def outline(self) -> Program:
-        """Return the program without segments."""
-        return self._program(())
 
     def program(self) -> Program:
         """Record all segments."""
@@ -210,7 +156,7 @@ class _Composer:
                 record()
         if "energies" in self.wanted:
             record_energies(self.recorder, self.system, self.bodies, self.forces)
-        kept = kept_of(self.system, is_planar=self.is_planar) if "checks" in self.wanted else ()
+        kept = self.analysed.momenta if "checks" in self.wanted else ()
         if kept:
             record_momenta(self.recorder, self.system, kept, self.body)
         if "checks" in self.wanted:
@@ -381,8 +327,7 @@ class _Composer:
         length = characteristic_length(self.system)
         told = (self.schur, self.joints, self._by_body(self.v_dot), self.coordinates)
         known = partial(self.reduced.wrenches, *told)
-        count = len(rows_of(self.left_out))
-        in_loops = "checks" in self.wanted and shares_out(self.rows, count)
+        in_loops = "checks" in self.wanted and self.analysed.shares_out
         record = record or partial(record_reactions, held=self.held, known=known, in_loops=in_loops)
         record(
             self.recorder,
@@ -417,9 +362,9 @@ class _Composer:
 
     def _where_rank_drops(self) -> None:
         """Record what runs need where digits are lost: where rows become dependent, as in loops."""
-        if self.left_out or loops_of(self.system) or is_uneven(self.system):
+        if self.analysed.refines:
             self._refinement()
-        if "reactions" in self.wanted and take_over(self.rows, len(rows_of(self.left_out))):
+        if "reactions" in self.wanted and self.analysed.takes_over:
             self._reaction(record_wrenches)
 
     def _refinement(self) -> None:

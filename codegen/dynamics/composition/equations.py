@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries, Copy, entries_of
-from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, coordinates, sizes
+from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.composition.combinations import Combinations
 from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
 from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
 from kousoku.codegen.dynamics.composition.joint_tasks import JointTasks
-from kousoku.codegen.dynamics.composition.joints import joints_of
+from kousoku.codegen.dynamics.composition.joints import joints_of, place_numbers
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.operations.formulas import Names
 from kousoku.codegen.dynamics.operations.mechanics import Orientation
@@ -22,6 +22,8 @@ from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.redundancy.left_out import rows_of
+from kousoku.codegen.dynamics.simplification.outline import live_rows
+from kousoku.codegen.dynamics.simplification.shapes import sizes
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -98,7 +100,9 @@ class _Equations:
 
     def recorded(self) -> SystemEquations:
         """Record all tasks."""
-        joints = joints_of(self.system, self.recorder, {}, self.body)
+        place_numbers(self.system, self.recorder, range(len(self.system.constraints)))
+        live = live_rows(self.system, is_planar=False)
+        joints = joints_of(self.system, self.recorder, dict(enumerate(live)))
         count = sum(joint.count for joint in joints)
         names = ("C", "minus_nu", "minus_gamma")
         residuals, *rates = (self.recorder.region(name, count) for name in names)

@@ -9,10 +9,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import Copy
-from kousoku.codegen.dynamics.composition.joints import live_rows
 from kousoku.codegen.dynamics.composition.reduced_tasks import ReducedTasks
 from kousoku.codegen.dynamics.recording.recorder import zeros
-from kousoku.codegen.dynamics.simplification.reduction import reductions_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +21,8 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.composition.schur import Schur
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.model.mechanism import Instance, System
+    from kousoku.codegen.dynamics.simplification.reduction import Reduction
+    from kousoku.model.mechanism import System
 
     #: A matrix, and the vector that it is multiplied with.
     Product = tuple[Block, Block]
@@ -34,6 +33,8 @@ class Reduced:
 
     Parameters
     ----------
+    found : mapping of int to Reduction
+        What describes them, by the body.
     system : System
         The scene.
     recorder : Recorder
@@ -46,36 +47,22 @@ class Reduced:
 
     def __init__(
         self,
+        found: Mapping[int, Reduction],
         system: System,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
         combinations: Combinations,
     ) -> None:
-        self._given = system, recorder, body, combinations
-        self.tasks: dict[int, ReducedTasks] = {}
+        self.recorder = recorder
+        self.tasks = {
+            k: ReducedTasks(one, system, recorder, body, combinations) for k, one in found.items()
+        }
         self._free: dict[int, Block] = {}
 
-    def find(self, most_free: int, *, is_planar: bool) -> None:
-        """Look for bodies that can be reduced to so many velocities, none below zero."""
-        system, recorder, body, _ = self._given
-        if most_free < 0:
-            return
-
-        def count(one: Instance) -> int:
-            return len(live_rows(system, one, recorder, body))
-
-        found = reductions_of(system, count, is_planar=is_planar)
-        self.tasks = {
-            k: ReducedTasks(one, *self._given)
-            for k, one in found.items()
-            if len(one.free) <= most_free
-        }
-
     @property
-    def rows(self) -> dict[int, Sequence[int]]:
-        """The instances whose rows hold by themselves: none of their rows is kept."""
-        places = [place for one in self.tasks.values() for place in one.one.instances]
-        return dict.fromkeys(sorted(places), ())
+    def instances(self) -> list[int]:
+        """The joints that bodies are put onto and their drivers, by their places."""
+        return [place for one in self.tasks.values() for place in one.one.instances]
 
     @property
     def placed(self) -> tuple[int, ...]:
@@ -106,10 +93,9 @@ class Reduced:
     def keep(self, free: Sequence[Block]) -> None:
         """Record M⁻¹f into a region of its own: forces of joints are told from it."""
         if self.tasks:
-            _, recorder, _, _ = self._given
-            whole = recorder.region("free", sum(free[k].height for k in self.tasks))
+            whole = self.recorder.region("free", sum(free[k].height for k in self.tasks))
             for part, k in zip(self._parts(whole), self.tasks, strict=True):
-                recorder.call(Copy(), free[k], into=(part,))
+                self.recorder.call(Copy(), free[k], into=(part,))
 
     def wrenches(
         self,
@@ -122,8 +108,7 @@ class Reduced:
         found: dict[tuple[str, int], Block] = {}
         if not self.tasks:
             return found
-        _, recorder, _, _ = self._given
-        lam, whole = recorder.known("lam"), recorder.known("free")
+        lam, whole = self.recorder.known("lam"), self.recorder.known("free")
         multipliers = [lam.part(joint.first, joint.count) for joint in joints]
         for free, (k, one) in zip(self._parts(whole), self.tasks.items(), strict=True):
             others = self._others(schur, k, joints, multipliers)

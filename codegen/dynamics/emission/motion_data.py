@@ -16,19 +16,18 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     start_places,
 )
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
-from kousoku.codegen.dynamics.simplification.forces_plane import leaves_plane
-from kousoku.model import precise
+from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About
 from kousoku.model.switching import seen_of
 from kousoku.model.system import UNIT_NAMES
-from kousoku.model.varying import fixed_system, is_varying
+from kousoku.model.varying import is_varying
 from kousoku.runtime.integrate.state import fields_as_data
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.model.mechanism import Carried, Coordinate, Instance, MovingBody, System
+    from kousoku.model.mechanism import Carried, Instance, MovingBody, System
     from kousoku.runtime.integrate.state import Field
 
 #: Regions that hold what is given, or what no evaluation finds.
@@ -93,7 +92,7 @@ def motion_data(
         "reactions": _reactions(program, system) if "reactions" in parts else [],
         "not_unique": list(program.not_unique) if "reactions" in parts else [],
         "undetermined": list(program.undetermined) if "reactions" in parts else [],
-        "is_flat": is_flat(program, system),
+        "is_flat": is_flat(system, _normal(program)),
         "coordinates": _coordinates(system, parts) if "coordinates" in parts else [],
         "kept": [
             {
@@ -146,37 +145,11 @@ def _start(program: Program) -> dict[str, list[float]]:
     return start
 
 
-def is_flat(program: Program, system: System) -> bool:
-    """Return whether centres of mass, joints and gravity lie in one plane of the motion.
-
-    Then no joint of a planar scene has a force or torque that leads out of it.
-    """
-    if not (program.is_planar and system.bodies):
-        return False
-    system = fixed_system(system)
-    normal = next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
-    heights = [body.r[normal] for body in system.bodies]
-    combined = {term.coordinate for one in system.constraints for term in one.terms}
-    connected: list[Instance | Coordinate] = list(system.constraints)
-    connected += [system.coordinates[place] for place in sorted(combined)]
-    for one in connected:
-        for name, values in one.constants:
-            index = one.i if name == "s_i_b" else one.j
-            if name in {"s_i_b", "s_j_b"}:
-                heights.append(_height(values, None if index < 0 else system.bodies[index], normal))
-    if any(leaves_plane(system, force, normal) for force in system.forces):
-        return False
-    spread = max(heights) - min(heights)
-    return not system.has_gravity(normal) and spread <= 1e-12 * max(1.0, *map(abs, heights))
-
-
-def _height(point: Sequence[float], body: MovingBody | None, normal: int) -> float:
-    """Return a coordinate of a point of a body, or of the ground, at the start."""
-    if body is None:
-        return point[normal]
-    w, x, y, z = map(precise.number, body.p)
-    seen = precise.rotate((w, x, y, z), precise.triple(point))
-    return body.r[normal] + float(seen[normal])
+def _normal(program: Program) -> int | None:
+    """Return the axis across the plane of a program, None in space."""
+    if not (program.is_planar and program.bodies):
+        return None
+    return next(k for k, place in enumerate(program.bodies[0].r) if place.slot < 0)
 
 
 def _checked(program: Program, system: System) -> list[str]:

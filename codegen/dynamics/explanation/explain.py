@@ -9,20 +9,21 @@ from dataclasses import asdict, dataclass, replace
 from itertools import count
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
+from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
-from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios, thickened
+from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import counts, operations
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
-from kousoku.codegen.dynamics.generate import LEDGER, of_outline, outlined, with_reactions
+from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
-from kousoku.codegen.dynamics.simplification.merge import merged
-from kousoku.codegen.dynamics.simplification.reduced_program import PRESCRIBED, reduced
+from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
-from kousoku.codegen.dynamics.simplification.weights import weighted
+from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.codegen.store import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
@@ -35,10 +36,11 @@ from kousoku.runtime.integrate.result import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from kousoku.codegen.dynamics.analyse import Analysed
     from kousoku.codegen.dynamics.explanation.structure import Structure
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.simplification.merge import Constants, Merged
+    from kousoku.codegen.dynamics.simplification.merge import Constants
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 
@@ -147,19 +149,19 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     names = scene.outputs if outputs is None else outputs
     each = without_held(put_together(system_of(scene, names)))
     wanted = (*LEDGER, *names)
-    found = merged(each, wanted)
+    found = analyse(each, wanted)
     apart = _heavy(each)
-    outline = outlined(weighted(found.system).system, wanted)
-    kept, freedom, system = of_outline(wanted, outline)
-    full = compose(system, wanted) if freedom.dropped else kept
-    whole = with_reactions(wanted, outline).program if "reactions" in names else kept
-    prescribed = reduced(system, wanted, whole, PRESCRIBED)
-    program = reduced(system, wanted, whole)
+    system, freedom = found.system, found.freedom
+    kept = compose(found, wanted)
+    full = compose(with_all_rows(system, found.outline.shift), wanted) if freedom.dropped else kept
+    chosen, whole = with_reactions(found, wanted) if "reactions" in names else (found, kept)
+    prescribed = cheaper(chosen, wanted, whole, PRESCRIBED)
+    program = cheaper(chosen, wanted, whole)
     final = inline(program)
     structure = structure_of(system, program)
     steps = [
         *_counted(system, program),
-        *_compared(apart, replace(found, system=system), full, wanted),
+        *_compared(apart, found, full, wanted),
         _step("redundant rows removed", _of_rows(freedom), full, kept),
         *_out_of_plane(kept, whole),
         Step("parts solved apart", f"{structure.parts} without a common moving body"),
@@ -175,9 +177,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
         steps=tuple(steps),
         segments=tuple(segments.items()),
         structure=structure,
-        freedom=freedom_of(fixed_system(apart), compose(apart, wanted))
-        if found.joints
-        else freedom,
+        freedom=_freedom_apart(apart) if found.lumped else freedom,
         removed=tuple(
             f"{row.joint}: row {row.row} of {kind_name(system.constraints[row.instance].kind)}"
             for row in freedom.dropped
@@ -187,23 +187,31 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
     )
 
 
-def _compared(each: System, found: Merged, full: Program, wanted: Sequence[str]) -> Iterator[Step]:
+def _freedom_apart(system: System) -> Freedom:
+    """Return what is known of the rows of a scene in which all bodies are apart."""
+    found = with_all_rows(system, plane_of(system))
+    return freedom_of(fixed_system(system), found.outline)
+
+
+def _compared(
+    each: System, found: Analysed, full: Program, wanted: Sequence[str]
+) -> Iterator[Step]:
     """Yield the steps that compare two programs, from one that leaves nothing out."""
     all_of = tuple(dict.fromkeys((*ALL, *wanted)))
     thick = thickened(found.system)
-    unfolded = compose(_generic(_spinning(thick)), all_of, may_be_planar=False)
-    if found.joints:
-        apart = compose(_generic(_spinning(each)), all_of, may_be_planar=False)
+    unfolded = compose(with_all_rows(_generic(_spinning(thick)), None), all_of)
+    if found.lumped:
+        apart = compose(with_all_rows(_generic(_spinning(each)), None), all_of)
         yield _step("bodies joined rigidly", _of_joints(found), apart, unfolded)
     else:
         yield Step("bodies joined rigidly", _of_fixed(each, wanted))
-    spinning = compose(_spinning(thick), all_of, may_be_planar=False)
-    in_space = compose(thick, all_of, may_be_planar=False)
+    spinning = compose(with_all_rows(_spinning(thick), None), all_of)
+    in_space = compose(with_all_rows(thick, None), all_of)
     folded = structure_of(thick, in_space)
     yield _step("zeros and ones folded", _of_elements(folded), unfolded, spinning)
     yield _step("gyroscopic terms", _of_moments(thick), spinning, in_space)
-    everything = compose(found.system, all_of)
-    yield _step("planar", _of_plane(everything), in_space, everything)
+    everything = compose(with_all_rows(found.system, found.outline.shift), all_of)
+    yield _step("planar", _of_plane(found), in_space, everything)
     yield _step("outputs not wanted", _of_outputs(wanted), everything, full)
 
 
@@ -302,9 +310,9 @@ def _of_design(system: System, program: Program) -> list[Step]:
     return [Step("numbers that stay arguments", detail)]
 
 
-def _of_joints(found: Merged) -> str:
+def _of_joints(found: Analysed) -> str:
     bodies = len(found.system.carried)
-    return f"{', '.join(found.joints)} left out: {bodies} bodies move as {len(found.system.bodies)}"
+    return f"{', '.join(found.lumped)} left out: {bodies} bodies move as {len(found.system.bodies)}"
 
 
 def _of_fixed(system: System, wanted: Sequence[str]) -> str:
@@ -377,8 +385,10 @@ def _of_elements(structure: Structure) -> str:
     return f"{structure.elements} of {structure.dense} elements of C_q are not zero in space"
 
 
-def _of_plane(program: Program) -> str:
-    return "proven to stay in a coordinate plane" if program.is_planar else "not in such a plane"
+def _of_plane(found: Analysed) -> str:
+    return (
+        "proven to stay in a coordinate plane" if found.outline.is_planar else "not in such a plane"
+    )
 
 
 def _of_outputs(wanted: Sequence[str]) -> str:

@@ -11,8 +11,8 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.ordering import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
-from kousoku.codegen.dynamics.redundancy.freedom import columns_of
 from kousoku.model.mechanism import GROUND_INDEX
+from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -130,12 +130,19 @@ def _parts(count: int, ends: Sequence[tuple[int, ...]]) -> int:
     return len(together.sets())
 
 
+def _columns(program: Program) -> list[int]:
+    """Return the columns that bodies have; six in turn belong to each."""
+    places = (place for body in program.bodies for place in (*body.v, *body.omega_b))
+    return [k for k, place in enumerate(places) if place.slot >= 0]
+
+
 def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
     """Count what is not zero at a position without a pattern.
 
     Of a body that is put onto a joint each row that has any has so many as it has velocities.
     """
-    residuals = Residuals.of(system, system.constraints)
+    fixed = fixed_system(system)
+    residuals = Residuals.of(fixed, fixed.constraints)
     numbers = iter(range(1, 7 * len(program.bodies) + 1))
 
     def anywhere(places: Sequence[Place]) -> list[float]:
@@ -154,7 +161,7 @@ def _elements(system: System, program: Program, free: Mapping[int, int]) -> int:
     for row in program.rows:
         kept_rows[residuals.first[row.instance] + row.row] = True
     kept_columns = np.zeros(residuals.columns, bool)
-    kept_columns[columns_of(program, range(len(program.bodies)))] = True
+    kept_columns[_columns(program)] = True
     there = kept_rows[rows] & kept_columns[columns] & (np.abs(values) > ZERO)
     places = np.unique(rows[there] * residuals.columns + columns[there])  # bodies may be shared
     blocks, counts = np.unique(places // COLUMNS, return_counts=True)

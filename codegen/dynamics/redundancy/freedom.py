@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.least import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.composition.length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
@@ -41,12 +41,13 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program, Row
+    from kousoku.codegen.dynamics.recording.program import Row
     from kousoku.codegen.dynamics.redundancy.branch import Position
     from kousoku.codegen.dynamics.redundancy.closure import Closed
     from kousoku.codegen.dynamics.redundancy.loops import Part
     from kousoku.codegen.dynamics.redundancy.rank import Factors
     from kousoku.codegen.dynamics.redundancy.undetermined import Undetermined
+    from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanism import Coordinate, Instance, System, Vector
 
 #: Rows of the largest part whose dependent rows are looked for; the time grows with their cube.
@@ -81,7 +82,7 @@ class DependentSet:
 
 @dataclass(frozen=True, slots=True)
 class Freedom:
-    """What the rows of a program leave free.
+    """What the rows of a system leave free.
 
     Parameters
     ----------
@@ -126,6 +127,12 @@ class Freedom:
     closed: tuple[Closed, ...] = ()
     undetermined: Undetermined = ()
 
+    @classmethod
+    def of(cls, outline: Outline) -> Freedom:
+        """Return what rows leave free of which none depends on others."""
+        count = len(outline.rows)
+        return cls(outline.velocities, count, count)
+
     @property
     def degrees(self) -> int:
         """Degrees of freedom."""
@@ -155,29 +162,28 @@ class _Found(NamedTuple):
     freedom: Freedom
 
 
-def freedom_of(system: System, program: Program) -> Freedom:
-    """Return degrees of freedom and dependent rows of a program that keeps all rows.
+def freedom_of(system: System, outline: Outline) -> Freedom:
+    """Return degrees of freedom and dependent rows of a system.
 
     Parameters
     ----------
     system : System
         An assembled scene.
-    program : Program
-        What it was composed to; which rows and columns are there is taken from it.
+    outline : Outline
+        Its rows and columns.
     """
     system = near_origin(system)
-    columns = program.region("v").size
-    total = Freedom(columns, len(program.rows), len(program.rows))
+    total = Freedom.of(outline)
     by_instance: dict[int, list[Row]] = {}
-    for row in program.rows:
+    for row in outline.rows:
         by_instance.setdefault(row.instance, []).append(row)
     for part in loops_of(system):
         rows = [row for place in part.instances for row in by_instance.get(place, ())]
         if len(rows) > MOST_ROWS:
-            if not _is_independent(system, program, part, rows):
+            if not _is_independent(system, outline, part, rows):
                 total = replace(total, unknown=(*total.unknown, *_joints(rows)))
             continue
-        found = _freedom_of_part(system, program, part, rows)
+        found = _freedom_of_part(system, outline, part, rows)
         total = replace(
             total,
             rank=total.rank - (found.rows - found.rank),
@@ -222,42 +228,14 @@ def _less(place: Sequence[float], origin: Vector) -> Vector:
     return x, y, z
 
 
-def kept_rows(freedom: Freedom, program: Program) -> Mapping[int, Sequence[int]]:
-    """Return the rows of instances of which some are left out, as composing wants them."""
-    left = by_instance(freedom.dropped)
-    kept: dict[int, list[int]] = {instance: [] for instance in left}
-    for row in program.rows:
-        if row.row not in left.get(row.instance, (row.row,)):
-            kept[row.instance].append(row.row)
-    return kept
-
-
-def by_instance(rows: Iterable[Row]) -> Mapping[int, Sequence[int]]:
-    """Return rows by the places of their constraints."""
-    found: dict[int, list[int]] = {}
-    for row in rows:
-        found.setdefault(row.instance, []).append(row.row)
-    return found
-
-
-def columns_of(program: Program, bodies: Iterable[int]) -> list[int]:
-    """Return the columns that some bodies have in a program; six in turn belong to each body."""
-    return [
-        COLUMNS * body + k
-        for body in bodies
-        for k, place in enumerate((*program.bodies[body].v, *program.bodies[body].omega_b))
-        if place.slot >= 0
-    ]
-
-
-def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequence[Row]) -> Freedom:
+def _freedom_of_part(system: System, outline: Outline, part: Part, rows: Sequence[Row]) -> Freedom:
     residuals, first = part_residuals(system, part)
     joints, driven = _sorted(system, rows)
     chosen = [first[row.instance] + row.row for row in joints]
     others = [(row, first[row.instance] + row.row) for row in driven]
     pairs = list(zip(joints, chosen, strict=True))
     bodies = [system.bodies[k] for k in part.bodies]
-    columns, length = _columns(program, part), Metric(system).size
+    columns, length = _columns(outline, part), Metric(system).size
     count = max(2, min(POSITIONS, ROWS_AND_POSITIONS // max(1, len(rows))))
     few = min(len(joints), len(columns))
 
@@ -311,7 +289,7 @@ def _freedom_of_part(system: System, program: Program, part: Part, rows: Sequenc
     return replace(found, rows=len(rows), rank=found.rank + len(driven), drivers=len(driven))
 
 
-def _is_independent(system: System, program: Program, part: Part, rows: Sequence[Row]) -> bool:
+def _is_independent(system: System, outline: Outline, part: Part, rows: Sequence[Row]) -> bool:
     """Return whether sparse factors show that no row depends on others at the start.
 
     Then none does along the branch, but at some of its positions.
@@ -322,7 +300,7 @@ def _is_independent(system: System, program: Program, part: Part, rows: Sequence
     _, at, columns, values = residuals.elements(*places_of(bodies))
     is_row, is_column = np.zeros(residuals.rows, bool), np.zeros(residuals.columns, bool)
     is_row[[first[row.instance] + row.row for row in rows]] = True
-    is_column[_columns(program, part)] = True
+    is_column[_columns(outline, part)] = True
     there = is_row[at] & is_column[columns]
     at, columns, values = at[there], columns[there], values[there]
     values = values * np.where(residuals.in_metres, 1 / length, 1.0)[at]
@@ -412,13 +390,12 @@ def part_residuals(system: System, part: Part) -> tuple[Residuals, Mapping[int, 
     return residuals, dict(zip(part.instances, residuals.first, strict=False))
 
 
-def _columns(program: Program, part: Part) -> list[int]:
+def _columns(outline: Outline, part: Part) -> list[int]:
     """Return the columns of a part; one of its bodies stays if none is the ground."""
     place = {body: k for k, body in enumerate(part.bodies)}
     free = part.bodies if part.is_grounded else part.bodies[1:]
     return [
-        COLUMNS * place[column // COLUMNS] + column % COLUMNS
-        for column in columns_of(program, free)
+        COLUMNS * place[column // COLUMNS] + column % COLUMNS for column in outline.columns_of(free)
     ]
 
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.program import Row
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Iterable
 
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
-    from kousoku.model.mechanism import System
 
 
 #: Rows up to which all of them are solved for at once.
@@ -34,23 +32,6 @@ def shares_out(kept: int, left_out: int) -> bool:
     return take_over(kept, left_out) and kept * left_out > MOST_UNROLLED
 
 
-def others(system: System, rows: Mapping[int, Sequence[int]]) -> dict[int, Sequence[int]]:
-    """Return the rows of each instance that are not kept.
-
-    Parameters
-    ----------
-    system : System
-        The scene.
-    rows : mapping of int to sequence of int
-        For instances of which not all rows are kept, the rows that are.
-    """
-    found: dict[int, Sequence[int]] = dict.fromkeys(range(len(system.constraints)), ())
-    for place, kept in rows.items():
-        # no kind has more rows than a body has columns
-        found[place] = [row for row in range(COLUMNS) if row not in kept]
-    return found
-
-
 def rows_of(joints: Iterable[JointBlocks]) -> tuple[Row, ...]:
     """Return the rows of joints in their order."""
     return tuple(
@@ -59,3 +40,11 @@ def rows_of(joints: Iterable[JointBlocks]) -> tuple[Row, ...]:
         for instance, part in zip(joint.instances, joint.parts, strict=True)
         for row in part.rows
     )
+
+
+def by_instance(rows: Iterable[Row]) -> dict[int, list[int]]:
+    """Return rows by the places of their constraints."""
+    found: dict[int, list[int]] = {}
+    for row in rows:
+        found.setdefault(row.instance, []).append(row.row)
+    return found

@@ -19,14 +19,14 @@ from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.rough import CLOSE, Place, RoughSearch
 from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers
-from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import HOLDS
 from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
 from kousoku.codegen.dynamics.redundancy.freedom import MOST_ROWS as MOST_OF_PART
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, part_residuals
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.codegen.dynamics.simplification.weights import weighted
+from kousoku.codegen.dynamics.simplification.outline import outline_of
+from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.model.errors import AssemblyError
 from kousoku.model.held import without_held
 from kousoku.model.varying import fixed_system
@@ -60,8 +60,8 @@ def put_together(given: System) -> System:
     if left_out:
         with suppress(AssemblyError):
             placed = assemble(given, left_out)
-            fixed = weighted(without_held(fixed_system(placed))).system
-            if freedom_of(fixed, compose(fixed)).closed:
+            fixed = without_held(fixed_system(placed))
+            if freedom_of(fixed, outline_of(fixed, plane_of(fixed))).closed:
                 return placed
     try:
         return assemble(given)

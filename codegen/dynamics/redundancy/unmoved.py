@@ -1,33 +1,33 @@
-"""Rows that no coordinate of a program changes: they hold at the start, or the scene is refused."""
+"""Rows that no velocity of a system changes: they hold at the start, or the scene is refused."""
 
 from __future__ import annotations
 
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
-    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.simplification.outline import Outline
     from kousoku.model.mechanism import System
 
 #: The largest residual that is rounding, in lengths of the scene or radians.
 HOLDS = 1e-11
 
 
-def require_unmoved_rows_hold(system: System, program: Program) -> None:
-    """Refuse constraints that were not composed, because nothing changes them, and do not hold.
+def require_unmoved_rows_hold(system: System, outline: Outline) -> None:
+    """Refuse constraints that are not solved, because nothing changes them, and do not hold.
 
     Parameters
     ----------
     system : System
         The scene, assembled.
-    program : Program
-        What it was composed to, with all rows that anything changes.
+    outline : Outline
+        All rows that anything changes.
 
     Raises
     ------
@@ -35,15 +35,15 @@ def require_unmoved_rows_hold(system: System, program: Program) -> None:
         The message names the joint or driver, and by how much it is violated.
     """
     rows = Residuals.of(system, system.constraints)
-    composed = dict.fromkeys((row.instance, row.row) for row in program.rows)
-    if len(composed) == rows.rows:
+    solved = dict.fromkeys((row.instance, row.row) for row in outline.rows)
+    if len(solved) == rows.rows:
         return
     names = [name for name, _ in system.parameters]
     length = characteristic_length(system)
     values, _ = rows.fast(system.bodies)
     for place, (instance, first) in enumerate(zip(system.constraints, rows.first, strict=False)):
         for row in range(rows.count(instance)):
-            if (place, row) in composed:
+            if (place, row) in solved:
                 continue
             if not isfinite(fixed_law(instance, names)):
                 raise SceneError(

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import NO_TURN, start
 from kousoku.codegen.dynamics.operations.forces import SPRING
 from kousoku.codegen.dynamics.operations.mechanics import frozen
+from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model import precise
 from kousoku.model.mechanism import GROUND_INDEX
-from kousoku.model.varying import is_varying
+from kousoku.model.varying import fixed_system, is_varying
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import Coordinate, ForceElement, System
+    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, System
 
 #: Heights up to this part of the largest do not count: rounding.
 FLAT = 1e-12
@@ -47,6 +47,34 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
     return not _is_flat(heights, list(given.values()))
 
 
+def is_flat(system: System, normal: int | None) -> bool:
+    """Return whether centres of mass, joints and gravity lie in one plane of the motion.
+
+    Then no joint of a planar scene has a force or torque that leads out of it.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    normal : int, optional
+        Which axis is normal to its plane, None where it moves in space.
+    """
+    if normal is None or not system.bodies:
+        return False
+    system = fixed_system(system)
+    heights = [body.r[normal] for body in system.bodies]
+    combined = {term.coordinate for one in system.constraints for term in one.terms}
+    connected: list[Instance | Coordinate] = list(system.constraints)
+    connected += [system.coordinates[place] for place in sorted(combined)]
+    for one in connected:
+        ends = [name for name, _ in one.constants if name in {"s_i_b", "s_j_b"}]
+        heights += (_height(system, one, name[2], normal) for name in ends)
+    if any(leaves_plane(system, force, normal) for force in system.forces):
+        return False
+    spread = max(heights) - min(heights)
+    return not system.has_gravity(normal) and spread <= FLAT * max(1.0, *map(abs, heights))
+
+
 def _is_flat(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool:
     largest = max(1.0, *(abs(x) for values in sizes for x in values))
     return max(map(abs, heights)) <= FLAT * largest
@@ -64,8 +92,10 @@ def _ends(system: System, one: ForceElement | Coordinate, normal: int) -> list[f
     return [*own, end_height - start_height]
 
 
-def _height(system: System, one: ForceElement | Coordinate, end: str, normal: int) -> float:
-    """Return a coordinate of an end of a spring at the start."""
+def _height(
+    system: System, one: ForceElement | Coordinate | Instance, end: str, normal: int
+) -> float:
+    """Return a coordinate of an end of a spring or a joint at the start."""
     point = dict(one.constants)[f"s_{end}_b"]
     index = one.i if end == "i" else one.j
     if index == GROUND_INDEX:

@@ -11,7 +11,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.simplification.composite import Seat, joined, on_ground
-from kousoku.codegen.dynamics.simplification.planar import NORMAL, is_planar
+from kousoku.codegen.dynamics.simplification.outline import NORMAL
+from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.resting_energy import resting_energy
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned

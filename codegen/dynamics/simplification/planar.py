@@ -21,21 +21,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.dynamics.composition.bodies import (
-    GROUND,
-    NO_TURN,
-    body_blocks,
-    sizes,
-    start,
-)
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
-from kousoku.codegen.dynamics.composition.joints import live_rows, slopes_of
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
-from kousoku.codegen.dynamics.recording.recorder import Recorder
 from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
+from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
+from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
@@ -45,12 +38,10 @@ from kousoku.model.varying import fixed_system
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
 #: Largest residual of a dropped row, in metres or radians: what rounding leaves.
 RESIDUAL = 1e-12
-NORMAL = 2
 #: Columns of one body that lead out of the plane.
 OUT = (2, 3, 4)
 #: Smallest singular value of rows that hold a body in the plane.
@@ -80,23 +71,17 @@ def is_planar(system: System, *, must_be_held: bool = False) -> bool:
     )
     if wants_hold and not _may_hold(system):
         return False
-    recorder = Recorder()
-    q, v = (recorder.region("", size) for size in sizes(system, is_planar=True))
-    bodies = body_blocks(system, recorder, q, v, is_planar=True)
     joints: dict[tuple[str, tuple[int, ...]], _Joint] = {}
-
-    def body(index: int) -> BodyBlocks:
-        return GROUND if index == GROUND_INDEX else bodies[index]
-
-    for instance, known in zip(system.constraints, fixed.constraints, strict=True):
-        live = live_rows(system, instance, recorder, body)
+    found = live_elements(system, is_planar=True)
+    pairs = zip(system.constraints, fixed.constraints, strict=True)
+    for (instance, known), (live, elements) in zip(pairs, found, strict=True):
         residual, jacobian = _at_start(fixed, known)
         dropped = [row for row in range(len(residual)) if row not in live]
         if any(not abs(residual[row]) <= RESIDUAL for row in dropped):
             return False
         joint = joints.setdefault((instance.joint, instance.bodies), _Joint())
         if is_own(instance.kind):  # what is zero by chance at the start does not count
-            jacobian = np.array(slopes_of(instance, recorder, body))
+            jacobian = np.array(elements)
         joint.live.append(jacobian[list(live)])
         joint.dropped.append(jacobian[dropped])
         if dropped or instance.kind != COMBINATION:

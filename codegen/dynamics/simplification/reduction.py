@@ -21,9 +21,10 @@ from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
 
-    from kousoku.model.mechanism import Coordinate, Instance, System
+    from kousoku.codegen.dynamics.recording.program import Row
+    from kousoku.model.mechanism import Coordinate, System
     from kousoku.model.precise import High, Quadruple, Triple
 
     Numbers = tuple[float, ...]
@@ -37,6 +38,8 @@ FREEDOMS = {
     ("p1", "p2", "n1"): (NOTHING, True),
     ("p1", "p2"): (AXIS, True),
 }
+#: Of so many rows one must go at least, or a second program takes longer than it will ever save.
+WORTH = 8
 #: Sines of angles between vectors that count as parallel are smaller.
 PARALLEL = 1e-12
 NORMAL: Triple = (HIGH_CONTEXT.mpf(0), HIGH_CONTEXT.mpf(0), HIGH_CONTEXT.mpf(1))
@@ -131,7 +134,7 @@ class Reduction:
 
 
 def reductions_of(
-    system: System, count: Callable[[Instance], int], *, is_planar: bool
+    system: System, rows: Mapping[int, Sequence[int]], *, is_planar: bool
 ) -> dict[int, Reduction]:
     """Return the bodies that can be described by what their joint with the ground leaves free.
 
@@ -139,8 +142,8 @@ def reductions_of(
     ----------
     system : System
         The scene, as it starts: there all joints hold.
-    count : callable
-        How many rows an instance has that are not structurally zero.
+    rows : mapping of int to sequence of int
+        Rows of constraints that are not structurally zero, by the places of these.
     is_planar : bool
         Whether bodies move in planes parallel to the xy-plane.
 
@@ -157,9 +160,26 @@ def reductions_of(
     for body in sorted(grounded):
         if _is_fixed(system, body, grounded[body]):
             new = _reduction(system, body, grounded[body], is_planar=is_planar)
-            if new and _leaves(system, new, count) == (3 if is_planar else 6):
+            if new and _leaves(new, rows) == (3 if is_planar else 6):
                 found[body] = new
     return found
+
+
+def is_worth(system: System, rows: Sequence[Row]) -> bool:
+    """Return whether drivers act on bodies at the ground, or joints there have many of the rows.
+
+    Parameters
+    ----------
+    system : System
+        The scene.
+    rows : sequence of Row
+        All that are solved.
+    """
+    grounded = [len(one.bodies) == 2 and GROUND_INDEX in one.bodies for one in system.constraints]
+    if any(one.is_driver for one, at in zip(system.constraints, grounded, strict=True) if at):
+        return True
+    count = sum(grounded[row.instance] for row in rows)
+    return 0 < len(rows) <= WORTH * count
 
 
 def _is_fixed(system: System, body: int, places: Sequence[int]) -> bool:
@@ -172,9 +192,9 @@ def _is_fixed(system: System, body: int, places: Sequence[int]) -> bool:
     return not moving.is_point and not is_varying((*numbers, *constants, *nears))
 
 
-def _leaves(system: System, one: Reduction, count: Callable[[Instance], int]) -> int:
+def _leaves(one: Reduction, rows: Mapping[int, Sequence[int]]) -> int:
     """Return how many velocities there are: those left free, and rows of the joint and drivers."""
-    return len(one.free) + sum(count(system.constraints[place]) for place in one.instances)
+    return len(one.free) + sum(len(rows.get(place, ())) for place in one.instances)
 
 
 def _reduction(

@@ -15,9 +15,9 @@ from kousoku.model.own_kind import is_own
 from kousoku.model.rows import ROWS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Iterable, Sequence
 
-    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.recording.program import Program, Row
     from kousoku.model.mechanism import Instance, MovingBody, System
 
     T = TypeVar("T")
@@ -43,6 +43,8 @@ def can_turn(system: System) -> bool:
 
 def turned(system: System, shift: int) -> System:
     """Return the system whose component k is what component k + shift was, counted in turn."""
+    if not shift:
+        return system
     return replace(
         system,
         bodies=tuple(_turned_body(body, shift) for body in system.bodies),
@@ -59,6 +61,17 @@ def turned(system: System, shift: int) -> System:
     )
 
 
+def own_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
+    """Return which places in (δr, δθ′) of a body are columns that it has in a turned system."""
+    return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
+
+
+def turned_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
+    """Return rows of a system as rows of the turned system."""
+    kinds = [one.kind for one in system.constraints]
+    return tuple(replace(one, row=turned_row(kinds[one.instance], one.row, shift)) for one in rows)
+
+
 def turned_row(kind: str, row: int, shift: int) -> int:
     """Return which row of the turned kind is a row of a kind; those of one's own are not turned."""
     if is_own(kind):
@@ -69,7 +82,17 @@ def turned_row(kind: str, row: int, shift: int) -> int:
 
 
 def named_back(program: Program, system: System, shift: int) -> Program:
-    """Return the program of a turned system with the names that ``system`` has for all."""
+    """Return the program of a turned system with the names that the scene has for all.
+
+    Parameters
+    ----------
+    program : Program
+        What was composed.
+    system : System
+        The turned system that it was composed of.
+    shift : int
+        By how much it was turned.
+    """
     back = -shift
     bodies = tuple(
         replace(
@@ -81,19 +104,13 @@ def named_back(program: Program, system: System, shift: int) -> Program:
         )
         for body in program.bodies
     )
-    rows, left_out, reduced = (
-        tuple(
-            replace(
-                row,
-                row=turned_row(
-                    _turned_kind(system.constraints[row.instance].kind, shift), row.row, back
-                ),
-            )
-            for row in own
-        )
-        for own in (program.rows, program.left_out, program.reduced)
+    return replace(
+        program,
+        bodies=bodies,
+        rows=turned_rows(program.rows, system, back),
+        left_out=turned_rows(program.left_out, system, back),
+        reduced=turned_rows(program.reduced, system, back),
     )
-    return replace(program, bodies=bodies, rows=rows, left_out=left_out, reduced=reduced)
 
 
 def _triple(values: Sequence[T], shift: int) -> Triple[T]:

@@ -10,16 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import shape
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.shapes import shape
 from kousoku.codegen.dynamics.simplification.turned import turned
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator
 
-    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+    from kousoku.codegen.dynamics.analyse import Analysed
     from kousoku.model.mechanism import MovingBody, System
 
 #: Outputs that depend on masses.
@@ -45,16 +44,23 @@ class Weighted:
     thin: tuple[str, ...] = ()
 
 
-def weighted(system: System) -> Weighted:
+def weighted(system: System, shift: int | None) -> Weighted:
     """Return a system with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
 
     A system without drivers stays as it is, and so do masses and moments that are given.
+
+    Parameters
+    ----------
+    system : System
+        A scene.
+    shift : int, optional
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it.
     """
     if not any(one.is_driver for one in system.constraints):
         return Weighted(system)
     if all(body.mass > 0 and (body.is_point or min(body.inertia) > 0) for body in system.bodies):
         return Weighted(system)
-    missing = tuple(_missing(system))
+    missing = tuple(_missing(system, shift))
     if not missing:
         return Weighted(system)
     length = characteristic_length(system)
@@ -64,7 +70,7 @@ def weighted(system: System) -> Weighted:
     return Weighted(replace(system, bodies=bodies), missing, thin)
 
 
-def require_driven(found: Weighted, freedom: Freedom, wanted: Collection[str]) -> None:
+def require_driven(found: Analysed, wanted: Collection[str]) -> None:
     """Refuse what depends on masses that are missing.
 
     Raises
@@ -81,9 +87,9 @@ def require_driven(found: Weighted, freedom: Freedom, wanted: Collection[str]) -
         lack = "has a moment of zero, as of a rod without thickness, about an axis of turning"
         give = "give the body some thickness, as of a cylinder"
     more = f" (one of {len(found.missing)} such)" if len(found.missing) > 1 else ""
-    if freedom.degrees > 0:
+    if found.freedom.degrees > 0:
         raise SceneError(
-            f"{lack}, and drivers leave {freedom.degrees} of the freedoms, whose motion"
+            f"{lack}, and drivers leave {found.freedom.degrees} of the freedoms, whose motion"
             f" depends on it{more}; {give}, or drive them",
             key=key,
         )
@@ -96,10 +102,9 @@ def require_driven(found: Weighted, freedom: Freedom, wanted: Collection[str]) -
             )
 
 
-def _missing(system: System) -> Iterator[str]:
+def _missing(system: System, shift: int | None) -> Iterator[str]:
     """Yield what bodies lack that their motion depends on."""
-    shift = plane_of(system)
-    for body in (turned(system, shift) if shift else system).bodies:
+    for body in turned(system, shift or 0).bodies:
         _, columns = shape(body, is_planar=shift is not None)
         if body.mass <= 0:
             yield f"bodies.{body.name}.mass"

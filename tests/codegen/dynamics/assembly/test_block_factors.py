@@ -13,10 +13,10 @@ from kousoku.codegen.dynamics.assembly.fixed_points import Accelerated
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.rough import Place
-from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.redundancy import freedom
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.model import precise
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -60,10 +60,10 @@ def test_large_loops_are_known_where_sparse_factors_show_that_no_row_depends(
 ) -> None:
     monkeypatch.setattr(freedom, "MOST_ROWS", 10)
     system = mechanisms.four_bars(5)
-    in_plane = freedom_of(system, compose(system))
+    in_plane = freedom_of(system, all_rows(system).outline)
     again = replace(system.constraints[0], joint="again")
     twice = replace(system, constraints=(*system.constraints, again))
-    doubled = freedom_of(twice, compose(twice))
+    doubled = freedom_of(twice, all_rows(twice).outline)
 
     assert (in_plane.degrees, in_plane.unknown) == (1, ())
     assert "again" in doubled.unknown

@@ -16,6 +16,7 @@ from kousoku.codegen.dynamics.recording.matrix import Matrix
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Recorder
 from kousoku.codegen.interpret import FLOAT, HIGH
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -81,7 +82,7 @@ def test_doubles_stay_within_one_unit(
 ) -> None:
     make = getattr(mechanisms, name)
     system = make() if name == "mixed" else make(2)
-    program = compose(system, ["reactions", "checks", "energies"], may_be_planar=False)
+    program = compose(all_rows(system, may_be_planar=False), ["reactions", "checks", "energies"])
     exact, doubles = Workspace(program, HIGH), Workspace(program, FLOAT)
     for region in ("q", "v"):
         values = np.array(doubles[region]) + 0.1 * rng.normal(size=len(doubles[region]))
@@ -102,7 +103,7 @@ def test_doubles_stay_within_one_unit(
 def test_unit_of_multipliers_grows_where_rows_become_dependent(
     mechanisms: SimpleNamespace,
 ) -> None:
-    program = compose(mechanisms.four_bars(1), ["reactions"])
+    program = compose(all_rows(mechanisms.four_bars(1)), ["reactions"])
 
     def largest(angle: float) -> Any:
         state = mechanisms.four_bars_state(1, angle, 1.0)

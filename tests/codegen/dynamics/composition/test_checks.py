@@ -9,6 +9,7 @@ import pytest
 
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
 def turned(mechanisms: SimpleNamespace, rng: np.random.Generator, name: str) -> Workspace:
     """Return a mechanism anywhere in space, with any velocities."""
     system = getattr(mechanisms, name)()
-    workspace = Workspace(compose(system, ["reactions", "checks"], may_be_planar=False))
+    workspace = Workspace(compose(all_rows(system, may_be_planar=False), ["reactions", "checks"]))
     state = mechanisms.random_state(system, rng)
     for field, rows in state.items():
         for body, values in zip(workspace.program.bodies, rows, strict=True):

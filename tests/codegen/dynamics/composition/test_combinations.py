@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.checking.run import Workspace
-from kousoku.codegen.dynamics.composition.combinations import fixed_law
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.emission.motion_data import is_flat
 from kousoku.codegen.dynamics.recording.inline import inline
+from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX, Coordinate, Instance, Term
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -67,8 +68,8 @@ def system_with(mechanisms: SimpleNamespace, *rows: Instance) -> System:
     )
 
 
-def program_of(system: System, **options: Any) -> Program:
-    return compose(system, ["reactions", "checks"], may_be_planar=False, **options)
+def program_of(system: System) -> Program:
+    return compose(all_rows(system, may_be_planar=False), ["reactions", "checks"])
 
 
 def anywhere(program: Program, rng: np.random.Generator) -> Workspace:
@@ -192,7 +193,7 @@ def test_a_row_between_planes_is_left_out_only_while_its_law_is_fixed(
 
     def is_planar(**given: Any) -> bool:
         row = Instance("guide", COMBINATION, GROUND_INDEX, 0, terms=(Term(0, 1.0),), **given)
-        return compose(replace(free, constraints=(row,))).is_planar
+        return compose(all_rows(replace(free, constraints=(row,)))).is_planar
 
     assert is_planar()
     assert is_planar(law="0")
@@ -234,7 +235,7 @@ def test_a_driven_chain_is_planar_in_any_plane_and_moves_alike(
     )
     found = []
     for system in (one, other):
-        program = compose(system)
+        program = compose(all_rows(system))
         assert program.is_planar
         workspace = Workspace(program)
         workspace.run("geometry", "acceleration")
@@ -252,9 +253,9 @@ def test_a_driver_beside_the_plane_has_forces_that_lead_out_of_it(
     jack = Instance("jack", COMBINATION, GROUND_INDEX, 0, terms=(Term(0, 1.0),), law="2+t")
     system = mechanisms.planar_pendulum(1)
     system = replace(system, constraints=(*system.constraints, jack), coordinates=(rod,))
-    program = compose(system)
-    assert program.is_planar
-    assert is_flat(program, system) == flat
+    outline = all_rows(system).outline
+    assert outline.is_planar
+    assert is_flat(system, outline.normal) == flat
     assert characteristic_length(system) == 2.0
 
 

@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.recording.program import levels, reads, writes
 from kousoku.model.errors import SceneError
+from tests.analysed import all_rows, without
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -47,10 +48,10 @@ def get(workspace: Workspace, region: str) -> Any:
 
 
 def check_accelerations(
-    system: System, state: dict[str, Any], dense: Any, **options: Any
+    system: System, state: dict[str, Any], dense: Any, *, may_be_planar: bool = True
 ) -> Program:
     """Compare accelerations, multipliers and residuals with the dense ones."""
-    program = compose(system, ["reactions"], **options)
+    program = compose(all_rows(system, may_be_planar=may_be_planar), ["reactions"])
     workspace = Workspace(program)
     put(workspace, state)
     workspace.run("geometry", "acceleration")
@@ -101,7 +102,7 @@ def test_position_corrections_assemble_a_chain_from_anywhere(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(4)
-    workspace = Workspace(compose(system))
+    workspace = Workspace(compose(all_rows(system)))
     put(workspace, mechanisms.random_state(system, rng))
     for _ in range(40):
         workspace.run("geometry", "position", "move")
@@ -114,7 +115,7 @@ def test_velocity_correction_ends_on_velocities_that_the_joints_allow(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(4)
-    workspace = Workspace(compose(system))
+    workspace = Workspace(compose(all_rows(system)))
     put(workspace, mechanisms.random_state(system, rng))
     workspace.run("geometry", "velocity")
     first = np.array(workspace["dv"])
@@ -128,7 +129,7 @@ def test_energy_is_kept_by_the_accelerations(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(5)
-    workspace = Workspace(compose(system, ["energies"]))
+    workspace = Workspace(compose(all_rows(system), ["energies"]))
     workspace["v"] = list(rng.normal(size=len(workspace["v"])))
     workspace.run("geometry", "velocity")
     workspace["v"] = [a + b for a, b in zip(workspace["v"], workspace["dv"], strict=True)]
@@ -146,7 +147,7 @@ def test_energy_is_kept_by_the_accelerations(
 
 
 def test_pivots_tell_how_near_rows_are_to_dependence(mechanisms: SimpleNamespace) -> None:
-    workspace = Workspace(compose(mechanisms.four_bars(1)))
+    workspace = Workspace(compose(all_rows(mechanisms.four_bars(1))))
     largest = []
     for angle in (1.2, 0.1, 0.001):
         put(workspace, mechanisms.four_bars_state(1, angle, 0.0))
@@ -160,7 +161,10 @@ def test_only_some_rows_are_kept_where_that_is_asked_for(
     mechanisms: SimpleNamespace, rng: np.random.Generator
 ) -> None:
     system = mechanisms.chain(2)
-    program = compose(system, rows={2: (0, 2), 3: ()})
+    found = all_rows(system)
+    left_out = {(2, 1), *((3, row) for row in range(3))}
+    rows = [row for row in found.outline.rows if (row.instance, row.row) in left_out]
+    program = compose(without(found, rows))
     kept = [(row.instance, row.row) for row in program.rows]
     assert kept == [(0, 0), (0, 1), (0, 2), (1, 0), (1, 1), (2, 0), (2, 2)]
     workspace = Workspace(program)
@@ -172,7 +176,7 @@ def test_only_some_rows_are_kept_where_that_is_asked_for(
 def test_a_long_chain_needs_no_more_kernels_than_one_of_twenty_and_a_short_one_less(
     mechanisms: SimpleNamespace,
 ) -> None:
-    short, small, large = (compose(mechanisms.chain(n)) for n in (10, 20, 200))
+    short, small, large = (compose(all_rows(mechanisms.chain(n))) for n in (10, 20, 200))
     assert len(large.kernels) == len(small.kernels)
     assert len(short.kernels) < 0.8 * len(small.kernels)
     assert large.size < 10.5 * small.size
@@ -181,7 +185,7 @@ def test_a_long_chain_needs_no_more_kernels_than_one_of_twenty_and_a_short_one_l
 def test_tasks_of_one_level_do_not_read_what_others_of_it_write(
     mechanisms: SimpleNamespace,
 ) -> None:
-    program = compose(mechanisms.four_bars(3))
+    program = compose(all_rows(mechanisms.four_bars(3)))
     for segment in program.segments:
         found = levels(program, segment)
         assert sorted(k for level in found for k in level) == list(range(len(segment.tasks)))
@@ -209,9 +213,9 @@ def test_a_body_that_can_turn_about_an_axis_without_inertia_is_refused(
     system = mechanisms.chain(2)
     thin = replace(system.bodies[0], inertia=(0.0, 0.1, 0.1))
     with pytest.raises(SceneError, match=r"bodies\.b0\.inertia: has a principal moment of 0"):
-        compose(replace(system, bodies=(thin, system.bodies[1])))
+        compose(all_rows(replace(system, bodies=(thin, system.bodies[1]))))
 
 
 def test_a_body_with_hopelessly_many_joints_is_refused_at_once(mechanisms: SimpleNamespace) -> None:
     with pytest.raises(SceneError, match=r"bodies\.hub: has 65 joints; at most 64"):
-        compose(mechanisms.star(65))
+        compose(all_rows(mechanisms.star(65)))

@@ -16,6 +16,7 @@ from kousoku.model.joints import JOINTS
 from kousoku.model.mechanism import GROUND_INDEX, Instance, System
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
+from tests.analysed import all_rows
 
 TILTED = {"quaternion": [3, 1, -2, 1], "order": "wxyz"}
 AT, AXIS, OTHER = [0.3, -0.2, 0.5], [2, -1, 2], [1, 2, 0]
@@ -71,7 +72,7 @@ def held(kind: str, *, ground_first: bool) -> System:
 
 def rates_of_momentum(system: System, about: Any) -> Any:
     """Return ṗ and L̇ from the accelerations, about a point or the centre of mass."""
-    workspace = Workspace(compose(system, ["checks", "energies"], may_be_planar=False))
+    workspace = Workspace(compose(all_rows(system, may_be_planar=False), ["checks", "energies"]))
     workspace.run("geometry", "velocity", "acceleration")
     v_dot = np.array(workspace["v_dot"]).reshape(-1, 6)
     mass = np.array([body.mass for body in system.bodies])

@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.momentum import kept_of
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, System
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -97,7 +98,7 @@ def test_a_single_point_does_not_turn(mechanisms: SimpleNamespace) -> None:
 def test_momenta_are_those_of_vector_algebra(
     mechanisms: SimpleNamespace, flying: System, rng: np.random.Generator
 ) -> None:
-    workspace = Workspace(compose(flying, ["energies", "checks"]))
+    workspace = Workspace(compose(all_rows(flying), ["energies", "checks"]))
     state = mechanisms.random_state(flying, rng)
     for name in ("r", "p", "v", "omega_b"):
         for body, values in zip(workspace.program.bodies, state[name], strict=True):
@@ -121,7 +122,7 @@ def test_momenta_are_those_of_vector_algebra(
 def test_a_scene_in_a_plane_keeps_what_is_in_the_plane(mechanisms: SimpleNamespace) -> None:
     pendulum = mechanisms.planar_pendulum(2)
     flying = replace(pendulum, constraints=tuple(x for x in pendulum.constraints if x.i >= 0))
-    program = compose(flying, ["checks", "energies"])
+    program = compose(all_rows(flying), ["checks", "energies"])
     assert program.is_planar
     (kept,) = program.kept
     assert kept.linear == (X,)
@@ -129,6 +130,6 @@ def test_a_scene_in_a_plane_keeps_what_is_in_the_plane(mechanisms: SimpleNamespa
 
 
 def test_a_scene_that_stands_on_the_ground_has_no_momenta(mechanisms: SimpleNamespace) -> None:
-    program = compose(mechanisms.chain(2), ["checks", "energies"])
+    program = compose(all_rows(mechanisms.chain(2)), ["checks", "energies"])
     assert program.kept == ()
     assert "momentum" not in [segment.name for segment in program.segments]

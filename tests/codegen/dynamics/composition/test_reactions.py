@@ -11,18 +11,18 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.choose import with_reactions
 from kousoku.codegen.dynamics.composition import least_norm
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.least_norm import merged
 from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.generate import outlined, with_reactions
-from kousoku.codegen.dynamics.redundancy.freedom import freedom_of, kept_rows
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of
+from tests.analysed import independent
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -34,14 +34,11 @@ SCENES = Path(__file__).parents[4] / "scenes"
 OUTPUTS = ("reactions", "checks")
 
 
-def least(system: System, **options: Any) -> Program:
+def least(system: System) -> Program:
     """Return the program of a system without the rows that depend on others."""
-    whole = compose(system, OUTPUTS, may_be_planar=False)
-    freedom = freedom_of(system, whole)
-    assert freedom.dropped
-    sets = [one.joints for one in freedom.dependent if one.is_everywhere]
-    rows = kept_rows(freedom, whole)
-    return compose(system, OUTPUTS, rows=rows, dependent=sets, may_be_planar=False, **options)
+    found = independent(system, may_be_planar=False)
+    assert found.left_out
+    return compose(found, OUTPUTS)
 
 
 def moved(program: Program, rng: np.random.Generator, size: float) -> Workspace:
@@ -271,14 +268,14 @@ def test_scene_in_a_plane_keeps_to_it_where_too_many_rows_hold_it_there(
     mechanisms: SimpleNamespace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     system = replace(mechanisms.four_bars(1), gravity=(0.0, -9.0, 3.0))
-    made = outlined(system, OUTPUTS)
+    found = independent(system)
     joints = tuple(dict.fromkeys(one.joint for one in system.constraints))
 
-    in_space = with_reactions(OUTPUTS, made).program
+    _, in_space = with_reactions(found, OUTPUTS)
     assert not in_space.is_planar
     assert (in_space.not_unique, in_space.unique_in_plane) == ((), joints)
     monkeypatch.setattr(least_norm, "MOST_ROWS", 2)
-    in_plane = with_reactions(OUTPUTS, made).program
+    _, in_plane = with_reactions(found, OUTPUTS)
     assert in_plane.is_planar
     assert (in_plane.not_unique, in_plane.unique_in_plane) == ((), joints)
 

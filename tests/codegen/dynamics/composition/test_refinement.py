@@ -21,6 +21,7 @@ from kousoku.model.families import chain, n_four_bar
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.write import to_toml
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
@@ -37,7 +38,7 @@ LOST, LEFT = 5e-11, 5e-12
 def program() -> Program:
     bars = n_four_bar(1, turned=(math.cos(ANGLE), math.sin(ANGLE)), rate=-7.0)
     text = to_toml(bars)
-    return compose(assemble(system_of(scene_from_toml(f"{text}\n{DRIVER}"))), WANTED)
+    return compose(all_rows(assemble(system_of(scene_from_toml(f"{text}\n{DRIVER}")))), WANTED)
 
 
 def numbers(values: Any) -> np.ndarray:
@@ -89,5 +90,5 @@ def test_accelerations_multipliers_and_power_are_brought_to_those_of_fifty_digit
 
 
 def test_chains_of_bodies_are_not_refined() -> None:
-    program = compose(assemble(system_of(chain(3))), WANTED)
+    program = compose(all_rows(assemble(system_of(chain(3)))), WANTED)
     assert program.on_demand == ()

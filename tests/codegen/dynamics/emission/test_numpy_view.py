@@ -19,6 +19,7 @@ from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.program import SEGMENTS
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.integrate.tasks import MANY
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -51,7 +52,7 @@ def test_segments_compute_the_same_bits_as_the_program(
     mechanisms: SimpleNamespace, rng: np.random.Generator, name: str, count: int, limit: int
 ) -> None:
     system = getattr(mechanisms, name)(count)
-    program = inline(compose(system), limit=limit)
+    program = inline(compose(all_rows(system)), limit=limit)
     workspace = Workspace(program)
     for region in ("q", "v"):
         noise = rng.normal(scale=0.05, size=len(workspace[region]))
@@ -64,7 +65,7 @@ def test_segments_compute_the_same_bits_as_the_program(
 
 def test_equal_tasks_of_a_level_run_together(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.chain(40)
-    geometry = solver_of(compose(system), system).scene.segments["geometry"]
+    geometry = solver_of(compose(all_rows(system)), system).scene.segments["geometry"]
     together = [tasks for tasks in geometry if hasattr(tasks, "writes")]
     assert sum(tasks.writes.shape[1] for tasks in together) >= 2 * 40
     assert all(tasks.reads.shape[1] >= MANY for tasks in together)
@@ -72,7 +73,7 @@ def test_equal_tasks_of_a_level_run_together(mechanisms: SimpleNamespace) -> Non
 
 def test_a_kernel_unpacks_only_what_it_reads(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.heavy_top()
-    program = inline(compose(system), limit=100_000)
+    program = inline(compose(all_rows(system)), limit=100_000)
     for kernel in numpy_view(program, system, 1.0).kernels:
         read = " ".join((*(text for _, text in kernel.statements), *kernel.results))
         assert all(name in read for name in kernel.inputs)
@@ -83,7 +84,7 @@ def test_the_text_is_python_with_the_integrator_alone_in_lines_of_a_hundred(
     mechanisms: SimpleNamespace,
 ) -> None:
     system = mechanisms.chain(3)
-    text = emit_dynamics(compose(system), system)["solver.py"]
+    text = emit_dynamics(compose(all_rows(system)), system)["solver.py"]
     imported = {
         name
         for node in ast.walk(ast.parse(text))
@@ -97,7 +98,7 @@ def test_the_text_is_python_with_the_integrator_alone_in_lines_of_a_hundred(
 
 def test_tasks_say_what_they_belong_to_in_both_languages(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.chain(3)
-    files = emit_dynamics(compose(system), system)
+    files = emit_dynamics(compose(all_rows(system)), system)
     joints = {one.joint for one in system.constraints}
     for name in ("solver.c", "solver.py"):
         owners = set(re.findall(r"(?:/\*|#) (\w+)(?: \*/)?$", files[name], re.MULTILINE))

@@ -14,11 +14,11 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.explanation.explain import ALL, Explanation, explain
 from kousoku.codegen.dynamics.explanation.structure import structure_of
-from kousoku.codegen.dynamics.generate import independent
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
 from kousoku.model.mechanism import System
-from kousoku.model.read import read_scene
+from kousoku.model.read import read_scene, scene_from_toml
+from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -60,7 +60,7 @@ def saved(found: Explanation, name: str) -> Any:
 def test_what_is_not_wanted_is_not_counted_and_changes_nothing(
     mechanisms: SimpleNamespace, wanted: Sequence[str]
 ) -> None:
-    everything, some = (compose(mechanisms.chain(3), names) for names in (ALL, wanted))
+    everything, some = (compose(all_rows(mechanisms.chain(3)), names) for names in (ALL, wanted))
 
     if len(wanted) < len(ALL):
         assert operations(some) < operations(everything)
@@ -72,8 +72,9 @@ def test_a_planar_scene_costs_less_than_half_and_moves_as_in_space(
     mechanisms: SimpleNamespace, count: int
 ) -> None:
     system = replace(mechanisms.four_bars(count), gravity=(5.0, -9.81, 0.0))
-    flat = compose(system)
-    spatial, freedom, _ = independent(system, (), may_be_planar=False)
+    flat = compose(all_rows(system))
+    found = independent(system, may_be_planar=False)
+    spatial, freedom = compose(found), found.freedom
 
     assert len(freedom.dropped) == 3 * count
     assert 2 * operations(flat) < operations(spatial)
@@ -131,7 +132,7 @@ def test_gyroscopic_terms_of_equal_moments_are_gone(
     mechanisms: SimpleNamespace, moments: tuple[float, ...], gone: int
 ) -> None:
     body = mechanisms.body("b", (0.0, 0.0, 0.0), inertia=moments)
-    same = compose(System("free", 1.0, (body,), (), (1.0, 2.0, 3.0)), may_be_planar=False)
+    same = compose(all_rows(System("free", 1.0, (body,), (), (1.0, 2.0, 3.0)), may_be_planar=False))
     kernel = [one for one in same.kernels if one.title == "free acceleration"]
 
     assert sum(one.operations.total() for one in kernel) == 2 * (3 - gone)
@@ -189,7 +190,7 @@ def test_the_row_of_bricard_that_is_left_out_is_named() -> None:
 def test_the_structure_of_a_chain_grows_with_its_bodies_and_has_no_fill_in(
     mechanisms: SimpleNamespace,
 ) -> None:
-    few, many = (structure_of(x, compose(x)) for x in map(mechanisms.chain, (4, 8)))
+    few, many = (structure_of(x, compose(all_rows(x))) for x in map(mechanisms.chain, (4, 8)))
 
     assert (few.positions, few.velocities, few.rows) == (28, 24, 20)
     assert few.schur == 4 * 15 + 3 * 25
@@ -204,7 +205,7 @@ def test_elements_that_are_counted_are_those_that_are_not_zero_somewhere(
 ) -> None:
     """A pendulum in the plane: two rows of x and y, each with one of its own and one of θ."""
     system = mechanisms.planar_pendulum(1)
-    found = structure_of(system, compose(system))
+    found = structure_of(system, compose(all_rows(system)))
 
     assert (found.rows, found.velocities, found.elements) == (2, 3, 4)
 
@@ -214,8 +215,8 @@ def test_joints_on_the_ground_couple_no_bodies(mechanisms: SimpleNamespace) -> N
     kept = tuple(c for c in system.constraints if c.joint.startswith("ground"))
     apart = replace(system, constraints=kept)
 
-    assert structure_of(apart, compose(apart)).parts == 3
-    assert structure_of(system, compose(system)).parts == 1
+    assert structure_of(apart, compose(all_rows(apart))).parts == 3
+    assert structure_of(system, compose(all_rows(system))).parts == 1
 
 
 def test_the_fill_in_of_a_ring_is_counted(mechanisms: SimpleNamespace) -> None:
@@ -225,6 +226,31 @@ def test_the_fill_in_of_a_ring_is_counted(mechanisms: SimpleNamespace) -> None:
     at = (0.5, 0.1, 0.2)
     joints = tuple(mechanisms.point(f"j{k}", k, (k + 1) % 4, at, at) for k in range(4))
     system = System("ring", 1.0, bodies, joints)
-    found = structure_of(system, compose(system))
+    found = structure_of(system, compose(all_rows(system)))
 
     assert (found.schur, found.fill_in) == (4 * 6 + 4 * 9, 9)
+
+
+def test_a_scene_whose_couplings_depend_on_parameters_is_explained() -> None:
+    text = """
+        name = "train"
+        unit = "m"
+        [parameters]
+        n = 2.0
+        [bodies.a]
+        position = [0, 0, 0]
+        boxes = [{ mass = 1, size = [1, 1, 0.1] }]
+        [bodies.b]
+        position = [2, 0, 0]
+        boxes = [{ mass = 1, size = [1, 1, 0.1] }]
+        [joints]
+        left = { type = "revolute", bodies = ["ground", "a"], at = [0, 0, 0], axis = [0, 0, 1] }
+        right = { type = "revolute", bodies = ["ground", "b"], at = [2, 0, 0], axis = [0, 0, 1] }
+        mesh = { type = "gear", joints = ["left", "right"], ratio = "-n" }
+        [coordinates]
+        turned = { joint = "left", near = 1.0 }
+    """
+    fixed = text.replace('"-n"', "-2.0")
+    found, known = (explain(scene_from_toml(x)) for x in (text, fixed))
+    assert found.structure == known.structure
+    assert found.freedom.degrees == known.freedom.degrees == 1

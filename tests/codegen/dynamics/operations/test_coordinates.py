@@ -15,6 +15,7 @@ from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -79,7 +80,7 @@ def test_rates_and_accelerations_are_derivatives_of_the_values(
     is_inline: bool,
 ) -> None:
     system = shown(mechanisms.chain(2), *all_kinds)
-    program = compose(system, ["coordinates", "accelerations"], may_be_planar=False)
+    program = compose(all_rows(system, may_be_planar=False), ["coordinates", "accelerations"])
     if is_inline:
         program = inline(program, limit=10**6)
     workspace = anywhere(program, rng)
@@ -99,7 +100,7 @@ def test_values_are_those_of_vector_algebra(mechanisms: SimpleNamespace) -> None
     turned = (math.cos(0.35), 0.0, 0.0, math.sin(0.35))
     system = replace(mechanisms.chain(1), bodies=(replace(rod, r=(1.0, 2.0, 3.0), p=turned),))
     system = shown(system, *(coordinate(kind, GROUND_INDEX, 0) for kind in KINDS))
-    workspace = Workspace(compose(replace(system, constraints=()), ["coordinates"]))
+    workspace = Workspace(compose(all_rows(replace(system, constraints=())), ["coordinates"]))
     workspace.run("geometry", "coordinate")
     angle, cosine, height, length = workspace["coordinates"][::2]
     c, s = math.cos(0.7), math.sin(0.7)
@@ -119,7 +120,7 @@ def test_angle_is_counted_from_a_value_less_than_half_a_turn_away(
         system = shown(
             mechanisms.planar_pendulum(1), coordinate("angle", GROUND_INDEX, 0, angle + away)
         )
-        program = compose(system, ["coordinates"])
+        program = compose(all_rows(system), ["coordinates"])
         assert program.is_planar
         workspace = Workspace(program)
         workspace.run("geometry", "coordinate", "move")
@@ -134,7 +135,7 @@ def test_entry_of_an_angle_turns_as_fast_as_the_angle(mechanisms: SimpleNamespac
         replace(mechanisms.planar_pendulum(1), bodies=(turning,)),
         coordinate("angle", GROUND_INDEX, 0),
     )
-    program = compose(system)
+    program = compose(all_rows(system))
     assert [(one.kind, one.name) for one in program.auxiliary] == [("turns", "angle.-1.0")]
     workspace = Workspace(program)
     workspace.run("geometry", "acceleration")
@@ -147,7 +148,7 @@ def test_entry_of_an_angle_turns_as_fast_as_the_angle(mechanisms: SimpleNamespac
 def test_coordinates_that_are_not_wanted_cost_nothing(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.chain(2)
     lengths = shown(system, *(coordinate(kind, 0, 1) for kind in ("n1", "n2", "length")))
-    plain, given = compose(system), compose(lengths)
+    plain, given = compose(all_rows(system)), compose(all_rows(lengths))
     assert given.kernels == plain.kernels
     assert given.segments == plain.segments
     assert given.regions == plain.regions

@@ -15,6 +15,7 @@ from kousoku.model.errors import SceneError
 from kousoku.model.expression import LONGEST
 from kousoku.model.mechanism import GROUND_INDEX, ForceElement
 from kousoku.model.read import scene_from_toml
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -161,7 +162,7 @@ def test_accelerations_under_forces_are_those_of_the_dense_equations(
     without = mechanisms.chain(3)
     for _ in range(3):
         state = mechanisms.random_state(system, rng)
-        workspace = Workspace(compose(system))
+        workspace = Workspace(compose(all_rows(system)))
         put(workspace, state)
         workspace.run("geometry", "acceleration")
         wanted, _, _ = mechanisms.dense(system, state, loads_of(system, state))
@@ -178,7 +179,7 @@ def test_energy_of_springs_and_forces_changes_as_their_work_says(
     elastic = replace(spring("s", 0, 2), constants=(("s_i_b", S_I), ("s_j_b", S_J), *free))
     system = replace(mechanisms.chain(3), forces=(elastic, force("force", 1)))
     assert not any(one.works for one in system.forces)
-    workspace = Workspace(compose(system, ["energies"]))
+    workspace = Workspace(compose(all_rows(system), ["energies"]))
     workspace["v"] = list(rng.normal(size=len(workspace["v"])))
     workspace.run("geometry", "velocity")
     workspace["v"] = [a + b for a, b in zip(workspace["v"], workspace["dv"], strict=True)]
@@ -217,12 +218,12 @@ def in_plane(height: float) -> ForceElement:
 
 def test_a_force_out_of_the_plane_makes_a_free_body_leave_it(mechanisms: SimpleNamespace) -> None:
     free = replace(mechanisms.planar_pendulum(1), constraints=())
-    assert compose(replace(free, forces=(in_plane(0.0),))).is_planar
-    assert not compose(replace(free, forces=(in_plane(0.3),))).is_planar
-    assert not compose(replace(free, forces=(torque("torque", 0),))).is_planar
-    assert not compose(replace(free, forces=(force("force", 0),))).is_planar
+    assert compose(all_rows(replace(free, forces=(in_plane(0.0),)))).is_planar
+    assert not compose(all_rows(replace(free, forces=(in_plane(0.3),)))).is_planar
+    assert not compose(all_rows(replace(free, forces=(torque("torque", 0),)))).is_planar
+    assert not compose(all_rows(replace(free, forces=(force("force", 0),)))).is_planar
     about_z = ForceElement("motor", "torque", GROUND_INDEX, 0, (("torque", (0.0, 0.0, 2.0)),))
-    assert compose(replace(free, forces=(about_z,))).is_planar
+    assert compose(all_rows(replace(free, forces=(about_z,)))).is_planar
 
 
 @pytest.mark.parametrize("plane", [0, 1, 2])
@@ -260,7 +261,7 @@ def test_joints_that_hold_a_plane_hold_it_against_forces(
     turned = replace(system, bodies=bodies, constraints=constraints, forces=forces, gravity=gravity)
     found = []
     for may_be_planar in (True, False):
-        program = compose(turned, may_be_planar=may_be_planar)
+        program = compose(all_rows(turned, may_be_planar=may_be_planar))
         assert program.is_planar == may_be_planar
         workspace = Workspace(program)
         workspace.run("geometry", "acceleration")

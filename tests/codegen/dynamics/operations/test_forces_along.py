@@ -14,6 +14,7 @@ from kousoku.codegen.dynamics.composition.auxiliary import WORK
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.simplification.turned import turned
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, MovingBody, System
+from tests.analysed import all_rows
 from tests.codegen.dynamics.operations.test_coordinates import KINDS, X, Y, Z
 
 if TYPE_CHECKING:
@@ -85,7 +86,7 @@ def compared(
     mechanisms: SimpleNamespace, system: System, rng: np.random.Generator, law: Any
 ) -> None:
     """Compare accelerations and power with those of τ = law(u, u̇) and its part that works."""
-    workspace = Workspace(compose(system))
+    workspace = Workspace(compose(all_rows(system)))
     for _ in range(3):
         state = mechanisms.random_state(system, rng)
         value, rate, slopes = measured(mechanisms, system, state)
@@ -156,7 +157,7 @@ def test_formulas_that_differ_in_names_only_are_one_kernel(mechanisms: SimpleNam
         )
         for k in range(3)
     )
-    program = compose(replace(chain, coordinates=places, forces=forces))
+    program = compose(all_rows(replace(chain, coordinates=places, forces=forces)))
     assert [kernel.title for kernel in program.kernels].count("formula") == 1
 
 
@@ -167,7 +168,7 @@ def test_components_that_are_formulas_add_up_with_those_that_are_numbers(
     formulas = (("torque_x", "gain*u"), ("torque_y", "sin(t)*u_dot"))
     given = {"constants": vectors, "formulas": formulas, "i": GROUND_INDEX, "coordinate": -1}
     system = acting(mechanisms.chain(3), "n1", 0, 2, kind="torque_b", **given)
-    workspace = Workspace(compose(system))
+    workspace = Workspace(compose(all_rows(system)))
     state = mechanisms.random_state(system, rng)
     u, u_dot, _ = measured(mechanisms, system, state)
     torque = np.array([0.5, 0.0, -1.0]) + GAIN * u * np.array(X)
@@ -191,7 +192,7 @@ def test_energy_of_a_spring_against_a_coordinate_is_half_k_times_its_square(
     found = []
     state = mechanisms.random_state(system, rng)
     for one in (system, replace(system, forces=())):
-        workspace = Workspace(compose(one, ["energies"]))
+        workspace = Workspace(compose(all_rows(one), ["energies"]))
         put(workspace, one, state)
         workspace.run("energy")
         found.append(workspace["energies"][1])
@@ -257,8 +258,8 @@ PLANES: dict[str, tuple[bool, System]] = {
 @pytest.mark.parametrize("name", PLANES)
 def test_a_scene_is_planar_where_forces_along_coordinates_leave_it_in_its_plane(name: str) -> None:
     stays, system = PLANES[name]
-    assert compose(system).is_planar == stays
-    workspace = Workspace(compose(system, may_be_planar=False))
+    assert compose(all_rows(system)).is_planar == stays
+    workspace = Workspace(compose(all_rows(system, may_be_planar=False)))
     workspace["v"] = [0.3, -0.4, 0.0, 0.0, 0.0, 0.7]
     workspace.run("geometry", "acceleration")
     out = [abs(workspace["v_dot"][k]) for k in (2, 3, 4)]
@@ -288,7 +289,7 @@ def test_forces_along_coordinates_are_the_same_in_a_plane_and_in_space(
     system = turned(replace(pendulum, coordinates=coordinates, forces=forces), shift)
     found = []
     for may_be_planar in (True, False):
-        workspace = Workspace(compose(system, may_be_planar=may_be_planar))
+        workspace = Workspace(compose(all_rows(system, may_be_planar=may_be_planar)))
         assert workspace.program.is_planar == may_be_planar
         workspace["t"] = [TIME]
         normal = (2 - shift) % 3

@@ -19,6 +19,7 @@ from kousoku.model.held import require_kept
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
 from kousoku.model.varying import is_varying
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from kousoku.model.mechanism import System
@@ -57,7 +58,7 @@ def system(text: str) -> System:
 
 
 def test_a_program_without_such_numbers_has_no_setup() -> None:
-    program = compose(system_of(with_numbers(scene_from_toml(FOUR_BAR))), WANTED)
+    program = compose(all_rows(system_of(with_numbers(scene_from_toml(FOUR_BAR)))), WANTED)
     assert not program.design
     assert program.on_demand == () or program.on_demand[0].name != "setup"
     assert "design" not in [region.name for region in program.regions]
@@ -65,7 +66,7 @@ def test_a_program_without_such_numbers_has_no_setup() -> None:
 
 def test_numbers_of_the_design_are_computed_once_and_cost_a_step_little() -> None:
     varying, fixed = (
-        compose(one, WANTED)
+        compose(all_rows(one), WANTED)
         for one in (
             system(FOUR_BAR),
             system_of(with_numbers(scene_from_toml(FOUR_BAR))),
@@ -81,7 +82,7 @@ def test_numbers_of_the_design_are_computed_once_and_cost_a_step_little() -> Non
 @pytest.mark.parametrize("make", [lambda x: x, inline])
 def test_the_workspace_has_the_numbers_of_its_parameters(make: object) -> None:
     assert callable(make)
-    program = make(compose(system(PENDULUM), WANTED))
+    program = make(compose(all_rows(system(PENDULUM)), WANTED))
     work = Workspace(program)
     places = dict(program.design.places)
     keys = dict(program.design.positive)
@@ -95,15 +96,17 @@ def test_the_workspace_has_the_numbers_of_its_parameters(make: object) -> None:
 def test_a_number_that_is_zero_in_the_scene_is_no_structural_zero() -> None:
     text = PENDULUM.replace('"L/2", 0, 0', '"L/2", 0, "L-150"')
     varying, fixed = (
-        compose(one, WANTED)
+        compose(all_rows(one), WANTED)
         for one in (system(text), system_of(with_numbers(scene_from_toml(text))))
     )
     assert operations(varying) > operations(fixed)
 
 
 def test_a_height_that_parameters_change_leaves_the_plane() -> None:
-    assert compose(system(PENDULUM), WANTED).is_planar
-    assert not compose(system(PENDULUM.replace('["L/2", 0, 0]', '["L/2", "L/9", 0]')), ()).is_planar
+    assert compose(all_rows(system(PENDULUM)), WANTED).is_planar
+    assert not compose(
+        all_rows(system(PENDULUM.replace('["L/2", 0, 0]', '["L/2", "L/9", 0]'))), ()
+    ).is_planar
 
 
 def test_masses_are_joined_and_points_that_parameters_move_are_not() -> None:

@@ -14,6 +14,7 @@ from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.recording.program import AFTER_GEOMETRY, reads, writes
 from kousoku.codegen.interpret import HIGH
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -45,7 +46,7 @@ def test_straight_line_code_computes_what_the_tasks_compute(
     mechanisms: SimpleNamespace, rng: np.random.Generator, name: str, statements: int
 ) -> None:
     program = compose(
-        system_of(mechanisms, name), ["reactions", "coordinates", "energies", "checks"]
+        all_rows(system_of(mechanisms, name)), ["reactions", "coordinates", "energies", "checks"]
     )
     straight = inline(program, limit=100_000, statements=statements)
     one, other = Workspace(program), Workspace(straight)
@@ -61,7 +62,7 @@ def test_straight_line_code_computes_what_the_tasks_compute(
 
 
 def test_tasks_and_straight_line_code_agree_in_fifty_digits(mechanisms: SimpleNamespace) -> None:
-    program = compose(mechanisms.four_bars(1), ["reactions"])
+    program = compose(all_rows(mechanisms.four_bars(1)), ["reactions"])
     workspaces = [Workspace(one, HIGH) for one in (program, inline(program, limit=100_000))]
     for workspace in workspaces:
         workspace["v"] = [HIGH.number(Fraction(k, 7)) for k in range(len(workspace["v"]))]
@@ -74,7 +75,7 @@ def test_tasks_and_straight_line_code_agree_in_fifty_digits(mechanisms: SimpleNa
 def test_straight_line_code_has_fewer_operations_and_short_functions(
     mechanisms: SimpleNamespace,
 ) -> None:
-    program = compose(mechanisms.four_bars(3))
+    program = compose(all_rows(mechanisms.four_bars(3)))
     straight = inline(program, limit=100_000, statements=60)
     assert operations(straight) < operations(program)
     assert max(kernel.operations.total() for kernel in straight.kernels) <= 60
@@ -84,7 +85,7 @@ def test_straight_line_code_has_fewer_operations_and_short_functions(
 
 def test_what_rows_alone_need_is_not_computed_with_every_stage(mechanisms: SimpleNamespace) -> None:
     """A free body has momenta that should not change; its accelerations need no matrix."""
-    straight = inline(compose(mechanisms.star(0), ["energies", "checks"]))
+    straight = inline(compose(all_rows(mechanisms.star(0)), ["energies", "checks"]))
     counts = {
         segment.name: sum(
             straight.kernels[task.kernel].operations.total() for task in segment.tasks
@@ -98,7 +99,7 @@ def test_what_rows_alone_need_is_not_computed_with_every_stage(mechanisms: Simpl
 
 
 def test_large_programs_stay_tasks(mechanisms: SimpleNamespace) -> None:
-    program = compose(mechanisms.chain(3))
+    program = compose(all_rows(mechanisms.chain(3)))
     assert inline(program, limit=operations(program) - 1) is program
 
 
@@ -106,7 +107,7 @@ def test_large_programs_stay_tasks(mechanisms: SimpleNamespace) -> None:
 def test_segments_share_only_the_regions_and_what_the_geometry_left(
     mechanisms: SimpleNamespace, form: str
 ) -> None:
-    program = compose(mechanisms.four_bars(2), ["energies"])
+    program = compose(all_rows(mechanisms.four_bars(2)), ["energies"])
     if form == "straight":
         program = inline(program, limit=100_000, statements=80)
     named = {

@@ -14,13 +14,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.generate import composed
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import nearly_implied, put_together
 from kousoku.model.errors import SceneError
 from kousoku.model.read import scene_from_toml
 from kousoku.model.system import system_of
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -96,7 +96,7 @@ def made(text: str, *wanted: str) -> Composed:
 
 def freedom(text: str) -> Freedom:
     system = put_together(system_of(scene_from_toml(text), ()))
-    return freedom_of(system, compose(system))
+    return freedom_of(system, all_rows(system).outline)
 
 
 @pytest.mark.parametrize("lean", [1e-10, 1e-9, 1e-8, 1e-7, 1e-6, 1e-5])

@@ -11,13 +11,13 @@ import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.generate import independent
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import damped_change, factorise, rows_to_leave
 from kousoku.model.mechanism import Instance, System
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.model.system import system_of
+from tests.analysed import all_rows, independent
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -35,7 +35,7 @@ def made(mechanisms: SimpleNamespace) -> SimpleNamespace:
 
 
 def of(system: System, *, may_be_planar: bool = False) -> Freedom:
-    return freedom_of(system, compose(system, may_be_planar=may_be_planar))
+    return freedom_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
 
 
 def bricard() -> System:
@@ -125,7 +125,8 @@ def test_a_loop_of_revolutes_without_the_geometry_of_bricard_does_not_move(
 
 
 def test_a_program_keeps_as_many_rows_as_the_rank(made: SimpleNamespace) -> None:
-    program, freedom, _ = independent(turned_bar(made), ())
+    found = independent(turned_bar(made))
+    program, freedom = compose(found), found.freedom
 
     assert len(program.rows) == freedom.rank == 17
     kept = {(row.instance, row.row) for row in program.rows}

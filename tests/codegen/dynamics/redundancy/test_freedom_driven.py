@@ -18,12 +18,12 @@ from kousoku.codegen.dynamics.explanation.structure import structure_of
 from kousoku.codegen.dynamics.redundancy.branch import Branch
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
-from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, Coordinate, Instance, System, Term
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -36,7 +36,7 @@ SOLID = {"mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}
 
 def of(system: System, *, may_be_planar: bool = True) -> Freedom:
     system = assemble(system)
-    return freedom_of(system, compose(system, may_be_planar=may_be_planar))
+    return freedom_of(system, all_rows(system, may_be_planar=may_be_planar).outline)
 
 
 def hinge(i: str, j: str, x: float, y: float) -> Tree:
@@ -217,7 +217,7 @@ def test_a_gear_between_mechanisms_apart_makes_one_part_of_them(
 
     assert (part.bodies, part.is_grounded) == ((0, 1, 2, 3), False)
     assert of(system, may_be_planar=False).degrees == 24 - 11
-    assert structure_of(system, compose(system, may_be_planar=False)).parts == 1
+    assert structure_of(system, compose(all_rows(system, may_be_planar=False))).parts == 1
 
 
 def test_angles_count_turns_along_the_branch(mechanisms: SimpleNamespace) -> None:
@@ -261,23 +261,4 @@ def test_a_row_that_nothing_changes_is_refused_with_its_amount(
     system = replace(system, constraints=(*system.constraints, square))
 
     with pytest.raises(SceneError, match=r"^joints\.square: is violated by 0\.6 rad, and no body"):
-        require_unmoved_rows_hold(system, compose(system))
-
-
-def test_bodies_without_masses_may_have_rows_that_others_nearly_imply() -> None:
-    places = {"crank": [0, 0, 0], "rod": [1, 0, 0], "slider": [3, 0, 0]}
-    ends = {"bodies": ["crank", "rod"]}
-    joints = {
-        "a": hinge("ground", "crank", 0, 0),
-        "b": {"type": "spherical", "at": [1, 0, 0], **ends},
-        "parallel": {"type": "parallel_axes", "axis": [0, 0, 1], **ends},
-        "c": hinge("rod", "slider", 3, 0),
-        "d": {"type": "prismatic", "bodies": ["ground", "slider"], "at": [3, 0, 0], "axis": X},
-    }
-    system = built(
-        {name: {"position": place} for name, place in places.items()},
-        joints,
-        drivers={"motor": {"joint": "a", "value": "0.3 + t"}},
-    )
-    slider = put_together(system).bodies[2]  # wanted masses where rows were looked at
-    assert slider.r[0] == pytest.approx(math.cos(0.3) + (4 - math.sin(0.3) ** 2) ** 0.5)
+        require_unmoved_rows_hold(system, all_rows(system).outline)

@@ -11,6 +11,7 @@ import pytest
 from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.simplification.planar import is_planar
+from tests.analysed import all_rows
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -25,7 +26,7 @@ def changed(system: System, **fields: Any) -> System:
 
 
 def test_loops_of_revolute_joints_along_z_are_planar(mechanisms: SimpleNamespace) -> None:
-    program = compose(mechanisms.four_bars(2))
+    program = compose(all_rows(mechanisms.four_bars(2)))
     assert program.is_planar
     assert program.region("q").size == 4 * 5
     assert program.region("v").size == 3 * 5
@@ -85,7 +86,7 @@ def test_the_planar_program_moves_as_the_spatial_one_does(
     system = mechanisms.planar_pendulum(3, offset)
     found = []
     for may_be_planar in (True, False):
-        program = compose(system, ["reactions", "energies"], may_be_planar=may_be_planar)
+        program = compose(all_rows(system, may_be_planar=may_be_planar), ["reactions", "energies"])
         assert program.is_planar == may_be_planar
         workspace = Workspace(program)
         for k, body in enumerate(program.bodies):

@@ -10,16 +10,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.codegen.dynamics.analyse import PRESCRIBED
 from kousoku.codegen.dynamics.assembly.assemble import assemble
 from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.choose import cheaper
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.counts import operations
-from kousoku.codegen.dynamics.generate import independent
+from kousoku.codegen.dynamics.generate import LEDGER
 from kousoku.codegen.dynamics.simplification.reduced_mass import inverse_of
-from kousoku.codegen.dynamics.simplification.reduced_program import reduced
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
 from kousoku.model.system import system_of
+from tests.analysed import all_rows, independent, jointed
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.recording.program import Program
@@ -114,7 +116,7 @@ def test_all_that_is_computed_is_what_all_rows_give(
     kind: str, is_swapped: bool, driven: tuple[str, ...]
 ) -> None:
     given = system(hung(kind, is_swapped=is_swapped, driven=driven))
-    whole, program = compose(given, WANTED), compose(given, WANTED, most_free=6)
+    whole, program = compose(all_rows(given), WANTED), compose(jointed(given), WANTED)
     assert len(program.reduced) == 6 - FREE[kind] + len(driven)
     assert len(program.rows) == len(whole.rows) - len(program.reduced) == 4
 
@@ -136,7 +138,7 @@ def test_a_position_is_put_onto_the_joint_and_keeps_its_norm(
     kind: str, is_swapped: bool, driven: tuple[str, ...]
 ) -> None:
     given = system(hung(kind, seed=5, is_swapped=is_swapped, driven=driven))
-    program = compose(given, WANTED, most_free=6)
+    program = compose(jointed(given), WANTED)
     rng, work = np.random.default_rng(3), Workspace(program)
     work["t"] = [TIME]
     work["q"] = [*rng.normal(size=14), *work["q"][14:]]
@@ -153,7 +155,7 @@ def test_a_position_is_put_onto_the_joint_and_keeps_its_norm(
 
 
 def test_turns_and_slides_are_neither_faster_nor_slower_after_many_fits() -> None:
-    program = compose(system(hung("cylindrical", seed=7)), WANTED, most_free=6)
+    program = compose(jointed(system(hung("cylindrical", seed=7))), WANTED)
     work = placed(program)
     first = np.array(work["v"][:6])
     for _ in range(2000):
@@ -183,7 +185,7 @@ def test_other_joints_to_the_ground_are_rows_as_before() -> None:
     point = SceneBuilder("bead", unit="m").body("b", point=True, mass=1, position=(1, 1, 1))
     point.joint("hold", type="rod", bodies=("ground", "b"), points=[[0, 0, 0], [0, 0, 0]])
     for builder in (universal, screw, twice, point):
-        program = compose(system(builder.build()), WANTED, most_free=6)
+        program = compose(jointed(system(builder.build())), WANTED)
         assert program.reduced == ()
         assert program.rows
 
@@ -197,14 +199,14 @@ def test_bodies_whose_numbers_depend_on_parameters_are_not_reduced() -> None:
             "b", position=(0, 0, 0), boxes=[{"mass": mass, "size": [1, 2, 3], "at": [0, 0, 1]}]
         )
         builder.joint("hold", type="revolute", bodies=("ground", "b"), at=(0, 0, 2), axis=(1, 1, 0))
-        assert len(compose(system(builder.build()), WANTED, most_free=6).reduced) == count
+        assert len(compose(jointed(system(builder.build())), WANTED).reduced) == count
 
 
 def test_only_bodies_that_drivers_lead_are_reduced_where_that_is_asked() -> None:
     led = system(hung("revolute", driven=("angle",)))
-    assert len(compose(led, WANTED, most_free=0).reduced) == 6
+    assert len(compose(jointed(led, PRESCRIBED), WANTED).reduced) == 6
     free = system(hung("revolute"))
-    assert compose(free, WANTED, most_free=0).reduced == ()
+    assert compose(jointed(free, PRESCRIBED), WANTED).reduced == ()
 
 
 def test_no_body_is_reduced_where_rows_depend_on_others() -> None:
@@ -217,9 +219,10 @@ def test_no_body_is_reduced_where_rows_depend_on_others() -> None:
     for name, z in (("upper", 1), ("lower", -1)):
         builder.joint(name, type="revolute", bodies=("leaf", "bolt"), at=(1, 0, z), axis=(0, 0, 1))
     given = system(builder.build())
-    program, *_ = independent(given, WANTED, may_be_planar=False)
+    found = independent(given, may_be_planar=False)
+    program = compose(found, WANTED)
     assert program.left_out
-    assert reduced(given, WANTED, program) is program
+    assert cheaper(found, WANTED, program) is program
 
 
 def test_one_body_of_many_is_reduced_only_where_a_driver_leads_it() -> None:
@@ -232,14 +235,15 @@ def test_one_body_of_many_is_reduced_only_where_a_driver_leads_it() -> None:
         if law:
             builder.driver("motor", joint="j0", value=law)
         given = system(builder.build())
-        whole, *_ = independent(given, WANTED)
-        assert len(reduced(given, WANTED, whole).reduced) == count
+        found = independent(given)
+        assert len(cheaper(found, WANTED, compose(found, WANTED)).reduced) == count
 
 
 def test_the_four_bars_of_a02_keep_the_rows_of_their_couplers() -> None:
     given = assemble(system_of(n_four_bar(4), ()))
-    whole, *_ = independent(given, ("checks", "energies"))
-    program = reduced(given, ("checks", "energies"), whole)
+    found = independent(given)
+    whole = compose(found, LEDGER)
+    program = cheaper(found, LEDGER, whole)
     assert (len(whole.rows), len(program.rows), len(program.reduced)) == (26, 16, 10)
     assert program.placed == tuple(range(5))
     assert operations(program) < 0.8 * operations(whole)

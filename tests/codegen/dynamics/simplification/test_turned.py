@@ -12,6 +12,7 @@ from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.turned import can_turn, turned, turned_row
+from tests.analysed import all_rows, without
 
 if TYPE_CHECKING:
     from types import SimpleNamespace
@@ -53,7 +54,7 @@ def test_closed_loops_in_any_coordinate_plane_are_planar(
 ) -> None:
     system = turned(mechanisms.four_bars(2), shift)
     state = turned_state(mechanisms.four_bars_state(2, 1.1, 2.0), shift)
-    program = compose(system, ["reactions"])
+    program = compose(all_rows(system), ["reactions"])
     assert program.is_planar
     workspace = Workspace(program)
     for name in ("r", "p", "v", "omega_b"):
@@ -75,9 +76,10 @@ def test_closed_loops_in_any_coordinate_plane_are_planar(
 
 
 def test_kept_rows_are_those_of_the_scene(mechanisms: SimpleNamespace) -> None:
-    system = turned(mechanisms.planar_pendulum(1), 1)
-    assert [(row.instance, row.row) for row in compose(system).rows] == [(0, 2), (0, 0)]
-    kept = compose(system, rows={0: (1, 2)})
+    found = all_rows(turned(mechanisms.planar_pendulum(1), 1))
+    assert found.outline.rows == compose(found).rows
+    assert [(row.instance, row.row) for row in found.outline.rows] == [(0, 2), (0, 0)]
+    kept = compose(without(found, found.outline.rows[1:]))
     assert [(row.instance, row.row) for row in kept.rows] == [(0, 2)]
 
 
@@ -86,7 +88,7 @@ def test_a_chain_at_rest_in_another_plane_is_not_taken_for_planar(
 ) -> None:
     system = mechanisms.chain(2)
     assert is_planar(turned(system, 2))
-    assert not compose(system).is_planar
+    assert not compose(all_rows(system)).is_planar
 
 
 def test_a_kind_whose_components_are_not_known_is_not_turned(mechanisms: SimpleNamespace) -> None:

@@ -1,0 +1,228 @@
+"""What is decided of a system before it is composed, analysis by analysis.
+
+Each takes a system and tells what it found; what one changes the next one sees:
+
+1. bodies that fixed joints hold together become one, ``simplification/merge.py``;
+2. the plane in which all bodies stay, if there is one, ``simplification/planar.py``;
+3. masses where drivers move what has none, ``simplification/weights.py``;
+4. rows and columns that are not structurally zero, ``simplification/outline.py``;
+5. rows that depend on others, and degrees of freedom, ``redundancy/freedom.py``;
+6. bodies that the coordinates of their joint with the ground describe,
+   ``simplification/reduction.py``.
+
+Composing decides nothing of that.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.composition.momentum import kept_of
+from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
+from kousoku.codegen.dynamics.redundancy.left_out import by_instance, shares_out, take_over
+from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.own_rows import repeated_rows, require_own_rows_implied
+from kousoku.codegen.dynamics.redundancy.unevenness import is_uneven
+from kousoku.codegen.dynamics.redundancy.unmoved import require_unmoved_rows_hold
+from kousoku.codegen.dynamics.simplification.merge import merged
+from kousoku.codegen.dynamics.simplification.outline import outline_of
+from kousoku.codegen.dynamics.simplification.planar import plane_of
+from kousoku.codegen.dynamics.simplification.reduction import reductions_of
+from kousoku.codegen.dynamics.simplification.shapes import (
+    require_few_joints,
+    require_masses,
+    thickened,
+)
+from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
+from kousoku.codegen.dynamics.simplification.weights import weighted
+from kousoku.model.varying import fixed_system
+
+if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping, Sequence
+
+    from kousoku.codegen.dynamics.recording.program import Kept, Row
+    from kousoku.codegen.dynamics.simplification.outline import Outline
+    from kousoku.codegen.dynamics.simplification.reduction import Reduction
+    from kousoku.model.mechanism import System
+
+#: How many velocities a joint may leave to a body: none where drivers lead it, and any number.
+PRESCRIBED, ANY = 0, 6
+
+
+@dataclass(frozen=True, slots=True)
+class Analysed:
+    """A system, and all that is decided of its equations.
+
+    Parameters
+    ----------
+    system : System
+        What is solved.
+    outline : Outline
+        Its plane, and rows and columns that are not structurally zero.
+    freedom : Freedom
+        Its degrees of freedom, and the rows that are left out.
+    reductions : mapping of int to Reduction
+        Bodies that the coordinates of their joint with the ground describe, in the axes of the
+        plane; where there are some no row is left out.
+    lumped : tuple of str
+        Fixed joints that are left out with their rows, as their bodies are one.
+    missing : tuple of str
+        Keys of masses and moments that bodies lack and their motion may depend on.
+    thin : tuple of str
+        Those of them that belong to bodies whose mass lies on a line: one moment is zero.
+    """
+
+    system: System
+    outline: Outline
+    freedom: Freedom
+    reductions: Mapping[int, Reduction] = field(default_factory=dict)
+    lumped: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+    thin: tuple[str, ...] = ()
+
+    @property
+    def solved(self) -> list[Row]:
+        """Rows that have multipliers."""
+        others = {*self.held, *self.left_out}
+        rows = self.outline.rows
+        return [row for row in rows if row not in others] if others else list(rows)
+
+    @property
+    def held(self) -> list[Row]:
+        """Rows that hold by themselves: those of joints that bodies are put onto."""
+        places = {place for one in self.reductions.values() for place in one.instances}
+        return [row for row in self.outline.rows if row.instance in places]
+
+    @property
+    def left_out(self) -> list[Row]:
+        """Rows that depend on others."""
+        dropped = set(self.freedom.dropped)
+        return [row for row in self.outline.rows if row in dropped] if dropped else []
+
+    @property
+    def has_loops(self) -> bool:
+        """Whether joints close loops, in which rows may become dependent somewhere."""
+        return bool(loops_of(self.system))
+
+    @property
+    def refines(self) -> bool:
+        """Whether a run may have to refine accelerations, where C_q M⁻¹ C_qᵀ loses digits."""
+        return bool(self.left_out) or self.has_loops or is_uneven(self.system)
+
+    @property
+    def takes_over(self) -> bool:
+        """Whether rows that are left out take over where those that are solved lose rank."""
+        return take_over(len(self.solved), len(self.left_out))
+
+    @property
+    def shares_out(self) -> bool:
+        """Whether forces that are not unique are found by loops, not by code of the scene."""
+        return shares_out(len(self.solved), len(self.left_out))
+
+    @property
+    def momenta(self) -> tuple[Kept, ...]:
+        """Momenta that parts of it keep, in the axes of the plane."""
+        return kept_of(in_xy_plane(self).system, is_planar=self.outline.is_planar)
+
+
+def analyse(system: System, wanted: Collection[str]) -> Analysed:
+    """Return an assembled system with what all analyses found that need no program.
+
+    Parameters
+    ----------
+    system : System
+        A scene, assembled.
+    wanted : collection of str
+        What is computed; with ``reactions`` no bodies are lumped.
+
+    Raises
+    ------
+    SceneError, AssemblyError
+        Bodies lack masses, rows do not hold or depend on each other as they may not.
+    """
+    lumped = merged(system, wanted)
+    shift = plane_of(lumped.system)
+    heavy = weighted(lumped.system, shift)
+    found = ranked(heavy.system, shift)
+    return replace(found, lumped=lumped.joints, missing=heavy.missing, thin=heavy.thin)
+
+
+def with_all_rows(system: System, shift: int | None) -> Analysed:
+    """Return a system whose rows are all kept.
+
+    Parameters
+    ----------
+    system : System
+        A scene.
+    shift : int, optional
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
+        None for equations in space.
+
+    Raises
+    ------
+    SceneError
+        A body lacks a mass or a moment that its motion needs, or has too many joints.
+    """
+    require_few_joints(system)
+    require_masses(turned(system, shift or 0), is_planar=shift is not None)
+    outline = outline_of(system, shift)
+    return Analysed(system, outline, Freedom.of(outline))
+
+
+def ranked(system: System, shift: int | None) -> Analysed:
+    """Return a system without the rows that depend on others, at positions where the others hold.
+
+    Parameters and refusals are those of :func:`with_all_rows`; rows that nothing changes must hold.
+    """
+    found = with_all_rows(system, shift)
+    fixed = fixed_system(system)
+    require_unmoved_rows_hold(fixed, found.outline)
+    freedom = freedom_of(fixed, found.outline)
+    require_own_rows_implied(fixed, freedom, is_planar=found.outline.is_planar)
+    freedom = replace(freedom, idle=(*freedom.idle, *repeated_rows(fixed, freedom)))
+    if freedom.closed:
+        system = assemble(system, [(row.instance, row.row) for row in freedom.dropped])
+        found = with_all_rows(system, None if shift is None else plane_of(system))
+    return replace(found, freedom=freedom)
+
+
+def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
+    """Return a system in which bodies on joints with the ground have the coordinates of these.
+
+    Parameters
+    ----------
+    found : Analysed
+        The system without, with all its rows.
+    most_free : int
+        How many velocities a joint may leave to a body.
+    """
+    there, is_planar = in_xy_plane(found), found.outline.is_planar
+    rows = by_instance(there.outline.rows)
+    reductions = {
+        k: one
+        for k, one in reductions_of(there.system, rows, is_planar=is_planar).items()
+        if len(one.free) <= most_free
+    }
+    heavy = found.system if is_planar else thickened(found.system)
+    return replace(found, system=heavy, reductions=reductions) if reductions else found
+
+
+def in_xy_plane(found: Analysed) -> Analysed:
+    """Return a system with its axes in an order in which its plane, if any, is the xy-plane."""
+    shift = found.outline.shift
+    if not shift:
+        return found
+
+    def seen(rows: Sequence[Row]) -> tuple[Row, ...]:
+        return turned_rows(rows, found.system, shift)
+
+    outline, freedom = found.outline, found.freedom
+    columns = tuple(own_columns(own, -shift) for own in outline.columns)
+    return replace(
+        found,
+        system=turned(found.system, shift),
+        outline=replace(outline, shift=0, columns=columns, rows=seen(outline.rows)),
+        freedom=replace(freedom, dropped=seen(freedom.dropped), idle=seen(freedom.idle)),
+    )

@@ -1,0 +1,160 @@
+"""Which of several programs a system gets, where only composing them tells.
+
+Joint coordinates save rows, and may cost operations: both programs are counted. Forces of joints
+that lead out of a plane need equations in space: where these fail, only what acts in the plane is
+computed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
+from kousoku.codegen.dynamics.checking.run import Workspace
+from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.explanation.counts import counts
+from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
+from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
+from kousoku.codegen.dynamics.simplification.reduction import is_worth
+from kousoku.codegen.dynamics.simplification.shapes import thickened
+from kousoku.model.errors import SceneError
+from kousoku.model.varying import fixed_system
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from kousoku.codegen.dynamics.analyse import Analysed
+    from kousoku.codegen.dynamics.recording.program import Program
+    from kousoku.codegen.dynamics.redundancy.freedom import Freedom
+
+#: The segments that every stage of a step runs: what they cost decides, whatever is wanted beside.
+OFTEN = frozenset({"geometry", "position", "move", "velocity", "acceleration"})
+#: Rows are dependent when one pivot is smaller than this part of another.
+DEPENDENT = 1e-12
+
+
+def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
+    """Return the program of an analysed system.
+
+    Parameters
+    ----------
+    analysed : Analysed
+        The scene, without joint coordinates.
+    wanted : sequence of str
+        What is computed.
+    """
+    if "reactions" in wanted:
+        chosen, program = with_reactions(analysed, wanted)
+    else:
+        chosen, program = analysed, compose(analysed, wanted)
+    return replace(cheaper(chosen, wanted, program), is_weighed=not analysed.missing)
+
+
+def cheaper(
+    analysed: Analysed, wanted: Sequence[str], program: Program, most_free: int = ANY
+) -> Program:
+    """Return the program in joint coordinates where it costs less, or else the program without.
+
+    They are not looked for where rows depend on others: there all rows are needed, to watch them
+    and to take over. And not in a large scene with few bodies at the ground, unless drivers lead
+    these.
+
+    Parameters
+    ----------
+    analysed : Analysed
+        The scene, without joint coordinates.
+    wanted : sequence of str
+        What is computed.
+    program : Program
+        What it was composed to.
+    most_free : int
+        How many velocities a joint may leave to a body.
+    """
+    if analysed.left_out or not is_worth(analysed.system, analysed.outline.rows):
+        return program
+    found = with_joint_coordinates(analysed, most_free)
+    if not found.reductions:
+        return program
+    other = compose(found, wanted)
+    if _cost(other) >= _cost(program):
+        return program
+    return replace(
+        other,
+        not_unique=program.not_unique,
+        undetermined=program.undetermined,
+        unique_in_plane=program.unique_in_plane,
+        only_in_plane=program.only_in_plane,
+    )
+
+
+def _cost(program: Program) -> int:
+    return sum(one.operations for one in counts(program) if one.segment in OFTEN)
+
+
+def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
+    """Return the program that finds the forces of all joints, and knows which are not unique.
+
+    Parameters
+    ----------
+    analysed : Analysed
+        The scene: where it moves in a plane and forces lead out of that, equations in space take
+        the place of its own.
+    wanted : sequence of str
+        What is computed.
+
+    Returns
+    -------
+    Analysed, Program
+        What was composed, and the program. In a plane, joints that are named because of what leads
+        out of it only are named apart.
+    """
+    freedom, system = analysed.freedom, analysed.system
+    if not analysed.outline.is_planar:
+        return analysed, _named(compose(analysed, wanted), freedom)
+    in_plane = dict.fromkeys((*freedom.not_unique, *freedom.unknown))
+    found, why = None, ""
+    if not is_flat(system, analysed.outline.normal):
+        try:
+            found = _in_space(analysed, wanted)
+        except SceneError as error:  # rows depend on each other in another way, or too many
+            why = f"{error.key}: {error.problem}"
+    if found is None:
+        program = compose(analysed, wanted)
+        twice = held_twice(fixed_system(system), program)
+        found = analysed, replace(program, not_unique=twice, only_in_plane=why)
+    chosen, program = found
+    others = tuple(name for name in program.not_unique if name not in in_plane)
+    own = tuple(one for one in chosen.freedom.undetermined if one[0] in in_plane)
+    return chosen, replace(
+        program, not_unique=tuple(in_plane), undetermined=own, unique_in_plane=others
+    )
+
+
+def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
+    """Return the program in space of a scene that moves in a plane; SceneError if there is none."""
+    found = ranked(thickened(analysed.system), None)
+    program = _named(compose(found, wanted), found.freedom)
+    if not _is_regular(program):
+        raise SceneError("rows that are kept depend on each other at the start")
+    return found, program
+
+
+def _named(program: Program, freedom: Freedom) -> Program:
+    """Return a program with the joints whose reactions are not unique."""
+    return replace(
+        program,
+        not_unique=(*freedom.not_unique, *freedom.unknown),
+        undetermined=freedom.undetermined,
+    )
+
+
+def _is_regular(program: Program) -> bool:
+    """Return whether the rows that a program keeps are independent at the start."""
+    workspace = Workspace(program)
+    try:
+        workspace.run("geometry")
+    except ZeroDivisionError:  # a pivot is exactly zero
+        return False
+    pivots = workspace["pivots"]
+    return not pivots or min(pivots) > DEPENDENT * max(pivots)

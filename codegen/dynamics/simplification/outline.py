@@ -1,0 +1,166 @@
+"""The outline of a system's equations: which velocities bodies have, and which rows of C_q matter.
+
+A row whose derivatives by all velocities are structurally zero is constant along every motion: it
+is not solved. Kinds are traced for that with numbers where nothing moves, and nothing is composed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks
+from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
+from kousoku.codegen.dynamics.recording.program import Row
+from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
+from kousoku.codegen.dynamics.recording.traces import Trace
+from kousoku.codegen.dynamics.simplification.shapes import shape, sizes
+from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
+from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+
+    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.recording.recorder import Pattern
+    from kousoku.model.mechanism import Coordinate, Instance, System
+
+    Elements = tuple[tuple[bool, ...], ...]
+
+#: The axis across the xy-plane.
+NORMAL = 2
+
+
+@dataclass(frozen=True, slots=True)
+class Outline:
+    """Rows and columns of C_q that are not structurally zero, in the axes of the system.
+
+    Parameters
+    ----------
+    shift : int, optional
+        The permutation of axes that brings the plane of the motion into the xy-plane, see
+        :mod:`~kousoku.codegen.dynamics.simplification.turned`; None where bodies move in space.
+    columns : tuple of tuple of int
+        Of each body the places in (δr, δθ′) that are velocities.
+    rows : tuple of Row
+        In the order in which they are composed.
+    """
+
+    shift: int | None
+    columns: tuple[tuple[int, ...], ...]
+    rows: tuple[Row, ...]
+
+    @property
+    def is_planar(self) -> bool:
+        """Whether bodies move in parallel coordinate planes."""
+        return self.shift is not None
+
+    @property
+    def normal(self) -> int | None:
+        """The axis across the plane."""
+        return None if self.shift is None else (NORMAL + self.shift) % 3
+
+    @property
+    def velocities(self) -> int:
+        """Count of columns."""
+        return sum(map(len, self.columns))
+
+    def columns_of(self, bodies: Iterable[int]) -> list[int]:
+        """Return the columns of some bodies; six in turn belong to each body of the system."""
+        return [COLUMNS * body + k for body in bodies for k in self.columns[body]]
+
+
+def outline_of(system: System, shift: int | None) -> Outline:
+    """Return the outline of a system that moves in a plane, or in space.
+
+    Parameters
+    ----------
+    system : System
+        A scene, as it starts.
+    shift : int, optional
+        Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it;
+        None for equations in space.
+    """
+    is_planar = shift is not None
+    there = turned(system, shift or 0)
+    live = live_rows(there, is_planar=is_planar)
+    rows = tuple(
+        Row(one.joint, place, row)
+        for place, (one, own) in enumerate(zip(system.constraints, live, strict=True))
+        for row in own
+    )
+    shapes = (shape(body, is_planar=is_planar) for body in system.bodies)
+    return Outline(
+        shift=shift,
+        columns=tuple(own_columns(columns, shift or 0) for _, columns in shapes),
+        rows=turned_rows(rows, there, -(shift or 0)),
+    )
+
+
+def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
+    """Yield for each constraint the rows whose Jacobian is not structurally zero.
+
+    Parameters
+    ----------
+    system : System
+        A scene.
+    is_planar : bool
+        Whether its bodies move in planes parallel to the xy-plane.
+    """
+    return (rows for rows, _ in live_elements(system, is_planar=is_planar))
+
+
+def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[int, ...], Elements]]:
+    """Yield for each constraint its rows, and elements of the Jacobian of a kind that has one.
+
+    Parameters are those of :func:`live_rows`.
+    """
+    recorder = Recorder()
+    q, v = (recorder.region("", size) for size in sizes(system, is_planar=is_planar))
+    bodies = body_blocks(system, recorder, q, v, is_planar=is_planar)
+
+    def body(index: int) -> BodyBlocks:
+        return GROUND if index == GROUND_INDEX else bodies[index]
+
+    for one in system.constraints:
+        if one.kind != COMBINATION:
+            elements = _elements(one, recorder, body)
+            yield _live(one, elements, body), elements
+        else:
+            terms = (system.coordinates[term.coordinate] for term in one.terms)
+            live = (_live(term, _elements(term, recorder, body), body) for term in terms)
+            yield (0,) if any(live) else (), ()
+
+
+def _live(
+    one: Instance | Coordinate, elements: Elements, body: Callable[[int], BodyBlocks]
+) -> tuple[int, ...]:
+    """Return the rows that have elements in the columns of their bodies."""
+    columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
+    rows = enumerate(elements)
+    return tuple(row for row, there in rows if any(there[k] for k in columns))
+
+
+def _elements(
+    one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
+) -> Elements:
+    """Return which elements of the Jacobian (rows, 12) are not structurally zero."""
+    i, j = body(one.i), body(one.j)
+    given = inputs_of(one)
+    constants = [recorder.constant(values) for _, values in given]
+    pattern, _, _, lengths = pattern_of((i.r, i.p, j.r, j.p, *constants))
+    return _traced(one.kind, tuple(name for name, _ in given), pattern, tuple(lengths))
+
+
+@cache
+def _traced(
+    kind: str, names: tuple[str, ...], pattern: Pattern, lengths: tuple[int, ...]
+) -> Elements:
+    trace = Trace(lengths)
+    nodes = [trace.matrix(*block).flat for block in pattern]
+    inputs = dict(zip(("r_i", "p_i", "r_j", "p_j", *names), nodes, strict=True))
+    jacobian = trace.inline(frozen(kind, "constraint"), inputs)["C_q"]
+    width = 2 * COLUMNS
+    there = [trace.graph.value(node) != 0 for node in jacobian]
+    return tuple(tuple(there[row : row + width]) for row in range(0, len(there), width))
