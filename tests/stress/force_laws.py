@@ -157,11 +157,14 @@ WALLS = {
 }
 
 
-def wall(integral: float, *, is_steep: bool) -> Callable[[random.Random], Drawn]:
-    """Return what draws a wall: half throw the cart back, half let it pass and keep a part."""
+def wall(integral: float, *, is_steep: bool, least: float) -> Callable[[random.Random], Drawn]:
+    """Return what draws a wall: half throw the cart back, half let it pass and keep a part.
+
+    The least width is a power of ten, in metres of the 100 that the cart would go.
+    """
 
     def draw(random_: random.Random) -> Drawn:
-        width = 10.0 ** random_.uniform(-5.0, 0.0)
+        width = 10.0 ** random_.uniform(least, 0.0)
         place = random_.uniform(1.0, 0.9 * END * SPEED)
         energy = 0.5 * SPEED * SPEED
         part = random_.choice((random_.uniform(0.1, 0.8), 10.0 ** random_.uniform(0.2, 2.0)))
@@ -391,7 +394,12 @@ FORMS: dict[str, Form] = {
         name: Form(
             "walls",
             moved(name, law),
-            wall(integral, is_steep=name in {"step_wall", "trapezoid_wall"}),
+            wall(
+                integral,
+                is_steep=name in {"step_wall", "trapezoid_wall"},
+                # of which nothing tells but a square, so that places must be known to a width
+                least=-4.0 if name == "cap_wall" else -5.0,
+            ),
             number=50,
             may_be_fixed=True,
         )
