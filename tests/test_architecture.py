@@ -184,8 +184,9 @@ def test_nothing_is_left_behind() -> None:
                 assert "TODO" not in text and "type: ignore" not in text, path
 
 
-def test_every_file_that_the_pipeline_names_is_there() -> None:
-    text = (ROOT / "docs" / "pipeline.md").read_text(encoding="utf-8")
+@pytest.mark.parametrize("page", ["architecture.md", "pipeline.md"])
+def test_every_file_that_a_page_names_is_there(page: str) -> None:
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
     named = re.findall(r"`(\w+/[\w/]*\.py)`", text)
     assert named
     assert [name for name in named if not (ROOT / name).is_file()] == []
