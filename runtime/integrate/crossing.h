@@ -55,7 +55,7 @@ enum {
     N_READ = 2 * N_MEASURES,
     /* one behind the other */
     W_SEEN = N_SWITCHING > 0 ? W_CROSSINGS
-             : N_POLES > 0   ? W_POLES
+    : N_POLES > 0            ? W_POLES
                              : W_NARROW
 };
 
@@ -367,8 +367,8 @@ static void see_beside(double way, double time, const double *read, const double
 }
 
 /* how large parts of forces that may be infinite are that far from a time */
-static void sizes_beside(double way, double time, const double *read, const Look *look, Work *work,
-    double *sizes)
+static void sizes_beside(
+    double way, double time, const double *read, const Look *look, Work *work, double *sizes)
 {
     const double exact[ROOM(N_READ)] = { 0.0 };
     Node node;
