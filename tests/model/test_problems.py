@@ -349,4 +349,7 @@ def test_a_type_is_no_name_of_a_broken_element() -> None:
     with pytest.raises(SceneError) as caught:
         scene_from_dict(tree | {"joints": joints})
     (told,) = (one.problem for one in caught.value.problems if one.key == "joints.a.type")
-    assert told.startswith("unknown joint 'ballz'; did you mean 'ball'? A kind of your own comes")
+    assert told == (
+        "unknown joint 'ballz'; did you mean 'ball'? A kind of your own comes with kinds=[...], see"
+        " docs/own_kind.md"
+    )
