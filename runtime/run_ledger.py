@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 #: Fields of the state that are counts, and fields of the ledger.
 COUNTS = (
     *("steps", "rejected", "derivatives", "factorisations", "corrections", "avoided", "passed"),
-    *("fallbacks", "refinements", "unresolved", "branch_points"),
+    *("fallbacks", "refinements", "unresolved", "branch_points", "meetings"),
 )
 LEVELS = ("position", "velocity", "acceleration")
 UNITS = ("m", "rad")
@@ -87,9 +87,13 @@ class RunLedger:
         where fixed steps are long beside a narrow hill, and when the last of them was: what acts
         for a moment there may be passed over.
     branch_points, branch_point_time : int, float or None [s]
-        Steps so near to where branches of the motion meet, as at the change points of a
-        parallelogram, that no length of a step tells them apart, and when the first was: the motion
-        went straight on, and may be that of another branch.
+        Steps so near to where another branch of the motion comes near that none of a length that
+        was tried is sure to stay on its own, and when the first was: the motion may be that of the
+        other branch.
+    meetings, meeting_time : int, float or None [s]
+        Steps over places where branches of the motion meet, as the change points of a
+        parallelogram, or come nearer than rounding tells, and when the first was: the motion went
+        straight on.
     passed, passed_time : int, float or None [s]
         Rows that stand where rows of the constraints are dependent, or as good as that, and when
         the last of them is: the polynomial between the states before and after tells their
@@ -148,6 +152,8 @@ class RunLedger:
     unresolved_time: float | None
     branch_points: int
     branch_point_time: float | None
+    meetings: int
+    meeting_time: float | None
     fallbacks: int
     fallback_time: float | None
     refinements: int
@@ -269,9 +275,15 @@ class RunLedger:
             )
         if self.branch_points:
             lines.append(
-                f"{self.branch_points} steps so near to where branches of the motion meet that none"
-                f" tells them apart, the first at t = {self.branch_point_time:.6g} s: the motion"
-                " went straight on there, and may be that of another branch"
+                f"{self.branch_points} steps so near to another branch of the motion that none tells"
+                f" them apart, the first at t = {self.branch_point_time:.6g} s: the motion may be"
+                " that of another branch"
+            )
+        if self.meetings:
+            lines.append(
+                f"branches meet in {self.meetings} step{'s' * (self.meetings > 1)}, or come nearer"
+                f" than rounding tells, the first to t = {self.meeting_time:.6g} s: the motion went"
+                " straight on there"
             )
         if self.fallbacks:
             lines.append(
@@ -332,6 +344,7 @@ def ledger_of(
         passed_time=single["passed_time"] if single["passed"] else None,
         unresolved_time=single["unresolved_time"] if single["unresolved"] else None,
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
+        meeting_time=single["meeting_time"] if single["meetings"] else None,
         fallback_time=single["fallback_time"] if single["fallbacks"] else None,
         energy=single["energy"] if solver.is_weighed else None,
         energy_error=single["energy_error"] if options.checks and solver.is_weighed else None,

@@ -319,6 +319,7 @@ class Trust(TypedDict):
     pivot_ratio: Number | None
     unresolved: int
     branch_point_time: Number | None
+    meeting_time: Number | None
     error: ErrorEstimate | None
     limit: Number
     problems: list[str]
@@ -346,6 +347,8 @@ class RunLedger(TypedDict):
     unresolved_time: Number | None
     branch_points: int
     branch_point_time: Number | None
+    meetings: int
+    meeting_time: Number | None
     fallbacks: int
     fallback_time: Number | None
     refinements: int

@@ -6,13 +6,17 @@
 /* the part of the way of a step that velocities may not explain: a driver jumps */
 #define UNEXPLAINED 1e-3
 /* pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
- * half of a step: beside a singular configuration there is another branch. No check is made of
- * halves in which bodies move less than this, in lengths and radians */
+ * half of a step: beside a singular configuration there is another branch. So they tell it where
+ * bodies move less than this in a half, in lengths and radians: the angle between two of them turns
+ * by twice as much, and the root of the ratio goes with its sine. Halves are no shorter than that */
 #define SMALL_PIVOT 0.5
 #define MOST_GROWTH 2.0
-#define FINEST_WAY 1e-4
-/* how far behind a position where rows are nearly dependent a step is tried, in its length */
+#define LONGEST_WAY 0.6
+#define FINEST_WAY 1e-6
+/* how far behind a position where rows are nearly dependent a step is tried, in its length; where
+ * branches do not meet there, positions in between may have ratios this much smaller */
 #define FURTHEST 8.0
+#define DEEPER 1e-3
 /* the largest turn of a step: angles count their turns [rad] */
 #define COUNTABLE 1.0
 /* what Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
@@ -81,14 +85,15 @@ static int is_explained(double h, Position start, Position half, Position last)
 /* whether half a step of length h may leap over a singular configuration onto another branch: the
  * ratio of pivots goes with the square of the distance from it, which changes at a steady rate; no
  * half passes zero where it and those beside it change the ratio by a small factor. What is too
- * short to be halved is noted: no branch is known there */
+ * short to be halved is noted: it is looked at */
 static int may_leap(double h, double before, double after, Position last, State *s)
 {
     const double low = smaller(before, after), high = larger(before, after);
-    const int is_near = low < SMALL_PIVOT * s->largest_pivot_ratio && high > MOST_GROWTH * low;
-    const int is_long = h * size_of(last.y + NQ) > FINEST_WAY;
-    if (is_near && !is_long) s->has_branch_point = 1.0;
-    return is_near && is_long;
+    const double most = larger(s->largest_pivot_ratio, high);
+    const int is_near = low < SMALL_PIVOT * most && high > MOST_GROWTH * low;
+    const double way = h * size_of(last.y + NQ);
+    if (is_near && !(way > FINEST_WAY)) s->is_near = 1.0;
+    return (is_near && way > FINEST_WAY) || (HAS_REFINEMENT && way > LONGEST_WAY);
 }
 
 /* where the position in the middle of a step is kept, and that at its end */
@@ -103,7 +108,7 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     const double h = in_halves ? 0.5 * (end - s->time) : end - s->time;
     double first = 0.0, second, middle = 0.0, *change = work->k[4];
     forget_trials(work);
-    s->has_branch_point = in_halves ? 0.0 : 1.0; /* a leap is one over such a place */
+    s->is_near = in_halves ? 0.0 : 1.0; /* a leap goes over such a place */
     if (in_halves) {
         if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
         if (!is_smooth(h, first, start, half, change)) return 0;
@@ -122,6 +127,19 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     }
     *drift = larger(first, second);
     return 1;
+}
+
+/* whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS */
+static int branch_at(double end, State *s, Work *work)
+{
+    if (!(HAS_REFINEMENT && s->is_near > 0.0)) return STAYS;
+    const Position last = end_of(work);
+    const double first = sqrt(s->position_ratio), after = sqrt(pivot_ratio(work, s));
+    const double part = meeting_part(first, after), h = end - s->time;
+    const int found = follow_branch(h, last.y, last.f, part, first + after, work, s);
+    place(end, last.y, work->w); /* its geometry again */
+    ratio_at(last.y, work, s);
+    return found;
 }
 
 /* the derivative at a part x of the way of a step, in work->k[at + 1]; 0 where it cannot be had */
@@ -233,6 +251,7 @@ static double watched_end(
 static int driven_step(const Settings *settings, double asked, State *s, Work *work)
 {
     double drift = 0.0, part = 1.0;
+    int is_deep = 0;
     double longest = settings->largest_step;
     Look look = { .cut = s->time, .is_kept = 1 };
     if (s->step_size > 0.0) longest = smaller(s->step_size, longest);
@@ -252,7 +271,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         const double order = is_told ? 7.0 : 5.0;
         if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -1.0 / order)));
-        if (ratio < WEAK * s->largest_pivot_ratio && part < FURTHEST) {
+        const int is_weak = ratio < WEAK * s->largest_pivot_ratio;
+        if (is_weak && part < FURTHEST && !is_deep) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
             continue;
@@ -261,6 +281,13 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             s->rejected += 1;
             longest = (good && isfinite(error) ? factor : 0.5) * whole;
             part = 1.0;
+            continue;
+        }
+        const int branch = branch_at(end, s, work);
+        if (part > 1.0 && branch == LEAPS) {
+            s->rejected += 1;
+            part = 1.0;
+            is_deep = 1;
             continue;
         }
         if (N_SEEN > 0) {
@@ -277,11 +304,10 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             if (look.is_untold) note_unresolved(s->time, s);
         }
         note_pivot_ratio(ratio, end, s);
-        note_branch_point(end, s->has_branch_point > 0.0, s);
+        note_branch(end, branch, s);
         s->position_ratio = ratio;
-        s->largest_pivot_ratio = ratio < WEAK * s->largest_pivot_ratio
-                                     ? ratio / WEAK
-                                     : larger(s->largest_pivot_ratio, ratio);
+        s->largest_pivot_ratio = is_weak ? ratio / WEAK * (is_deep ? DEEPER : 1.0)
+                                         : larger(s->largest_pivot_ratio, ratio);
         note_largest_pivot(work, s);
         s->drift = larger(s->drift, drift);
         s->energy_moved = larger(s->energy_moved, moved);

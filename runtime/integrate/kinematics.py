@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from .arithmetic import larger, smaller
+from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     FINEST,
     SMALLEST,
@@ -23,17 +24,11 @@ from .crossing import (
 )
 from .dense_output import hermite_cubic
 from .methods import METHODS
-from .pivot_monitor import (
-    WEAK,
-    note_branch_point,
-    note_largest_pivot,
-    note_pivot_ratio,
-    pivot_ratio,
-)
+from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
 from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .settings import Status
-from .stepper import energy_moved, note_motion, usual_energy, usual_rate
+from .stepper import energy_moved, meeting_part, note_motion, usual_energy, usual_rate
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -50,13 +45,17 @@ NEGLIGIBLE = 1e-6
 #: The part of the way of a step that velocities may not explain: a driver jumps.
 UNEXPLAINED = 1e-3
 #: Pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
-#: half of a step: beside a singular configuration there is another branch. No check is made of
-#: halves in which bodies move less than this, in lengths and radians.
+#: half of a step: beside a singular configuration there is another branch. So they tell it where
+#: bodies move less than this in a half, in lengths and radians: the angle between two of them turns
+#: by twice as much, and the root of the ratio goes with its sine. Halves are no shorter than that.
 SMALL_PIVOT = 0.5
 MOST_GROWTH = 2.0
-FINEST_WAY = 1e-4
-#: How far behind a position where rows are nearly dependent a step is tried, in its length.
+LONGEST_WAY = 0.6
+FINEST_WAY = 1e-6
+#: How far behind a position where rows are nearly dependent a step is tried, in its length; where
+#: branches do not meet there, positions in between may have ratios this much smaller.
 FURTHEST = 8.0
+DEEPER = 1e-3
 #: The largest turn of a step: angles count their turns [rad].
 COUNTABLE = 1.0
 #: What Simpson's rule leaves of works, in tolerances, where no other rule need be tried, and in how
@@ -134,14 +133,15 @@ def may_leap(
 
     There is another branch behind it. The ratio of pivots goes with the square of the distance from
     it, which changes at a steady rate: no half passes zero where it and those beside it change the
-    ratio by a small factor. What is too short to be halved is noted: no branch is known there.
+    ratio by a small factor. What is too short to be halved is noted: it is looked at.
     """
     low, high = smaller(before, after), larger(before, after)
-    is_near = low < SMALL_PIVOT * state.largest_pivot_ratio and high > MOST_GROWTH * low
-    is_long = h * work.w.size_of(last.y[work.scene.nq :]) > FINEST_WAY
-    if is_near and not is_long:
-        state.has_branch_point = 1.0
-    return is_near and is_long
+    most = larger(state.largest_pivot_ratio, high)
+    is_near = low < SMALL_PIVOT * most and high > MOST_GROWTH * low
+    way = h * work.w.size_of(last.y[work.scene.nq :])
+    if is_near and not way > FINEST_WAY:
+        state.is_near = 1.0
+    return (is_near and way > FINEST_WAY) or (work.scene.has_refinement and way > LONGEST_WAY)
 
 
 def middle_of(work: Work) -> Position:
@@ -163,7 +163,7 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
     h = 0.5 * (end - state.time) if in_halves else end - state.time
     first, middle, before = 0.0, 0.0, start
     forget_trials(work)
-    state.has_branch_point = 0.0 if in_halves else 1.0  # a leap is one over such a place
+    state.is_near = 0.0 if in_halves else 1.0  # a leap goes over such a place
     if in_halves:
         first = predict_and_correct(state.time + h, h, start, half, work, state)
         if not is_smooth(h, first, start, half, work):
@@ -188,6 +188,21 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
     else:
         last.y[done] = start.y[done] + h / 2.0 * (start.f[done] + last.f[done])
     return larger(first, second)
+
+
+def branch_at(end: float, state: State, work: Work) -> int:
+    """Return whether a step to an end may lead onto another branch: LEAPS, STAYS or MEETS."""
+    if not (state.is_near > 0.0 and work.scene.has_refinement):
+        return STAYS
+    last = end_of(work)
+    ratio = pivot_ratio(work, state)
+    first, after = math.sqrt(state.position_ratio), math.sqrt(ratio)
+    part = meeting_part(first, after)
+    h = end - state.time
+    found = follow_branch(h, last.y, last.f, part, first + after, work, state)
+    work.w.place(end, last.y)  # its geometry again
+    ratio_at(last.y[: work.scene.nq], work, state)
+    return found
 
 
 def derivative_at(x: float, end: float, state: State, work: Work) -> Array | None:
@@ -296,7 +311,7 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     elsewhere: before that position as long as possible, then behind it, also behind the time that
     is asked for.
     """
-    part, longest = 1.0, s.largest_step
+    part, longest, is_deep = 1.0, s.largest_step, False
     has_energies = "energies" in work.scene.parts
     look = Look(state, work, state.time)
     if state.step_size > 0.0:
@@ -317,13 +332,18 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         order = 7.0 if is_told else 5.0
         factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error ** (-1.0 / order)))
         is_weak = ratio < WEAK * state.largest_pivot_ratio
-        if is_weak and part < FURTHEST:
+        if is_weak and part < FURTHEST and not is_deep:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
         elif not is_good or not error <= 1.0:
             state.rejected += 1
             longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
         else:
+            branch = branch_at(end, state, work)
+            if part > 1.0 and branch == LEAPS:
+                state.rejected += 1
+                part, is_deep = 1.0, True
+                continue
             seen = watched_end(s, end, part, look) if work.scene.sees else end
             why = why_stopped(seen, look)
             if why != Status.GOOD:
@@ -337,10 +357,12 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         if look.is_untold:
             note_unresolved(state.time, state)
     note_pivot_ratio(ratio, end, state)
-    note_branch_point(end, state, is_there=state.has_branch_point > 0.0)
+    note_branch(end, branch, state)
     state.position_ratio = ratio
     state.largest_pivot_ratio = (
-        ratio / WEAK if is_weak else larger(state.largest_pivot_ratio, ratio)
+        ratio / WEAK * (DEEPER if is_deep else 1.0)
+        if is_weak
+        else larger(state.largest_pivot_ratio, ratio)
     )
     note_largest_pivot(work, state)
     state.drift = larger(state.drift, drift)

@@ -63,11 +63,3 @@ static void note_pivot_ratio(double ratio, double t, State *s)
 /* whether drivers and joints leave no freedom; where bodies are put onto joints, the rows of these
  * are checked only */
 enum { IS_DRIVEN = HAS_DRIVERS && (FITS ? NCHECK : NC) == NV };
-
-/* notes a step to a time if branches meet so near to it that none is known */
-static void note_branch_point(double time, int is_there, State *s)
-{
-    if (!is_there) return;
-    if (s->branch_points == 0.0) s->branch_point_time = time;
-    s->branch_points += 1;
-}

@@ -55,11 +55,3 @@ def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
     if ratio < state.least_pivot_ratio:
         state.least_pivot_ratio = ratio
         state.least_pivot_ratio_time = t
-
-
-def note_branch_point(time: float, state: State, *, is_there: bool) -> None:
-    """Note a step to a time if branches meet so near to it that none is known."""
-    if is_there:
-        if state.branch_points == 0.0:
-            state.branch_point_time = time
-        state.branch_points += 1

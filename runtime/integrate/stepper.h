@@ -65,7 +65,7 @@ typedef struct {
     double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
     double dip_ratio, dip;          /* the same of the smallest inside */
     double last_ratio;              /* that of the end */
-    int leaps;                      /* whether it may end on another branch */
+    int branch;                     /* whether it may end on another branch: see branches.h */
     int is_last;                    /* whether it ends at the last time */
 } Trial;
 
@@ -237,38 +237,42 @@ static double way_of(const Trial *trial, const State *s, const Work *work)
     return trial->h * larger(size_of(s->y + NQ), size_of(work->y + NQ));
 }
 
-/* at which part of a step roots of ratios, which go with the distance from a place where branches
- * meet, tell that this is: a stage with a small one stands before or behind it */
-static double meeting_part(int is_dip, const Trial *trial, const State *s)
+/* at which part of a step roots of ratios at its ends, which go with the distance from a place where
+ * branches meet, tell that this is */
+static double meeting_part(double first, double last)
 {
-    const double first = sqrt(s->position_ratio), last = sqrt(trial->last_ratio);
-    const double dip = sqrt(trial->dip_ratio), x = trial->dip;
-    const double part = first + last > 0.0 ? first / (first + last) : 0.5;
-    if (!is_dip) return part;
-    return part > x ? x + (1.0 - x) * dip / (dip + last) : x * first / (first + dip);
+    return first + last > 0.0 ? first / (first + last) : 0.5;
 }
 
-/* whether a step may end on another branch */
-static int may_end_elsewhere(
+/* the same if a stage has a small one: before or behind it */
+static double dipping_part(double first, double last, const Trial *trial)
+{
+    const double dip = sqrt(trial->dip_ratio), x = trial->dip;
+    return meeting_part(first, last) > x ? x + (1.0 - x) * dip / (dip + last)
+                                         : x * first / (first + dip);
+}
+
+/* whether a step may end on another branch: LEAPS, STAYS or MEETS */
+static int branch_of(
     const Method *m, const Settings *settings, const Trial *trial, Work *work, State *s)
 {
-    if (!HAS_REFINEMENT) return 0;
+    if (!HAS_REFINEMENT) return STAYS;
     const int is_free = !(settings->fixed_step > 0.0);
     const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
     const double first = s->position_ratio, last = trial->last_ratio;
     const int is_steady = trial->least_ratio > LEVEL * larger(first, trial->most_ratio);
     const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
-    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return 1;
+    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return LEAPS;
     const double most = s->largest_pivot_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
-    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return 0;
+    if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
     const double way = way_of(trial, s, work);
-    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return 0;
-    if (is_free && way > LONGEST) return 1;
-    const double part = meeting_part(is_dip, trial, s), slope = sqrt(first) + sqrt(last);
-    const double *f = work->k[m->stages];
-    return !stays_on_branch(trial->h, work->y, f, part, slope, work, s);
+    if (!is_sinking && !(way > FAR * sqrt(larger(first, last) / most))) return STAYS;
+    if (is_free && way > LONGEST) return LEAPS;
+    const double before = sqrt(first), after = sqrt(last), *f = work->k[m->stages];
+    const double part = is_dip ? dipping_part(before, after, trial) : meeting_part(before, after);
+    return follow_branch(trial->h, work->y, f, part, before + after, work, s);
 }
 
 /* keeps a step, and says how long the next one is: a proportional and integral controller */
@@ -289,7 +293,7 @@ static void accept(
     s->time_before = s->time;
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
-    note_branch_point(s->time, trial->leaps, s);
+    note_branch(s->time, trial->branch, s);
     s->position_ratio = trial->last_ratio;
     note_motion(h, work->y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
@@ -314,6 +318,7 @@ static int step(
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
         Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .dip_ratio = HUGE_VAL };
+        trial.branch = STAYS;
         double h = is_fixed && avoided == 0 ? settings->fixed_step
                                             : smaller(s->step_size, settings->largest_step);
         trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
@@ -369,8 +374,8 @@ static int step(
         }
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (is_whole && trial.error <= 1.0) {
-            trial.leaps = may_end_elsewhere(m, settings, &trial, work, s);
-            if (trial.leaps && !is_fixed) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
+            trial.branch = branch_of(m, settings, &trial, work, s);
+            if (trial.branch == LEAPS && !is_fixed) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
         }
         if (!is_whole) trial.error = 1e3;
         double by_error = 0.2;

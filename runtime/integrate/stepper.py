@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, mean_square, rounding_of_sum, smaller
-from .branches import stays_on_branch
+from .branches import LEAPS, STAYS, follow_branch, note_branch
 from .crossing import (
     SMALLEST,
     Look,
@@ -25,13 +25,7 @@ from .crossing import (
     why_stopped,
 )
 from .dense_output import combine
-from .pivot_monitor import (
-    VAGUE,
-    WEAK,
-    note_branch_point,
-    note_largest_pivot,
-    note_pivot_ratio,
-)
+from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
 from .projection import (
     displacement_of,
     last_ratio,
@@ -132,8 +126,8 @@ class Trial:
         That of a stage inside, and at which part of the step it is; 0 where there is none yet.
     dip_ratio, dip : float
         The same of the smallest inside.
-    leaps : bool
-        Whether it may end on another branch.
+    branch : int
+        Whether it may end on another branch, see ``branches.py``.
     """
 
     h: float
@@ -148,7 +142,7 @@ class Trial:
     inner: float = 0.0
     dip_ratio: float = math.inf
     dip: float = 0.0
-    leaps: bool = False
+    branch: int = STAYS
 
 
 def add_to_start(start: Array, y: Array, low: Array | None) -> None:
@@ -321,46 +315,45 @@ def way_of(trial: Trial, state: State, work: Work) -> float:
     return trial.h * larger(size_of(state.y[nq:]), size_of(work.y[nq:]))
 
 
-def meeting_part(trial: Trial, state: State, *, is_dip: bool) -> float:
+def meeting_part(first: float, last: float) -> float:
     """Return at which part of a step branches seem to meet.
 
-    Roots of ratios, which go with the distance from there, tell that: a stage with a small one
-    stands before or behind it.
+    Roots of ratios at its ends, which go with the distance from there, tell that.
     """
-    first, last = math.sqrt(state.position_ratio), math.sqrt(trial.last_ratio)
-    part = first / (first + last) if first + last > 0.0 else 0.5
-    if not is_dip:
-        return part
+    return first / (first + last) if first + last > 0.0 else 0.5
+
+
+def dipping_part(first: float, last: float, trial: Trial) -> float:
+    """Return at which part of a step that is if a stage has a small ratio: before or behind it."""
     dip, x = math.sqrt(trial.dip_ratio), trial.dip
-    return x + (1.0 - x) * dip / (dip + last) if part > x else x * first / (first + dip)
+    if meeting_part(first, last) > x:
+        return x + (1.0 - x) * dip / (dip + last)
+    return x * first / (first + dip)
 
 
-def may_end_elsewhere(
-    m: Method, settings: Settings, trial: Trial, work: Work, state: State
-) -> bool:
-    """Return whether a step may end on another branch."""
+def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: State) -> int:
+    """Return whether a step may end on another branch: LEAPS, STAYS or MEETS."""
     if not work.scene.has_refinement:
-        return False
+        return STAYS
     is_free = not settings.fixed_step > 0.0
     is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
     first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
     is_steady = trial.least_ratio > LEVEL * larger(first, trial.most_ratio)
     longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
-        return True
+        return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_sinking = is_dip or sinks(SINKS, trial, state)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
-        return False
+        return STAYS
     way = way_of(trial, state, work)
     if not is_sinking and not way > FAR * math.sqrt(larger(first, last) / most):
-        return False
+        return STAYS
     if is_free and way > LONGEST:
-        return True
-    part = meeting_part(trial, state, is_dip=is_dip)
-    slope = math.sqrt(first) + math.sqrt(last)
-    f = work.k[m.stages]
-    return not stays_on_branch(trial.h, work.y, f, part, slope, work, state)
+        return LEAPS
+    before, after, f = math.sqrt(first), math.sqrt(last), work.k[m.stages]
+    part = dipping_part(before, after, trial) if is_dip else meeting_part(before, after)
+    return follow_branch(trial.h, work.y, f, part, before + after, work, state)
 
 
 def accept(
@@ -382,7 +375,7 @@ def accept(
     state.time_before = state.time
     state.time = end if trial.is_last else state.time + h
     state.steps += 1
-    note_branch_point(state.time, state, is_there=trial.leaps)
+    note_branch(state.time, trial.branch, state)
     state.position_ratio = trial.last_ratio
     note_motion(h, work.y, state, work)
     state.y_before[:] = state.y
@@ -467,8 +460,8 @@ def step(m: Method, s: Settings, asked: float, end: float, state: State, work: W
         if is_fixed and not is_whole:
             return Status.NOT_PROJECTED
         if is_whole and trial.error <= 1.0:
-            trial.leaps = may_end_elsewhere(m, s, trial, work, state)
-            if trial.leaps and not is_fixed:
+            trial.branch = branch_of(m, s, trial, work, state)
+            if trial.branch == LEAPS and not is_fixed:
                 is_whole = not way_of(trial, state, work) > STILL_LONG
         if not is_whole:
             trial.error = 1e3

@@ -221,13 +221,19 @@ def test_no_other_branch_is_followed_without_a_word(load: Load, gap: float, meth
     wanted = pin(1.0 + RATE * motion.time, rocker)
     is_there = np.abs(end_of(motion, "rocker", rocker) - wanted).max() < 1e-3
     ledger = motion.ledger
-    assert is_there or ledger.branch_points > 0 or (gap < 2e-12 and method != "kinematics")
-    assert gap < 1e-6 or ledger.branch_points == 0
-    if ledger.branch_points:
-        time = ledger.branch_point_time
-        assert -0.01 < time - (math.pi - 1.0) / RATE < 0.2
-        assert f"branch not known beyond t = {shortly(time, 6)} s" in str(ledger.trust)
-        assert "may be that of another branch" in str(ledger)
+    assert is_there or ledger.branch_points > 0 or (ledger.meetings > 0 and gap < 1e-14)
+    assert gap < 1e-6 or ledger.branch_points + ledger.meetings == 0
+    assert not (ledger.trust.is_trusted and ledger.branch_points > 0)
+    assert ledger.trust.is_trusted or gap > 0.0
+    for time, said in (
+        (ledger.branch_point_time, "branch not known beyond t = {}"),
+        (ledger.meeting_time, "branches meet at t = {}"),
+    ):
+        if time is not None:
+            assert -0.01 < time - (math.pi - 1.0) / RATE < 0.2
+            assert said.format(shortly(time, 6)) in str(ledger.trust)
+    assert ("may be that of another branch" in str(ledger)) == (ledger.branch_points > 0)
+    assert ("went straight on there" in str(ledger)) == (ledger.meetings > 0)
 
 
 @pytest.mark.parametrize("method", ["dop853", "dopri5"])
