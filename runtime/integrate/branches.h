@@ -50,7 +50,8 @@ static double bend_way(size_t *count, double *x, double c[][ROOM(NQ)], double t,
     const size_t n = *count;
     follow_way(n, x, c, part, q);
     w[W_T] = t;
-    *ratio = ratio_at(q, work, s);
+    ratio_at(q, work, s);
+    *ratio = branch_ratio(work, s);
     correct_position(work);
     s->factorisations += 1;
     s->corrections += 1;
@@ -58,7 +59,7 @@ static double bend_way(size_t *count, double *x, double c[][ROOM(NQ)], double t,
     if (off <= OFF_WAY) return off;
     displace(w, NULL);
     if (n == WAY || !(project_position(OFF_WAY * OFF_WAY, work, NULL, s) >= 0.0)) return -1.0;
-    *ratio = pivot_ratio(work, s);
+    *ratio = branch_ratio(work, s);
     for (size_t k = 0; k < n; ++k) product *= part - x[k];
     for (size_t i = 0; i < NQ; ++i) c[n][i] = (w[W_Q + i] - q[i]) / product;
     x[n] = part;

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .arithmetic import larger, smaller
-from .pivot_monitor import pivot_ratio
+from .pivot_monitor import branch_ratio
 from .projection import correct_position, project_position, ratio_at
 from .row_switch import FALL_BACK, forget_trials
 from .scene import WAY
@@ -76,7 +76,8 @@ def bend_way(
     """
     w, q = work.w, follow_way(x, c, part)
     w.t[0] = t
-    ratio = ratio_at(q, work, state)
+    ratio_at(q, work, state)
+    ratio = branch_ratio(work, state)
     correct_position(work)
     state.factorisations += 1
     state.corrections += 1
@@ -86,7 +87,7 @@ def bend_way(
     w.displace(None)
     if len(c) == WAY or not project_position(OFF_WAY * OFF_WAY, work, None, state) >= 0.0:
         return -1.0, 0.0
-    ratio = pivot_ratio(work, state)
+    ratio = branch_ratio(work, state)
     product = 1.0
     for node in x:
         product *= part - node

@@ -2,14 +2,15 @@
 
 /* what a prediction may miss: a part of the way of a step, and what always may */
 #define FAITHFUL 0.02
-#define NEGLIGIBLE 1e-6
-/* the part of the way of a step that velocities may not explain: a driver jumps */
+#define NEGLIGIBLE 1e-9
+/* the part of the way of a step that velocities may not explain, and what always may: a driver
+ * jumps */
 #define UNEXPLAINED 1e-3
-/* pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
- * half of a step: beside a singular configuration there is another branch. So they tell it where
- * bodies move less than this in a half, in lengths and radians: the angle between two of them turns
- * by twice as much, and the root of the ratio goes with its sine. Halves are no shorter than that */
-#define SMALL_PIVOT 0.5
+#define NO_JUMP 1e-6
+/* ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
+ * configuration there is another branch. So they tell it where bodies move less than this in a
+ * half, in lengths and radians: the angle between two of them turns by twice as much, and the root
+ * of the ratio goes with its sine. Halves are no shorter than that */
 #define MOST_GROWTH 2.0
 #define LONGEST_WAY 0.6
 #define FINEST_WAY 1e-6
@@ -73,7 +74,7 @@ static int is_explained(double h, Position start, Position half, Position last)
 {
     const double fastest = larger(
         larger(size_of(start.y + NQ), size_of(half.y + NQ)), size_of(last.y + NQ));
-    const double most = larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest);
+    const double most = larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest);
     for (size_t k = 0; k < NQ; ++k) {
         const double rates = start.f[k] + 4.0 * half.f[k] + last.f[k];
         const double left = last.y[k] - start.y[k] - h / 3.0 * rates;
@@ -82,15 +83,14 @@ static int is_explained(double h, Position start, Position half, Position last)
     return 1;
 }
 
-/* whether half a step of length h may leap over a singular configuration onto another branch: the
- * ratio of pivots goes with the square of the distance from it, which changes at a steady rate; no
+/* whether half a step of length h may leap over a singular configuration onto another branch: what
+ * tells branches goes with the square of the distance from it, which changes at a steady rate; no
  * half passes zero where it and those beside it change the ratio by a small factor. What is too
  * short to be halved is noted: it is looked at */
 static int may_leap(double h, double before, double after, Position last, State *s)
 {
     const double low = smaller(before, after), high = larger(before, after);
-    const double most = larger(s->largest_pivot_ratio, high);
-    const int is_near = low < SMALL_PIVOT * most && high > MOST_GROWTH * low;
+    const int is_near = high > MOST_GROWTH * low;
     const double way = h * size_of(last.y + NQ);
     if (is_near && !(way > FINEST_WAY)) s->is_near = 1.0;
     return (is_near && way > FINEST_WAY) || (HAS_REFINEMENT && way > LONGEST_WAY);
@@ -112,14 +112,14 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
     if (in_halves) {
         if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
         if (!is_smooth(h, first, start, half, change)) return 0;
-        middle = pivot_ratio(work, s);
-        if (middle < WEAK * s->largest_pivot_ratio) return 0;
+        if (pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
+        middle = branch_ratio(work, s);
         if (may_leap(h, s->position_ratio, middle, half, s)) return 0;
     }
     const Position before = in_halves ? half : start;
     if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
     if (!is_smooth(h, second, before, last, change)) return 0;
-    if (in_halves && may_leap(h, middle, pivot_ratio(work, s), last, s)) return 0;
+    if (in_halves && may_leap(h, middle, branch_ratio(work, s), last, s)) return 0;
     if (FITS && in_halves && !is_explained(h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         last.y[k] = start.y[k] + (in_halves ? h / 3.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k])
@@ -134,7 +134,7 @@ static int branch_at(double end, State *s, Work *work)
 {
     if (!(HAS_REFINEMENT && s->is_near > 0.0)) return STAYS;
     const Position last = end_of(work);
-    const double first = sqrt(s->position_ratio), after = sqrt(pivot_ratio(work, s));
+    const double first = sqrt(s->position_ratio), after = sqrt(branch_ratio(work, s));
     const double part = meeting_part(first, after), h = end - s->time;
     const int found = follow_branch(h, last.y, last.f, part, first + after, work, s);
     place(end, last.y, work->w); /* its geometry again */
@@ -305,7 +305,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         note_pivot_ratio(ratio, end, s);
         note_branch(end, branch, s);
-        s->position_ratio = ratio;
+        s->position_ratio = branch_ratio(work, s);
+        s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
         s->largest_pivot_ratio = is_weak ? ratio / WEAK * (is_deep ? DEEPER : 1.0)
                                          : larger(s->largest_pivot_ratio, ratio);
         note_largest_pivot(work, s);

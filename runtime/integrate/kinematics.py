@@ -24,7 +24,13 @@ from .crossing import (
 )
 from .dense_output import hermite_cubic
 from .methods import METHODS
-from .pivot_monitor import WEAK, note_largest_pivot, note_pivot_ratio, pivot_ratio
+from .pivot_monitor import (
+    WEAK,
+    branch_ratio,
+    note_largest_pivot,
+    note_pivot_ratio,
+    pivot_ratio,
+)
 from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .settings import Status
@@ -41,14 +47,15 @@ if TYPE_CHECKING:
 
 #: What a prediction may miss: a part of the way of a step, and what always may.
 FAITHFUL = 0.02
-NEGLIGIBLE = 1e-6
-#: The part of the way of a step that velocities may not explain: a driver jumps.
+NEGLIGIBLE = 1e-9
+#: The part of the way of a step that velocities may not explain, and what always may: a driver
+#: jumps.
 UNEXPLAINED = 1e-3
-#: Pivot ratios that are smaller than this part of the largest may grow or shrink by so much in each
-#: half of a step: beside a singular configuration there is another branch. So they tell it where
-#: bodies move less than this in a half, in lengths and radians: the angle between two of them turns
-#: by twice as much, and the root of the ratio goes with its sine. Halves are no shorter than that.
-SMALL_PIVOT = 0.5
+NO_JUMP = 1e-6
+#: Ratios that tell branches may grow or shrink by so much in each half of a step: beside a singular
+#: configuration there is another branch. So they tell it where bodies move less than this in a
+#: half, in lengths and radians: the angle between two of them turns by twice as much, and the root
+#: of the ratio goes with its sine. Halves are no shorter than that.
 MOST_GROWTH = 2.0
 LONGEST_WAY = 0.6
 FINEST_WAY = 1e-6
@@ -123,7 +130,7 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     left = last.y[:nq] - start.y[:nq] - h / 3.0 * rates
     fastest = larger(larger(size_of(start.y[nq:]), size_of(half.y[nq:])), size_of(last.y[nq:]))
     miss = float(np.max(np.abs(left) / scene.floors))
-    return miss <= larger(NEGLIGIBLE, UNEXPLAINED * 2.0 * h * fastest)
+    return miss <= larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest)
 
 
 def may_leap(
@@ -131,13 +138,12 @@ def may_leap(
 ) -> bool:
     """Return whether half a step of length h may leap over a singular configuration.
 
-    There is another branch behind it. The ratio of pivots goes with the square of the distance from
+    There is another branch behind it. What tells branches goes with the square of the distance from
     it, which changes at a steady rate: no half passes zero where it and those beside it change the
     ratio by a small factor. What is too short to be halved is noted: it is looked at.
     """
     low, high = smaller(before, after), larger(before, after)
-    most = larger(state.largest_pivot_ratio, high)
-    is_near = low < SMALL_PIVOT * most and high > MOST_GROWTH * low
+    is_near = high > MOST_GROWTH * low
     way = h * work.w.size_of(last.y[work.scene.nq :])
     if is_near and not way > FINEST_WAY:
         state.is_near = 1.0
@@ -168,16 +174,16 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
         first = predict_and_correct(state.time + h, h, start, half, work, state)
         if not is_smooth(h, first, start, half, work):
             return -1.0
-        middle = pivot_ratio(work, state)
-        if middle < WEAK * state.largest_pivot_ratio:
+        if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
             return -1.0
+        middle = branch_ratio(work, state)
         if may_leap(h, state.position_ratio, middle, half, state, work):
             return -1.0
         before = half
     second = predict_and_correct(end, h, before, last, work, state)
     if not is_smooth(h, second, before, last, work):
         return -1.0
-    if in_halves and may_leap(h, middle, pivot_ratio(work, state), last, state, work):
+    if in_halves and may_leap(h, middle, branch_ratio(work, state), last, state, work):
         return -1.0
     if work.scene.fits and in_halves and not is_explained(h, start, half, last, work):
         return -1.0
@@ -195,10 +201,8 @@ def branch_at(end: float, state: State, work: Work) -> int:
     if not (state.is_near > 0.0 and work.scene.has_refinement):
         return STAYS
     last = end_of(work)
-    ratio = pivot_ratio(work, state)
-    first, after = math.sqrt(state.position_ratio), math.sqrt(ratio)
-    part = meeting_part(first, after)
-    h = end - state.time
+    first, after = math.sqrt(state.position_ratio), math.sqrt(branch_ratio(work, state))
+    part, h = meeting_part(first, after), end - state.time
     found = follow_branch(h, last.y, last.f, part, first + after, work, state)
     work.w.place(end, last.y)  # its geometry again
     ratio_at(last.y[: work.scene.nq], work, state)
@@ -358,7 +362,8 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
             note_unresolved(state.time, state)
     note_pivot_ratio(ratio, end, state)
     note_branch(end, branch, state)
-    state.position_ratio = ratio
+    state.position_ratio = branch_ratio(work, state)
+    state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
     state.largest_pivot_ratio = (
         ratio / WEAK * (DEEPER if is_deep else 1.0)
         if is_weak

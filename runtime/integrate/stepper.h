@@ -62,9 +62,9 @@ typedef struct {
     double h, drift, error;         /* its length [s], largest correction, error / tolerance */
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
-    double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
+    double inner_ratio, inner;      /* the latter of one inside, and at which part of the step it is */
     double dip_ratio, dip;          /* the same of the smallest inside */
-    double last_ratio;              /* that of the end */
+    double last_ratio, end_ratio;   /* that of the end; what tells branches there */
     int branch;                     /* whether it may end on another branch: see branches.h */
     int is_last;                    /* whether it ends at the last time */
 } Trial;
@@ -190,12 +190,13 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         trial->last_ratio = last_ratio(work, s);
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
+        trial->end_ratio = branch_ratio(work, s);
         if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
-            trial->inner_ratio = trial->last_ratio;
+            trial->inner_ratio = trial->end_ratio;
             trial->inner = m->c[n];
         }
-        if (m->c[n] < 1.0 && trial->last_ratio < trial->dip_ratio) {
-            trial->dip_ratio = trial->last_ratio;
+        if (m->c[n] < 1.0 && trial->end_ratio < trial->dip_ratio) {
+            trial->dip_ratio = trial->end_ratio;
             trial->dip = m->c[n];
         }
     }
@@ -216,19 +217,19 @@ static int make_dense_stages(const Method *m, Trial *trial, Work *work, State *s
 /* the least of a parabola through pivot ratios of a step, and of those of its stages */
 static double least_of_parabola(const Trial *trial, const State *s)
 {
-    const double first = s->position_ratio, last = trial->last_ratio, x = trial->inner;
+    const double first = s->position_ratio, last = trial->end_ratio, x = trial->inner;
     const double bend = ((trial->inner_ratio - first) / x - (last - first)) / (x - 1.0);
     const double slope = last - first - bend;
     const int is_inside = slope < 0.0 && 0.0 < 2.0 * bend + slope;
-    const double least = is_inside ? first - slope * slope / (4.0 * bend) : 1.0;
-    return smaller(least, trial->least_ratio);
+    const double least = is_inside ? first - slope * slope / (4.0 * bend) : last;
+    return smaller(least, smaller(trial->dip_ratio, last));
 }
 
 /* whether it sinks to a part of those at the ends */
 static int sinks(double part, const Trial *trial, const State *s)
 {
-    const double ends = larger(s->position_ratio, trial->last_ratio);
-    return least_of_parabola(trial, s) < part * smaller(ends, s->largest_pivot_ratio);
+    const double ends = larger(s->position_ratio, trial->end_ratio);
+    return least_of_parabola(trial, s) < part * smaller(ends, s->usual_ratio);
 }
 
 /* how far bodies move in a step, in lengths and radians */
@@ -259,11 +260,11 @@ static int branch_of(
     if (!HAS_REFINEMENT) return STAYS;
     const int is_free = !(settings->fixed_step > 0.0);
     const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
-    const double first = s->position_ratio, last = trial->last_ratio;
-    const int is_steady = trial->least_ratio > LEVEL * larger(first, trial->most_ratio);
+    const double first = s->position_ratio, last = trial->end_ratio;
+    const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * larger(first, last);
     const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
     if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return LEAPS;
-    const double most = s->largest_pivot_ratio;
+    const double most = s->usual_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
     if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;
@@ -294,7 +295,8 @@ static void accept(
     s->time = trial->is_last ? end : s->time + h;
     s->steps += 1;
     note_branch(s->time, trial->branch, s);
-    s->position_ratio = trial->last_ratio;
+    s->position_ratio = trial->end_ratio;
+    s->usual_ratio = larger(s->usual_ratio, trial->end_ratio);
     note_motion(h, work->y, s);
     memcpy(s->y_before, s->y, NY * sizeof *s->y);
     memcpy(s->y, work->y, NY * sizeof *s->y);
@@ -317,7 +319,7 @@ static int step(
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .dip_ratio = HUGE_VAL };
+        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .end_ratio = 1.0, .dip_ratio = HUGE_VAL };
         trial.branch = STAYS;
         double h = is_fixed && avoided == 0 ? settings->fixed_step
                                             : smaller(s->step_size, settings->largest_step);

@@ -25,7 +25,7 @@ from .crossing import (
     why_stopped,
 )
 from .dense_output import combine
-from .pivot_monitor import VAGUE, WEAK, note_largest_pivot, note_pivot_ratio
+from .pivot_monitor import VAGUE, WEAK, branch_ratio, note_largest_pivot, note_pivot_ratio
 from .projection import (
     displacement_of,
     last_ratio,
@@ -122,8 +122,10 @@ class Trial:
         The energy that has moved at its end, where rows are checked.
     least_ratio, most_ratio, last_ratio : float
         Of the pivot ratios of its stages, and that of the end.
+    end_ratio : float
+        What tells branches at the end, see :func:`branch_ratio`.
     inner_ratio, inner : float
-        That of a stage inside, and at which part of the step it is; 0 where there is none yet.
+        The same of a stage inside, and at which part of the step it is; 0 where there is none yet.
     dip_ratio, dip : float
         The same of the smallest inside.
     branch : int
@@ -138,6 +140,7 @@ class Trial:
     least_ratio: float = 1.0
     most_ratio: float = 0.0
     last_ratio: float = 1.0
+    end_ratio: float = 1.0
     inner_ratio: float = 0.0
     inner: float = 0.0
     dip_ratio: float = math.inf
@@ -275,10 +278,11 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         trial.last_ratio = last_ratio(work, state)
         trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
         trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
+        trial.end_ratio = branch_ratio(work, state)
         if trial.inner == 0.0 and m.c[n] >= INSIDE:
-            trial.inner_ratio, trial.inner = trial.last_ratio, m.c[n]
-        if m.c[n] < 1.0 and trial.last_ratio < trial.dip_ratio:
-            trial.dip_ratio, trial.dip = trial.last_ratio, m.c[n]
+            trial.inner_ratio, trial.inner = trial.end_ratio, m.c[n]
+        if m.c[n] < 1.0 and trial.end_ratio < trial.dip_ratio:
+            trial.dip_ratio, trial.dip = trial.end_ratio, m.c[n]
         if trial.drift < 0.0:
             return
 
@@ -295,18 +299,18 @@ def make_dense_stages(m: Method, trial: Trial, work: Work, state: State) -> bool
 
 def least_of_parabola(trial: Trial, state: State) -> float:
     """Return the least of a parabola through pivot ratios of a step, and of those of its stages."""
-    first, last, x = state.position_ratio, trial.last_ratio, trial.inner
+    first, last, x = state.position_ratio, trial.end_ratio, trial.inner
     bend = ((trial.inner_ratio - first) / x - (last - first)) / (x - 1.0)
     slope = last - first - bend
     is_inside = slope < 0.0 < 2.0 * bend + slope
-    least = first - slope * slope / (4.0 * bend) if is_inside else 1.0
-    return smaller(least, trial.least_ratio)
+    least = first - slope * slope / (4.0 * bend) if is_inside else last
+    return smaller(least, smaller(trial.dip_ratio, last))
 
 
 def sinks(part: float, trial: Trial, state: State) -> bool:
     """Return whether that sinks to a part of those at the ends."""
-    ends = larger(state.position_ratio, trial.last_ratio)
-    return least_of_parabola(trial, state) < part * smaller(ends, state.largest_pivot_ratio)
+    ends = larger(state.position_ratio, trial.end_ratio)
+    return least_of_parabola(trial, state) < part * smaller(ends, state.usual_ratio)
 
 
 def way_of(trial: Trial, state: State, work: Work) -> float:
@@ -337,8 +341,8 @@ def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: St
         return STAYS
     is_free = not settings.fixed_step > 0.0
     is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
-    first, last, most = state.position_ratio, trial.last_ratio, state.largest_pivot_ratio
-    is_steady = trial.least_ratio > LEVEL * larger(first, trial.most_ratio)
+    first, last, most = state.position_ratio, trial.end_ratio, state.usual_ratio
+    is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, last)
     longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
         return LEAPS
@@ -376,7 +380,8 @@ def accept(
     state.time = end if trial.is_last else state.time + h
     state.steps += 1
     note_branch(state.time, trial.branch, state)
-    state.position_ratio = trial.last_ratio
+    state.position_ratio = trial.end_ratio
+    state.usual_ratio = larger(state.usual_ratio, trial.end_ratio)
     note_motion(h, work.y, state, work)
     state.y_before[:] = state.y
     state.y[:] = work.y
