@@ -93,7 +93,8 @@ static int may_leap(double h, double before, double after, Position last, State 
     const int is_near = high > MOST_GROWTH * low;
     const double way = h * size_of(last.y + NQ);
     if (is_near && !(way > FINEST_WAY)) s->is_near = 1.0;
-    return (is_near && way > FINEST_WAY) || (HAS_REFINEMENT && way > LONGEST_WAY);
+    const int is_long = HAS_REFINEMENT && way > LONGEST_WAY && low < LEVEL * high;
+    return is_long || (is_near && way > FINEST_WAY);
 }
 
 /* where the position in the middle of a step is kept, and that at its end */

@@ -34,7 +34,14 @@ from .pivot_monitor import (
 from .projection import project, ratio_at
 from .row_switch import forget_trials
 from .settings import Status
-from .stepper import energy_moved, meeting_part, note_motion, usual_energy, usual_rate
+from .stepper import (
+    LEVEL,
+    energy_moved,
+    meeting_part,
+    note_motion,
+    usual_energy,
+    usual_rate,
+)
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -147,7 +154,8 @@ def may_leap(
     way = h * work.w.size_of(last.y[work.scene.nq :])
     if is_near and not way > FINEST_WAY:
         state.is_near = 1.0
-    return (is_near and way > FINEST_WAY) or (work.scene.has_refinement and way > LONGEST_WAY)
+    is_long = way > LONGEST_WAY and low < LEVEL * high and work.scene.has_refinement
+    return is_long or (is_near and way > FINEST_WAY)
 
 
 def middle_of(work: Work) -> Position:

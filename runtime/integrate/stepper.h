@@ -62,9 +62,10 @@ typedef struct {
     double h, drift, error;         /* its length [s], largest correction, error / tolerance */
     double moved;                   /* the energy that has moved at its end, if rows are checked */
     double least_ratio, most_ratio; /* of the pivot ratios of its stages */
-    double inner_ratio, inner;      /* the latter of one inside, and at which part of the step it is */
+    double inner_ratio, inner;      /* that of one inside, and at which part of the step it is */
     double dip_ratio, dip;          /* the same of the smallest inside */
-    double last_ratio, end_ratio;   /* that of the end; what tells branches there */
+    double last_ratio;              /* that of the end */
+    double end_ratio, top_ratio;    /* what tells branches there, and the largest of all stages */
     int branch;                     /* whether it may end on another branch: see branches.h */
     int is_last;                    /* whether it ends at the last time */
 } Trial;
@@ -191,6 +192,7 @@ static int make_stages(const Method *m, double tolerance, Trial *trial, Work *wo
         trial->least_ratio = smaller(trial->least_ratio, trial->last_ratio);
         trial->most_ratio = larger(trial->most_ratio, trial->last_ratio);
         trial->end_ratio = branch_ratio(work, s);
+        trial->top_ratio = larger(trial->top_ratio, trial->end_ratio);
         if (trial->inner == 0.0 && m->c[n] >= INSIDE) {
             trial->inner_ratio = trial->end_ratio;
             trial->inner = m->c[n];
@@ -261,7 +263,8 @@ static int branch_of(
     const int is_free = !(settings->fixed_step > 0.0);
     const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
     const double first = s->position_ratio, last = trial->end_ratio;
-    const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * larger(first, last);
+    const double top = larger(first, trial->top_ratio);
+    const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * top;
     const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
     if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return LEAPS;
     const double most = s->usual_ratio;

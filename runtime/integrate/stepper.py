@@ -122,8 +122,8 @@ class Trial:
         The energy that has moved at its end, where rows are checked.
     least_ratio, most_ratio, last_ratio : float
         Of the pivot ratios of its stages, and that of the end.
-    end_ratio : float
-        What tells branches at the end, see :func:`branch_ratio`.
+    end_ratio, top_ratio : float
+        What tells branches at the end, see ``pivot_monitor.py``, and the largest of all stages.
     inner_ratio, inner : float
         The same of a stage inside, and at which part of the step it is; 0 where there is none yet.
     dip_ratio, dip : float
@@ -141,6 +141,7 @@ class Trial:
     most_ratio: float = 0.0
     last_ratio: float = 1.0
     end_ratio: float = 1.0
+    top_ratio: float = 0.0
     inner_ratio: float = 0.0
     inner: float = 0.0
     dip_ratio: float = math.inf
@@ -279,6 +280,7 @@ def make_stages(m: Method, tolerance: float, trial: Trial, work: Work, state: St
         trial.least_ratio = smaller(trial.least_ratio, trial.last_ratio)
         trial.most_ratio = larger(trial.most_ratio, trial.last_ratio)
         trial.end_ratio = branch_ratio(work, state)
+        trial.top_ratio = larger(trial.top_ratio, trial.end_ratio)
         if trial.inner == 0.0 and m.c[n] >= INSIDE:
             trial.inner_ratio, trial.inner = trial.end_ratio, m.c[n]
         if m.c[n] < 1.0 and trial.end_ratio < trial.dip_ratio:
@@ -342,7 +344,7 @@ def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: St
     is_free = not settings.fixed_step > 0.0
     is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
     first, last, most = state.position_ratio, trial.end_ratio, state.usual_ratio
-    is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, last)
+    is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, trial.top_ratio)
     longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
         return LEAPS
