@@ -35,14 +35,11 @@
 #define BESIDE_IT 1e-3
 #define FAR 0.5
 /* such steps are no longer than this, in lengths and radians: how ratios go is not known over
- * longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
- * unless ratios are as level as this */
+ * longer ones. At tolerances above that, and where drivers determine the motion, none is longer
+ * than this: stages may pass by such a place, unless ratios are as level as this */
 #define LONGEST 0.75
 #define LOOSE 1e-3
 #define LONGEST_OF_ALL 1.2
-/* both where drivers determine the motion: what they lead has no error that keeps steps short */
-#define LOOSE_LED 1e-5
-#define LONGEST_LED 0.3
 #define LEVEL 0.999
 /* a step is not made shorter than this to find its branch */
 #define STILL_LONG 1e-4
@@ -261,12 +258,11 @@ static int branch_of(
 {
     if (!HAS_REFINEMENT) return STAYS;
     const int is_free = !(settings->fixed_step > 0.0);
-    const int is_loose = settings->tolerance > (IS_DRIVEN ? LOOSE_LED : LOOSE);
+    const int is_loose = IS_DRIVEN || settings->tolerance > LOOSE;
     const double first = s->position_ratio, last = trial->end_ratio;
     const double top = larger(first, trial->top_ratio);
     const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * top;
-    const double longest = IS_DRIVEN ? LONGEST_LED : LONGEST_OF_ALL;
-    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > longest) return LEAPS;
+    if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return LEAPS;
     const double most = s->usual_ratio;
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);

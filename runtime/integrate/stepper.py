@@ -83,14 +83,11 @@ DIPS = 0.75
 BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
-#: longer ones. At tolerances above that none is longer than this: stages may pass by such a place,
-#: unless ratios are as level as this.
+#: longer ones. At tolerances above that, and where drivers determine the motion, none is longer than
+#: this: stages may pass by such a place, unless ratios are as level as this.
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
-#: Both where drivers determine the motion: what they lead has no error that keeps steps short.
-LOOSE_LED = 1e-5
-LONGEST_LED = 0.3
 LEVEL = 0.999
 #: A step is not made shorter than this to find its branch.
 STILL_LONG = 1e-4
@@ -342,11 +339,10 @@ def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: St
     if not work.scene.has_refinement:
         return STAYS
     is_free = not settings.fixed_step > 0.0
-    is_loose = settings.tolerance > (LOOSE_LED if work.scene.is_driven else LOOSE)
+    is_loose = work.scene.is_driven or settings.tolerance > LOOSE
     first, last, most = state.position_ratio, trial.end_ratio, state.usual_ratio
     is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, trial.top_ratio)
-    longest = LONGEST_LED if work.scene.is_driven else LONGEST_OF_ALL
-    if is_free and is_loose and not is_steady and way_of(trial, state, work) > longest:
+    if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
         return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
     is_sinking = is_dip or sinks(SINKS, trial, state)
