@@ -10,8 +10,10 @@
 #define NEARER 0.1
 #define NEAREST 1e-5
 #define MOST_LOOKS 12
-/* what rows may be off, of the distance from such a place, where that is not in a step */
+/* what rows may be off, of the distance from such a place, where that is not in a step; and how many
+ * times larger one root at the ends is than the other: else it may be where no root tells it */
 #define AWAY 1e-2
+#define EVEN 2.0
 
 /* what is known of a step: it may end on another branch, it stays on its own, or goes straight on
  * where another one meets it, or comes nearer than rounding tells */
@@ -77,6 +79,8 @@ static int follow_branch(
 {
     double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
+    const double before = sqrt(s->position_ratio), after = slope - before;
+    const int is_even = larger(before, after) <= EVEN * smaller(before, after);
     size_t n = 4;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);
@@ -100,7 +104,7 @@ static int follow_branch(
         const int is_inside = part > 0.0 && part < 1.0;
         if (!is_between && is_inside) continue; /* the place is farther away */
         const int is_on = larger(off[0], off[1]) <= OFF_WAY;
-        if (is_on && !is_between) return farthest <= AWAY * nearest ? STAYS : LEAPS;
+        if (is_on && !is_between) return is_even && farthest <= AWAY * nearest ? STAYS : LEAPS;
         if (is_on && beside * way <= NEAREST) return MEETS;
         if (is_between) slope = sum / (2.0 * beside);
         if (!is_inside) part = part > 0.5 ? 1.0 : 0.0;

@@ -36,8 +36,10 @@ ASIDE = 0.03
 NEARER = 0.1
 NEAREST = 1e-5
 MOST_LOOKS = 12
-#: What rows may be off, of the distance from such a place, where that is not in a step.
+#: What rows may be off, of the distance from such a place, where that is not in a step; and how many
+#: times larger one root at the ends is than the other: else it may be where no root tells it.
 AWAY = 1e-2
+EVEN = 2.0
 #: What is known of a step: it may end on another branch, it stays on its own, or goes straight on
 #: where another one meets it, or comes nearer than rounding tells.
 LEAPS, STAYS, MEETS = 0, 1, 2
@@ -107,6 +109,8 @@ def follow_branch(
     nq, size_of = work.scene.nq, work.w.size_of
     x, c = begin_way(h, state.y, state.f, y, f, nq)
     way = h * larger(size_of(state.y[nq:]), size_of(y[nq:]))
+    before = math.sqrt(state.position_ratio)
+    is_even = larger(before, slope - before) <= EVEN * smaller(before, slope - before)
     beside = ASIDE
     farthest, nearest = 0.0, math.inf
     for _ in range(MOST_LOOKS):
@@ -133,7 +137,7 @@ def follow_branch(
             continue  # the place is farther away
         is_on = worst <= OFF_WAY
         if is_on and not is_between:
-            return STAYS if farthest <= AWAY * nearest else LEAPS
+            return STAYS if is_even and farthest <= AWAY * nearest else LEAPS
         if is_on and beside * way <= NEAREST:
             return MEETS
         if is_between:
