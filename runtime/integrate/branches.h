@@ -11,7 +11,7 @@
 #define NEAREST 1e-5
 #define MOST_LOOKS 12
 /* what rows may be off, of the distance from such a place, where that is not in a step; and how many
- * times larger one root at the ends is than the other: else it may be where no root tells it */
+ * times larger one root at the ends may be than the other: drivers that turn back may hide one */
 #define AWAY 1e-2
 #define EVEN 2.0
 
@@ -80,7 +80,7 @@ static int follow_branch(
     double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
     const double before = sqrt(s->position_ratio), after = slope - before;
-    const int is_even = larger(before, after) <= EVEN * smaller(before, after);
+    const int is_even = !IS_DRIVEN || larger(before, after) <= EVEN * smaller(before, after);
     size_t n = 4;
     forget_trials(work);
     begin_way(h, s->y, s->f, y, f, x, work->way);

@@ -37,7 +37,7 @@ NEARER = 0.1
 NEAREST = 1e-5
 MOST_LOOKS = 12
 #: What rows may be off, of the distance from such a place, where that is not in a step; and how many
-#: times larger one root at the ends is than the other: else it may be where no root tells it.
+#: times larger one root at the ends may be than the other: drivers that turn back may hide one.
 AWAY = 1e-2
 EVEN = 2.0
 #: What is known of a step: it may end on another branch, it stays on its own, or goes straight on
@@ -110,7 +110,8 @@ def follow_branch(
     x, c = begin_way(h, state.y, state.f, y, f, nq)
     way = h * larger(size_of(state.y[nq:]), size_of(y[nq:]))
     before = math.sqrt(state.position_ratio)
-    is_even = larger(before, slope - before) <= EVEN * smaller(before, slope - before)
+    low, high = smaller(before, slope - before), larger(before, slope - before)
+    is_even = high <= EVEN * low or not work.scene.is_driven
     beside = ASIDE
     farthest, nearest = 0.0, math.inf
     for _ in range(MOST_LOOKS):

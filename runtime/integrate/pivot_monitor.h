@@ -75,6 +75,12 @@ static double branch_ratio(const Work *work, const State *s)
     return 1.0 / product;
 }
 
+/* the largest so far of what tells branches */
+static double usual_ratio(const State *s)
+{
+    return IS_DRIVEN ? s->usual_ratio : s->largest_pivot_ratio;
+}
+
 /* keeps the smallest pivot ratio, and when that was */
 static void note_pivot_ratio(double ratio, double t, State *s)
 {

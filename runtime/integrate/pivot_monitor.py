@@ -75,6 +75,11 @@ def branch_ratio(work: Work, state: State) -> float:
     return 1.0 / float(np.cumprod(work.w.pivots * usual)[-1])
 
 
+def usual_ratio(work: Work, state: State) -> float:
+    """Return the largest so far of what tells branches."""
+    return state.usual_ratio if work.scene.is_driven else state.largest_pivot_ratio
+
+
 def note_pivot_ratio(ratio: float, t: float, state: State) -> None:
     """Keep the smallest pivot ratio, and when that was."""
     if ratio < state.least_pivot_ratio:

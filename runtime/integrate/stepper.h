@@ -228,7 +228,7 @@ static double least_of_parabola(const Trial *trial, const State *s)
 static int sinks(double part, const Trial *trial, const State *s)
 {
     const double ends = larger(s->position_ratio, trial->end_ratio);
-    return least_of_parabola(trial, s) < part * smaller(ends, s->usual_ratio);
+    return least_of_parabola(trial, s) < part * smaller(ends, usual_ratio(s));
 }
 
 /* how far bodies move in a step, in lengths and radians */
@@ -263,7 +263,7 @@ static int branch_of(
     const double top = larger(first, trial->top_ratio);
     const int is_steady = smaller(trial->dip_ratio, last) > LEVEL * top;
     if (is_free && is_loose && !is_steady && way_of(trial, s, work) > LONGEST_OF_ALL) return LEAPS;
-    const double most = s->usual_ratio;
+    const double most = usual_ratio(s);
     const int is_dip = trial->dip_ratio < DIPS * smaller(first, last);
     const int is_sinking = is_dip || sinks(SINKS, trial, s);
     if (!is_sinking && !(smaller(first, last) < BESIDE_IT * most)) return STAYS;

@@ -25,7 +25,14 @@ from .crossing import (
     why_stopped,
 )
 from .dense_output import combine
-from .pivot_monitor import VAGUE, WEAK, branch_ratio, note_largest_pivot, note_pivot_ratio
+from .pivot_monitor import (
+    VAGUE,
+    WEAK,
+    branch_ratio,
+    note_largest_pivot,
+    note_pivot_ratio,
+    usual_ratio,
+)
 from .projection import (
     displacement_of,
     last_ratio,
@@ -306,10 +313,10 @@ def least_of_parabola(trial: Trial, state: State) -> float:
     return smaller(least, smaller(trial.dip_ratio, last))
 
 
-def sinks(part: float, trial: Trial, state: State) -> bool:
+def sinks(part: float, trial: Trial, state: State, work: Work) -> bool:
     """Return whether that sinks to a part of those at the ends."""
     ends = larger(state.position_ratio, trial.end_ratio)
-    return least_of_parabola(trial, state) < part * smaller(ends, state.usual_ratio)
+    return least_of_parabola(trial, state) < part * smaller(ends, usual_ratio(work, state))
 
 
 def way_of(trial: Trial, state: State, work: Work) -> float:
@@ -340,12 +347,12 @@ def branch_of(m: Method, settings: Settings, trial: Trial, work: Work, state: St
         return STAYS
     is_free = not settings.fixed_step > 0.0
     is_loose = work.scene.is_driven or settings.tolerance > LOOSE
-    first, last, most = state.position_ratio, trial.end_ratio, state.usual_ratio
+    first, last, most = state.position_ratio, trial.end_ratio, usual_ratio(work, state)
     is_steady = smaller(trial.dip_ratio, last) > LEVEL * larger(first, trial.top_ratio)
     if is_free and is_loose and not is_steady and way_of(trial, state, work) > LONGEST_OF_ALL:
         return LEAPS
     is_dip = trial.dip_ratio < DIPS * smaller(first, last)
-    is_sinking = is_dip or sinks(SINKS, trial, state)
+    is_sinking = is_dip or sinks(SINKS, trial, state, work)
     if not is_sinking and not smaller(first, last) < BESIDE_IT * most:
         return STAYS
     way = way_of(trial, state, work)

@@ -249,6 +249,40 @@ def test_steps_of_driven_motions_keep_to_their_branch(
     np.testing.assert_allclose(end_of(motion, "rocker", CRANK + gap), wanted, rtol=0, atol=1e-9)
 
 
+@pytest.mark.parametrize(
+    ("gap", "method", "tolerance", "turns"),
+    [
+        *((3e-11, "kinematics", 1e-6, 0.77), (1e-9, "kinematics", 1e-3, 0.4)),
+        *((1e-7, "kinematics", 3e-4, 3.6), (1e-5, "kinematics", 1e-3, 1.3)),
+        *((1e-9, "dopri5", 1e-4, 2.3), (1e-6, "dopri5", 3e-4, 2.3)),
+    ],
+)
+def test_motions_at_loose_tolerances_are_on_their_branch_or_not_trusted(
+    load: Load, gap: float, method: Any, tolerance: float, turns: float
+) -> None:
+    """The smallest pivot is another one but near where branches meet, and tells it too late."""
+    times = [0.0, turns * math.tau / RATE]
+    solver = load(four_bar(rocker=CRANK + gap))
+    motion = solver.simulate(times=times, method=method, tolerance=tolerance)
+    wanted = pin(1.0 + RATE * motion.time, CRANK + gap)
+    is_there = np.abs(end_of(motion, "rocker", CRANK + gap) - wanted).max() < 1e-9
+    assert is_there or not motion.ledger.trust.is_trusted
+    assert is_there or gap < 1e-8
+
+
+@pytest.mark.parametrize("method", ["kinematics", "dop853", "dopri5"])
+def test_branches_that_meet_are_told_and_leave_the_motion_trusted(load: Load, method: Any) -> None:
+    motion = load(four_bar(rocker=CRANK)).simulate(math.tau / RATE, method=method, samples=61)
+    rocker = end_of(motion, "rocker", CRANK) - [GROUND, 0.0]
+    np.testing.assert_allclose(rocker, end_of(motion, "crank", CRANK), rtol=0, atol=1e-9)
+    ledger = motion.ledger
+    assert (ledger.meetings, ledger.branch_points) == (2, 0)
+    assert ledger.trust.is_trusted
+    assert ledger.as_data()["meetings"] == 2
+    assert ledger.trust.as_data()["meeting_time"] == ledger.meeting_time
+    assert f"branches meet at t = {shortly(ledger.meeting_time, 6)} s" in repr(motion)
+
+
 def test_where_branches_are_not_told_apart_it_is_not_trusted_from_the_first_on(load: Load) -> None:
     solver = load(four_bar(rocker=CRANK + 1e-11))
     times = [0.0, 2.3 * math.tau / RATE]

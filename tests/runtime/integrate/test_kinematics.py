@@ -28,7 +28,8 @@ def work() -> Any:
 def state() -> Any:
     return SimpleNamespace(
         **{"time": 2.0, "step_size": 0.0, "largest_pivot_ratio": 1.0, "avoided": 0, "rejected": 0},
-        **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "has_branch_point": 0.0},
+        **{"drift": 0.0, "untold": 0.0, "energy_moved": 0.0, "is_near": 0.0},
+        **{"usual_ratio": 1.0},
     )
 
 
@@ -58,6 +59,7 @@ def step(
     tried = Tried(found.get("drifts", []), found.get("ratios", []))
     for name in ("reach", "pivot_ratio", "accept_position"):
         monkeypatch.setattr(kinematics, name, getattr(tried, name))
+    monkeypatch.setattr(kinematics, "branch_ratio", lambda *_: 1.0)
     for name in ("note_pivot_ratio", "note_largest_pivot"):
         monkeypatch.setattr(kinematics, name, lambda *_: None)
     settings: Any = SimpleNamespace(largest_step=1.0, checks=False, tolerance=1e-9)
