@@ -275,9 +275,9 @@ class RunLedger:
             )
         if self.branch_points:
             lines.append(
-                f"{self.branch_points} steps so near to another branch of the motion that none tells"
-                f" them apart, the first at t = {self.branch_point_time:.6g} s: the motion may be"
-                " that of another branch"
+                f"{self.branch_points} steps so near to another branch of the motion that none"
+                f" tells them apart, the first at t = {self.branch_point_time:.6g} s: the motion"
+                " may be that of another branch"
             )
         if self.meetings:
             lines.append(

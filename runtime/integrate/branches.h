@@ -10,8 +10,8 @@
 #define NEARER 0.1
 #define NEAREST 1e-5
 #define MOST_LOOKS 12
-/* what rows may be off, of the distance from such a place, where that is not in a step; and how many
- * times larger one root at the ends may be than the other: drivers that turn back may hide one */
+/* what rows may be off, of the distance from such a place, where that is not in a step; and how
+ * many times larger one root at the ends may be than the other: drivers that turn back hide one */
 #define AWAY 1e-2
 #define EVEN 2.0
 

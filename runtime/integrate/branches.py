@@ -36,8 +36,8 @@ ASIDE = 0.03
 NEARER = 0.1
 NEAREST = 1e-5
 MOST_LOOKS = 12
-#: What rows may be off, of the distance from such a place, where that is not in a step; and how many
-#: times larger one root at the ends may be than the other: drivers that turn back may hide one.
+#: What rows may be off, of the distance from such a place, where that is not in a step; and how
+#: many times larger one root at the ends may be than the other: drivers that turn back hide one.
 AWAY = 1e-2
 EVEN = 2.0
 #: What is known of a step: it may end on another branch, it stays on its own, or goes straight on

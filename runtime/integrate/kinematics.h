@@ -228,6 +228,19 @@ static void accept_position(double end, double asked, Work *work, State *s)
     }
 }
 
+/* notes the pivot ratio of a position that is kept, and what tells branches there; where it is weak
+ * later ones are compared with what it is, or less where it is deep */
+static void note_ratios(double ratio, double end, int is_deep, State *s, const Work *work)
+{
+    note_pivot_ratio(ratio, end, s);
+    if (ratio < WEAK * s->largest_pivot_ratio)
+        s->largest_pivot_ratio = ratio / WEAK * (is_deep ? DEEPER : 1.0);
+    s->largest_pivot_ratio = larger(s->largest_pivot_ratio, ratio);
+    note_largest_pivot(work, s);
+    s->position_ratio = branch_ratio(work, s);
+    s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
+}
+
 /* where a position to an end must be, so that forces between are told, and events; one that leaps
  * over a place stays where it is */
 static double watched_end(
@@ -272,23 +285,21 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
         }
         const double order = is_told ? 7.0 : 5.0;
         if (error != 0.0) factor = smaller(2.0, larger(0.2, 0.9 * pow(error, -1.0 / order)));
-        const int is_weak = ratio < WEAK * s->largest_pivot_ratio;
-        if (is_weak && part < FURTHEST && !is_deep) {
+        const int is_avoided = part < FURTHEST && !is_deep && ratio < WEAK * s->largest_pivot_ratio;
+        const int is_fit = good && error <= 1.0 && !is_avoided;
+        const int branch = is_fit ? branch_at(end, s, work) : STAYS;
+        const int is_leap = part > 1.0 && branch == LEAPS;
+        if (is_avoided) {
             s->avoided += 1;
             part = part == 0.5 ? 1.25 : part <= 1.0 ? part - 0.25 : 1.25 * part;
             continue;
         }
-        if (!good || !(error <= 1.0)) {
+        if (!is_fit || is_leap) {
+            const double by_error = good && isfinite(error) ? factor : 0.5;
             s->rejected += 1;
-            longest = (good && isfinite(error) ? factor : 0.5) * whole;
+            longest = (is_leap ? 1.0 : by_error) * whole;
             part = 1.0;
-            continue;
-        }
-        const int branch = branch_at(end, s, work);
-        if (part > 1.0 && branch == LEAPS) {
-            s->rejected += 1;
-            part = 1.0;
-            is_deep = 1;
+            is_deep = is_deep || is_leap;
             continue;
         }
         if (N_SEEN > 0) {
@@ -304,13 +315,8 @@ static int driven_step(const Settings *settings, double asked, State *s, Work *w
             note_crossings(end, &look, s, work);
             if (look.is_untold) note_unresolved(s->time, s);
         }
-        note_pivot_ratio(ratio, end, s);
         note_branch(end, branch, s);
-        s->position_ratio = branch_ratio(work, s);
-        s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
-        s->largest_pivot_ratio = is_weak ? ratio / WEAK * (is_deep ? DEEPER : 1.0)
-                                         : larger(s->largest_pivot_ratio, ratio);
-        note_largest_pivot(work, s);
+        note_ratios(ratio, end, is_deep, s, work);
         s->drift = larger(s->drift, drift);
         s->energy_moved = larger(s->energy_moved, moved);
         s->untold += is_told ? 0.0 : end - s->time;

@@ -299,6 +299,20 @@ def accept_position(end: float, asked: float, state: State, work: Work) -> None:
         hermite_cubic(h, state.y, f_before, state.f, state)
 
 
+def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: bool) -> None:
+    """Note the pivot ratio of a position that is kept, and what tells branches there.
+
+    Where it is weak later ones are compared with what it is, or less where it is deep.
+    """
+    note_pivot_ratio(ratio, end, state)
+    if ratio < WEAK * state.largest_pivot_ratio:
+        state.largest_pivot_ratio = ratio / WEAK * (DEEPER if is_deep else 1.0)
+    state.largest_pivot_ratio = larger(state.largest_pivot_ratio, ratio)
+    note_largest_pivot(work, state)
+    state.position_ratio = branch_ratio(work, state)
+    state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
+
+
 def watched_end(s: Settings, end: float, part: float, look: Look) -> float:
     """Return where a position to an end must be, so that forces between are told, and events.
 
@@ -323,11 +337,10 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
     elsewhere: before that position as long as possible, then behind it, also behind the time that
     is asked for.
     """
-    part, longest, is_deep = 1.0, s.largest_step, False
+    part, is_deep = 1.0, False
+    longest = smaller(state.step_size, s.largest_step) if state.step_size > 0.0 else s.largest_step
     has_energies = "energies" in work.scene.parts
     look = Look(state, work, state.time)
-    if state.step_size > 0.0:
-        longest = smaller(state.step_size, longest)
     while True:
         is_last = state.time + 1.0000001 * longest >= asked
         whole = asked - state.time if is_last else longest
@@ -343,19 +356,19 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
                 moved = energy_moved(end_of(work).y, work, state)
         order = 7.0 if is_told else 5.0
         factor = 2.0 if error == 0.0 else smaller(2.0, larger(0.2, 0.9 * error ** (-1.0 / order)))
-        is_weak = ratio < WEAK * state.largest_pivot_ratio
-        if is_weak and part < FURTHEST and not is_deep:
+        is_avoided = part < FURTHEST and not is_deep and ratio < WEAK * state.largest_pivot_ratio
+        is_fit = is_good and error <= 1.0 and not is_avoided
+        branch = branch_at(end, state, work) if is_fit else STAYS
+        is_leap = part > 1.0 and branch == LEAPS
+        if is_avoided:
             state.avoided += 1
             part = 1.25 if part == 0.5 else part - 0.25 if part <= 1.0 else 1.25 * part
-        elif not is_good or not error <= 1.0:
+        elif not is_fit or is_leap:
             state.rejected += 1
-            longest, part = (factor if is_good and math.isfinite(error) else 0.5) * whole, 1.0
+            by_error = factor if is_good and math.isfinite(error) else 0.5
+            longest = (1.0 if is_leap else by_error) * whole
+            part, is_deep = 1.0, is_deep or is_leap
         else:
-            branch = branch_at(end, state, work)
-            if part > 1.0 and branch == LEAPS:
-                state.rejected += 1
-                part, is_deep = 1.0, True
-                continue
             seen = watched_end(s, end, part, look) if work.scene.sees else end
             why = why_stopped(seen, look)
             if why != Status.GOOD:
@@ -368,16 +381,8 @@ def driven_step(s: Settings, asked: float, state: State, work: Work) -> Status:
         note_crossings(end, look)
         if look.is_untold:
             note_unresolved(state.time, state)
-    note_pivot_ratio(ratio, end, state)
     note_branch(end, branch, state)
-    state.position_ratio = branch_ratio(work, state)
-    state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
-    state.largest_pivot_ratio = (
-        ratio / WEAK * (DEEPER if is_deep else 1.0)
-        if is_weak
-        else larger(state.largest_pivot_ratio, ratio)
-    )
-    note_largest_pivot(work, state)
+    note_ratios(ratio, end, state, work, is_deep=is_deep)
     state.drift = larger(state.drift, drift)
     state.energy_moved = larger(state.energy_moved, moved)
     state.untold += 0.0 if is_told else end - state.time

@@ -318,8 +318,8 @@ static int step(
     const double limit = end;
     memcpy(work->k[0], s->f, NY * sizeof *s->f);
     for (;;) {
-        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .end_ratio = 1.0, .dip_ratio = HUGE_VAL };
-        trial.branch = STAYS;
+        Trial trial = { .least_ratio = 1.0, .last_ratio = 1.0, .branch = STAYS };
+        trial.dip_ratio = HUGE_VAL;
         double h = is_fixed && avoided == 0 ? settings->fixed_step
                                             : smaller(s->step_size, settings->largest_step);
         trial.is_last = !is_beyond && s->time + 1.0000001 * h >= end;
@@ -376,7 +376,8 @@ static int step(
         if (is_fixed && !is_whole) return NOT_PROJECTED;
         if (is_whole && trial.error <= 1.0) {
             trial.branch = branch_of(m, settings, &trial, work, s);
-            if (trial.branch == LEAPS && !is_fixed) is_whole = !(way_of(&trial, s, work) > STILL_LONG);
+            if (trial.branch == LEAPS && !is_fixed)
+                is_whole = !(way_of(&trial, s, work) > STILL_LONG);
         }
         if (!is_whole) trial.error = 1e3;
         double by_error = 0.2;

@@ -90,8 +90,8 @@ DIPS = 0.75
 BESIDE_IT = 1e-3
 FAR = 0.5
 #: Such steps are no longer than this, in lengths and radians: how ratios go is not known over
-#: longer ones. At tolerances above that, and where drivers determine the motion, none is longer than
-#: this: stages may pass by such a place, unless ratios are as level as this.
+#: longer ones. At tolerances above that, and where drivers determine the motion, none is longer
+#: than this: stages may pass by such a place, unless ratios are as level as this.
 LONGEST = 0.75
 LOOSE = 1e-3
 LONGEST_OF_ALL = 1.2
