@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
+from kousoku.codegen.dynamics.composition.length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
@@ -89,7 +90,7 @@ def _size(system: System) -> float:
     for source in (*sources, *(system.coordinates[k] for k in terms)):
         bodies = {"i": source.i, "j": source.j}
         lengths += [values for end, values in lengths_of(source) if bodies.get(end, 0) >= 0]
-    return max((abs(x) for values in lengths for x in values), default=0.0) or 1.0
+    return max((abs(x) for values in lengths for x in values), default=0.0) or extent(system)
 
 
 class Solver:
