@@ -94,6 +94,10 @@ class Trust:
     unresolved : int
         Steps over which bounds do not tell how formulas vary: what acts for a moment there may be
         passed over.
+    stillness : float or None
+        How far bodies move in the longest step at most, in lengths of the scene or radians, where
+        that is so little that the tolerance does not tell the energy that moves from what steps
+        lose: at rest, or in a motion too small for this tolerance. Else None.
     branch_point_time : float or None [s]
         When the motion first went so near to where branches of it meet that rounding, or the length
         of steps, decides which of them goes on.
@@ -117,6 +121,7 @@ class Trust:
     row_drift: float | None
     pivot_ratio: float | None
     unresolved: int
+    stillness: float | None
     branch_point_time: float | None
     error: Any
     limit: float
@@ -150,6 +155,9 @@ class Trust:
         if self.unresolved:
             count = f"{self.unresolved} step{'s' * (self.unresolved > 1)}"
             yield f"narrow forces may be passed over in {count}"
+        if self.stillness is not None:
+            part = shortly(self.stillness)
+            yield f"bodies move by {part} of a length or rad a step, less than this tolerance tells"
         if self.branch_point_time is not None:
             when = shortly(self.branch_point_time, 6)
             yield f"branch not known beyond t = {when} s, where others meet it"
@@ -183,6 +191,13 @@ def allowed_part(limit: float, settings: Settings, single: Mapping[str, float]) 
     return part + part * part
 
 
+def known_energy(single: Mapping[str, float]) -> float:
+    """Return what energies are known to [J]: below that they are rounding, or heat."""
+    moved = single["energy_moved"]
+    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
+    return larger(KNOWN * known, HEAT)
+
+
 def judge(
     state: Mapping[str, Array],
     rows: CheckedRows,
@@ -206,9 +221,8 @@ def judge(
     if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
     limit, off = many * tolerance, many * larger(tolerance, LEAST)
-    known = larger(larger(abs(single["energy"]), abs(single["potential"])), moved)
     part = allowed_part(limit, settings, single)
-    energy_limit = larger(larger(part * moved, KNOWN * known), HEAT)
+    energy_limit = larger(part * moved, known_energy(single))
     # without signs, so that errors of steps add up that are none in all
     work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
@@ -259,12 +273,14 @@ def trust_of(
     checks, is_led = bool(settings.checks), settings.method == len(METHODS)
     knows_energy = checks and is_weighed
     is_free = layout.sizes["v"] != len(rows.rows) + len(rows.reduced)
+    told = larger(verdict.limit * single["energy_moved"], known_energy(single))
+    is_still = knows_energy and told < single["energy_error"] <= verdict.energy_limit
     advice = "a smaller step" if settings.fixed_step else "a smaller tolerance or largest_step"
     advice = "a smaller largest_step, or more rows" if is_led else advice
     opened = map(key_of, released(missed_by(state["violations"][0], rows, layout), layout))
     moved, count = shortly(single["energy_moved"], 2), single["branch_points"]
     far = f"of a length of the scene, wanted at most {shortly(verdict.correction_limit)}"
-    told = {
+    reasons = {
         Doubt.NOT_FINITE: f"numbers of rows are not finite, of {single['not_finite']:.0f} in all,"
         f" first at t = {single['not_finite_time']:.9g} s: a formula has no value there; ask for"
         " other times, or write it without the quotient that is 0/0",
@@ -283,7 +299,7 @@ def trust_of(
         f" configuration, the first to t = {single['branch_point_time']:.6g} s: the motion may be"
         f" that of another branch, try {advice}",
     }
-    problems = [text for doubt, text in told.items() if doubt & verdict.doubts]
+    problems = [text for doubt, text in reasons.items() if doubt & verdict.doubts]
     if error is not None and error.unknown_from is not None:
         problems.append(error.unknown)
     return Trust(
@@ -297,6 +313,7 @@ def trust_of(
         row_drift=single["row_drift"] if is_free else None,
         pivot_ratio=single["least_pivot_ratio"] if single["factorisations"] > 0 else None,
         unresolved=int(single["unresolved"]),
+        stillness=single["fastest"] * single["stride"] if is_still else None,
         branch_point_time=single["branch_point_time"] if single["branch_points"] else None,
         error=error,
         limit=verdict.limit,
