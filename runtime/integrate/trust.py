@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from .arithmetic import larger
+from .arithmetic import larger, smaller
 from .methods import METHODS
 from .result import key_of, listed, shortly
 from .settings import CLEARLY, NOTHING_MOVES, Doubt
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 #: What a healthy run may lose, in tolerances, in each thousand steps.
 HEALTHY = 100.0
 PER_STEPS = 1000.0
+#: However many these are, a run that lost half of all that moves is not healthy.
+MOST_LOST = 0.5
 #: Instead of the tolerance where steps have a fixed length: no error decides that.
 FIXED = 1e-9
 #: The least tolerance of corrections: near singular configurations they have more of rounding.
@@ -105,7 +107,7 @@ class Trust:
         Of all rows, where that was wanted.
     limit : float
         What the others may be, relative to what they are compared with:
-        100 × tolerance × max(1, steps/1000). Where rows that others imply but for the closure
+        100 × tolerance × max(1, steps/1000), and no more than a half. Where rows that others imply but for the closure
         tolerance took over from these, what they missed stands for a smaller tolerance.
     problems : tuple of str
         What is beyond its limit, and what to do; empty where nothing speaks against the run.
@@ -220,11 +222,12 @@ def judge(
     # where rows take over from others bodies go on where these hold: as far off as rows miss
     if single["fallbacks"] > 0.0 and missed > MISSES:
         tolerance = larger(tolerance, missed)
-    limit, off = many * tolerance, many * larger(tolerance, LEAST)
+    limit = smaller(many * tolerance, MOST_LOST)
+    off = smaller(many * larger(tolerance, LEAST), MOST_LOST)
     part = allowed_part(limit, settings, single)
     energy_limit = larger(part * moved, known_energy(single))
     # without signs, so that errors of steps add up that are none in all
-    work_limit = larger(energy_limit, single["steps"] * tolerance * moved)
+    work_limit = larger(energy_limit, smaller(single["steps"] * tolerance, MOST_LOST) * moved)
     doubts = beyond(single["not_finite"], 0.0, Doubt.NOT_FINITE)
     doubts |= beyond(missed, CLEARLY * layout.closure_tolerance, Doubt.OPEN)
     # where joints hold all that could move what energy there is is rounding

@@ -106,6 +106,17 @@ def test_a_motion_that_is_small_beside_the_tolerance_is_told() -> None:
     assert fine.trust.stillness is None
 
 
+@pytest.mark.compiles
+def test_a_run_that_lost_its_energy_in_many_steps_is_not_trusted() -> None:
+    loads = {"load": {"type": "along", "coordinate": "x", "force": "-1e6*x"}}
+    mechanism = kousoku.load({**CART, "forces": loads}, target="c")
+    trust = mechanism.simulate(40, samples=3, tolerance=1e-3).ledger.trust
+    assert trust.energy_error is not None
+    assert trust.energy_moved is not None
+    assert trust.energy_error > 0.5 * trust.energy_moved
+    assert not trust.is_trusted
+
+
 def test_energy_that_no_work_explains_is_told_with_its_limit() -> None:
     run = cart("-3*x").simulate(20, samples=21, step=1.0)
     trust = run.ledger.trust
