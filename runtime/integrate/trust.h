@@ -62,7 +62,8 @@ static void judge(const Settings *settings, const State *s, Verdict *verdict)
     const double part = allowed_part(limit, settings, s);
     const double energy_limit = larger(part * moved, known_energy(s));
     /* without signs, so that errors of steps add up that are none in all */
-    const double work_limit = larger(energy_limit, smaller(s->steps * tolerance, MOST_LOST) * moved);
+    const double work_limit = larger(
+        energy_limit, smaller(s->steps * tolerance, MOST_LOST) * moved);
     int doubts = beyond(s->not_finite, 0.0, PUBLIC(DOUBT_NOT_FINITE));
     doubts |= beyond(missed, CLEARLY * CLOSURE_TOLERANCE, PUBLIC(DOUBT_OPEN));
     if (settings->checks && KNOWS_ENERGY) {

@@ -107,8 +107,9 @@ class Trust:
         Of all rows, where that was wanted.
     limit : float
         What the others may be, relative to what they are compared with:
-        100 × tolerance × max(1, steps/1000), and no more than a half. Where rows that others imply but for the closure
-        tolerance took over from these, what they missed stands for a smaller tolerance.
+        100 × tolerance × max(1, steps/1000), and no more than a half. Where rows that others imply
+        but for the closure tolerance took over from these, what they missed stands for a smaller
+        tolerance.
     problems : tuple of str
         What is beyond its limit, and what to do; empty where nothing speaks against the run.
     """
