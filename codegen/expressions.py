@@ -12,7 +12,7 @@ from kousoku.model.terms import Apply, Function, Name, Number, ordered
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.graph import Graph
+    from kousoku.model.graph import Graph
     from kousoku.model.terms import Expression
 
 LARGEST_EXPONENT = 2**64

@@ -16,18 +16,13 @@ from fractions import Fraction
 from hashlib import blake2b
 from typing import TYPE_CHECKING, Any
 
-import mpmath
-
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.terms import Apply, Function, Name, Number, apply, ordered
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.model.terms import Expression
-
-#: mpmath with 50 digits, apart from the context that other code may set.
-CONTEXT = mpmath.mp.clone()
-CONTEXT.dps = 50
 
 NOISE = CONTEXT.mpf(10) ** -40
 """What is smaller than this part of the numbers it came from is a rounded zero."""
@@ -202,7 +197,7 @@ def traced(expression: Expression, parameters: Mapping[str, Any]) -> Any:
     for part in ordered(expression):
         match part:
             case Number(value):
-                known[id(part)] = CONTEXT.mpf(value.numerator) / value.denominator
+                known[id(part)] = HIGH.number(value)
             case Name(name):
                 known[id(part)] = parameters[name]
             case Apply(Function.ADD, args):
@@ -290,7 +285,7 @@ def _plain(value: Any, noise: Any) -> Any:
 
 def _high(number: Any) -> Any:
     if isinstance(number, Fraction):
-        return CONTEXT.mpf(number.numerator) / number.denominator
+        return HIGH.number(number)
     return CONTEXT.mpf(number)
 
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import Arithmetic
-from kousoku.model.precise import CONTEXT
+from kousoku.model.arithmetic import Arithmetic
+from kousoku.model.digits import CONTEXT, HIGH
 from kousoku.model.terms import Function, Name, Number, ordered
 
 if TYPE_CHECKING:
@@ -39,13 +39,8 @@ class Digits:
     number: Callable[[Any], High]
 
 
-def _high(value: float | Fraction) -> High:
-    exact = Fraction(value)
-    return CONTEXT.mpf(exact.numerator) / exact.denominator
-
-
 DOUBLES = Digits(math, float)
-FIFTY = Digits(CONTEXT, _high)
+FIFTY = Digits(CONTEXT, lambda value: HIGH.number(Fraction(value)))
 
 
 class Jet:

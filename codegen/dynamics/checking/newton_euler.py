@@ -24,11 +24,11 @@ from kousoku.codegen.dynamics.checking.jets import (
     formula,
     sqrt,
 )
-from kousoku.codegen.interpret import evaluate
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.codegen.store import load_frozen
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.codegen.graph import Op
-from kousoku.codegen.interpret import node_values
+from kousoku.model.graph import Op
+from kousoku.model.interpret import node_values
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from kousoku.codegen.dynamics.checking.run import Workspace
     from kousoku.codegen.dynamics.recording.program import Task
-    from kousoku.codegen.graph import Node
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.graph import Node
+    from kousoku.model.kernel import Kernel
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
 

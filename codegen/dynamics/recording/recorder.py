@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.recording.matrix import Matrix
     from kousoku.codegen.dynamics.recording.traces import Codes
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.precise import High
 
     #: For each block its entries, coded with leaves instead of slots, and its shape.

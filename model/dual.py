@@ -4,15 +4,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, Arithmetic, evaluate
+from kousoku.model.arithmetic import Arithmetic
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.interpret import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
     from fractions import Fraction
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
-High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
+High = Any  # a number of CONTEXT: mpmath is untyped
 
 
 class Dual:
@@ -64,7 +66,7 @@ def chain(value: High, *parts: tuple[Dual, High]) -> Dual:
 
 def variable(value: High, name: object) -> Dual:
     """Return a number that derivatives are taken by."""
-    return Dual(value, {name: HIGH_CONTEXT.one})
+    return Dual(value, {name: CONTEXT.one})
 
 
 def _constant(value: Fraction) -> Dual:
@@ -132,7 +134,7 @@ def evaluate_dual(
         The point is a pole, or lies where a root is not real.
     """
     variables = {
-        name: [variable(HIGH_CONTEXT.mpf(x), (name, k)) for k, x in enumerate(elements)]
+        name: [variable(CONTEXT.mpf(x), (name, k)) for k, x in enumerate(elements)]
         for name, elements in inputs.items()
     }
     return evaluate(kernel, variables, DUAL)
