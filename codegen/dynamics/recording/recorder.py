@@ -178,7 +178,7 @@ class Recorder:
         entries = []
         for value in exact:
             if isinstance(value, Traced):
-                place, _ = self.design.setdefault(value.key, (len(self.design), value))
+                place, _ = self.design.setdefault(value.expression.key, (len(self.design), value))
                 entries.append(DESIGN + place + 2)
             elif abs(value) in {0, 1}:
                 entries.append(int(value))
