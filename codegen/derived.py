@@ -51,6 +51,7 @@ SOURCES = (
     "model/kernel.py",
     "model/quantity.py",
     "model/rows.py",
+    "model/slopes.py",
 )
 #: File beside the committed kinds that says of which sources they were derived.
 RECORD_FILE = "derived.json"
