@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.kernel import Package
 from kousoku.codegen.linkage_blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage_emit import emit_scene
 from kousoku.codegen.linkage_kernels import block_kernels
@@ -17,6 +16,7 @@ from kousoku.codegen.linkage_solution import places, solution
 from kousoku.codegen.linkage_view import SolverView, solver_view
 from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
+from kousoku.model.kernel import Package
 from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:

@@ -19,8 +19,8 @@ from kousoku.codegen.view import package_view
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.kernel import Package
     from kousoku.codegen.linkage_view import SolverView
+    from kousoku.model.kernel import Package
 
 #: Files that are not as of any package, and their templates.
 SOLVER_FILES = {

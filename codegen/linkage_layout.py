@@ -17,10 +17,10 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from kousoku.codegen.graph import Graph
     from kousoku.codegen.linkage_blocks import Block
     from kousoku.codegen.linkage_link import LinkRow
     from kousoku.model.assemble import System, Term
+    from kousoku.model.graph import Graph
 
     #: For each coordinate the argument and the index where it stands.
     Places = Mapping[int, tuple[str, int]]

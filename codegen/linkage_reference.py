@@ -6,20 +6,20 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dual import DUAL, Dual, variable
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
 from kousoku.codegen.unit import columns
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.dual import DUAL, Dual, variable
 from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.linkage_layout import Layout
     from kousoku.codegen.linkage_solution import Place
+    from kousoku.model.kernel import Kernel, Package
 
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
@@ -28,7 +28,7 @@ FORMAT = 1
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
 #: Stands where a kernel does not look.
-_NONE = Dual(HIGH_CONTEXT.nan, {})
+_NONE = Dual(CONTEXT.nan, {})
 #: How far points lie from the way, relative to each number: rounding, and anywhere.
 BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
 
@@ -134,7 +134,7 @@ def _row(kernel: Kernel, layout: Layout, point: Point) -> dict[str, object]:
                 numbers[name + suffix][index] = math.nan
             else:
                 numbers[name + suffix][index] = x
-            value = HIGH_CONTEXT.mpf(x)
+            value = CONTEXT.mpf(x)
             sizes[name + suffix, index] = abs(value)
             duals[whole + suffix][where] = variable(value, (name + suffix, index))
 

@@ -7,8 +7,8 @@ from fractions import Fraction
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import literal
 from kousoku.model.directions import HALF_TURN
+from kousoku.model.graph import literal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

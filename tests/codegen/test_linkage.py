@@ -17,20 +17,21 @@ from msgspec import structs
 from kousoku.codegen import linkage_emit
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
-from kousoku.codegen.graph import Op
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.linkage import Program, generate_scene, specialise
 from kousoku.codegen.linkage_emit import emit_scene
 from kousoku.codegen.linkage_reference import references
 from kousoku.codegen.linkage_solution import places
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.assemble import assemble
+from kousoku.model.graph import Op
+from kousoku.model.interpret import evaluate
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
 SCENES = Path(__file__).parents[2] / "scenes"
 NAMES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_six_bar")

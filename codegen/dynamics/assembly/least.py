@@ -10,8 +10,8 @@ import numpy as np
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.composition.length import extent
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import AssemblyError
 from kousoku.runtime.integrate.given_start import THIN
 
@@ -67,7 +67,7 @@ class Metric:
     def norm(self, step: Sequence[High]) -> High:
         """Return √(dᵀ W d), a length."""
         terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
-        return HIGH_CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
+        return CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
         """Return for each row the factor that makes it a length."""
