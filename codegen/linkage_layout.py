@@ -1,8 +1,7 @@
-"""Where the coordinates of a linkage stand in the arguments of its kernels.
+"""Where the coordinates of a linkage stand in the workspace of its program.
 
-The kernels of a block take its own unknowns as ``x`` and what they depend on as ``known``: inputs,
-and unknowns of earlier blocks, the parts of (18) and (19). The kernels of the outputs take all
-inputs as ``alpha`` and all unknowns, block after block, as ``x``.
+Inputs are ``alpha`` and unknowns, block after block, ``x``: the parts of (18) and (19). Their first
+and second derivatives follow, then what the segments of a block leave, and the results.
 """
 
 from __future__ import annotations
@@ -10,24 +9,43 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.linkage_blocks import DEPENDS
+from kousoku.codegen.dynamics.recording.program import Region
 from kousoku.model.assemble import Role
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Mapping, Sequence
+    from collections.abc import Mapping
 
     from kousoku.codegen.graph import Graph
     from kousoku.codegen.linkage_blocks import Block
     from kousoku.codegen.linkage_link import LinkRow
     from kousoku.model.assemble import System, Term
 
-    #: For each coordinate the argument and the index where it stands.
-    Places = Mapping[int, tuple[str, int]]
-
 SUFFIXES = ("", "_dot", "_ddot")
-_PER = ("", "/s", "/s^2")
-_MOTIONS = ("", "velocities of ", "accelerations of ")
+#: What the segments of a block leave beside its matrix.
+OF_BLOCKS = ("epsilon", "nu", "gamma")
+#: Results of nodes, and of links where their angles are wanted.
+OF_NODES = ("position", "velocity", "acceleration")
+OF_LINKS = ("angle", "angle_dot", "angle_ddot")
+#: What the regions hold; of a block, that which ran last.
+REGIONS = {
+    "alpha": "inputs, in the order of the scene",
+    "x": "unknowns, block after block",
+    "alpha_dot": "first derivatives of the inputs",
+    "x_dot": "those of the unknowns",
+    "alpha_ddot": "second derivatives of the inputs",
+    "x_ddot": "those of the unknowns",
+    "epsilon": "residuals of a block",
+    "D": "their derivatives by the unknowns of the block, row after row",
+    "nu": "right-hand side of the velocities of a block",
+    "gamma": "right-hand side of the accelerations of a block",
+    "position": "x and y of each node in frame O",
+    "velocity": "their first time derivatives",
+    "acceleration": "their second time derivatives",
+    "angle": "angle of each link from +x, from its first node to its second, rad",
+    "angle_dot": "its first time derivative",
+    "angle_ddot": "its second time derivative",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,38 +62,56 @@ class Layout:
         ε1, ε2, ε3 of the link element.
     unknowns : tuple of int
         The unknown coordinates, block after block.
-    known : tuple of tuple of int
-        For each block the coordinates that it depends on and that are known by then.
     everywhere : mapping of int to (str, int)
-        Where each coordinate stands in ``alpha`` or ``x`` of the outputs.
+        Where each coordinate stands in ``alpha`` or ``x``.
+    regions : mapping of str to Region
+        The parts of the workspace, in order: those of :data:`REGIONS` that the scene needs.
     """
 
     system: System
     blocks: tuple[Block, ...]
     link: tuple[LinkRow, LinkRow, LinkRow]
     unknowns: tuple[int, ...] = field(init=False)
-    known: tuple[tuple[int, ...], ...] = field(init=False)
-    everywhere: Places = field(init=False)
+    everywhere: Mapping[int, tuple[str, int]] = field(init=False)
+    regions: Mapping[str, Region] = field(init=False)
 
     def __post_init__(self) -> None:
         unknowns = tuple(unknown for block in self.blocks for unknown in block.unknowns)
-        everywhere = _places((("alpha", self.system.inputs), ("x", unknowns)))
-        order = {coordinate: k for k, coordinate in enumerate(everywhere)}
-        known = tuple(
-            tuple(sorted(self._needed(block) - set(block.unknowns), key=order.__getitem__))
-            for block in self.blocks
-        )
+        places = (("alpha", self.system.inputs), ("x", unknowns))
+        everywhere = {c: (name, k) for name, members in places for k, c in enumerate(members)}
         object.__setattr__(self, "unknowns", unknowns)
         object.__setattr__(self, "everywhere", everywhere)
-        object.__setattr__(self, "known", known)
+        object.__setattr__(self, "regions", self._regions())
 
-    def _needed(self, block: Block) -> set[int]:
-        terms = (
-            self.system.elements[number].ends[place]
-            for number, row in block.rows
-            for place in DEPENDS[row]
-        )
-        return {term.coordinate for term in terms if self.is_moving(term)}
+    def _regions(self) -> dict[str, Region]:
+        largest = max(len(block.unknowns) for block in self.blocks)
+        sizes = dict.fromkeys(REGIONS, 0) | dict.fromkeys(OF_BLOCKS, largest) | {"D": largest**2}
+        for suffix in SUFFIXES:
+            sizes |= {f"alpha{suffix}": len(self.system.inputs), f"x{suffix}": len(self.unknowns)}
+        sizes |= dict.fromkeys(OF_NODES, 2 * len(self.system.nodes))
+        if self.wants_angles:
+            sizes |= dict.fromkeys(OF_LINKS, len(self.system.scene.links))
+        regions, base = {}, 0
+        for name, size in sizes.items():
+            if size:
+                regions[name] = Region(name, base, size)
+                base += size
+        return regions
+
+    @property
+    def wants_angles(self) -> bool:
+        """Whether the angles of links are wanted."""
+        return "angles" in self.system.scene.outputs
+
+    @property
+    def size(self) -> int:
+        """Count of slots."""
+        return sum(region.size for region in self.regions.values())
+
+    @property
+    def workspace(self) -> Quantity:
+        """What every kernel takes."""
+        return Quantity("x0", (self.size,), "", "the workspace")
 
     def is_moving(self, term: Term) -> bool:
         """Whether a term depends on a coordinate that is not fixed."""
@@ -87,50 +123,13 @@ class Layout:
         name, index = self.everywhere[coordinate]
         return index if name == "alpha" else len(self.system.inputs) + index
 
-    def places_in(self, number: int) -> Places:
-        """Return where coordinates stand in ``known`` or ``x`` of the kernels of a block."""
-        return _places((("known", self.known[number]), ("x", self.blocks[number].unknowns)))
-
-    def block_arguments(self, number: int, motion: int) -> tuple[Quantity, ...]:
-        """Return the inputs of the kernel of a block: position, velocity or acceleration."""
-        orders = ((0,), (0, 1), (0, 1, 2))[motion]
-        members = (("known", self.known[number]), ("x", self.blocks[number].unknowns))
-        return tuple(
-            self._quantity(name, coordinates, order, "")
-            for order in orders
-            for name, coordinates in members
-            # Velocities are found from those that are known, accelerations from all velocities.
-            if coordinates and not (name == "x" and order == motion > 0)
-        )
-
-    def output_arguments(self) -> tuple[Quantity, ...]:
-        """Return the inputs of the kernels of the outputs."""
-        members = (("alpha", self.system.inputs, "inputs "), ("x", self.unknowns, "unknowns "))
-        return tuple(
-            self._quantity(name, coordinates, order, what)
-            for order in range(3)
-            for name, coordinates, what in members
-        )
-
-    def _quantity(self, name: str, members: Sequence[int], order: int, what: str) -> Quantity:
-        coordinates = [self.system.coordinates[member] for member in members]
-        units = dict.fromkeys(f"{coordinate.unit}{_PER[order]}" for coordinate in coordinates)
-        names = [coordinate.name for coordinate in coordinates]
-        listed = ", ".join(names) if len(names) < 5 else f"{names[0]} ... {names[-1]}"
-        meaning = f"{_MOTIONS[order]}{what}{listed}"
-        return Quantity(name + SUFFIXES[order], (len(members),), ", ".join(units), meaning)
-
-    def node(self, graph: Graph, term: Term, order: int, places: Places) -> int:
+    def node(self, graph: Graph, term: Term, order: int) -> int:
         """Return the graph node of offset + factor · coordinate, or of a time derivative of it."""
         coordinate = self.system.coordinates[term.coordinate]
         if not self.is_moving(term):
             fixed = term.factor * coordinate.start if coordinate.role is Role.FIXED else 0
             return graph.const(term.offset + fixed if order == 0 else 0)
-        name, index = places[term.coordinate]
-        moving = graph.input(name + SUFFIXES[order], index)
+        name, index = self.everywhere[term.coordinate]
+        moving = graph.input("x0", self.regions[name + SUFFIXES[order]].base + index)
         scaled = graph.mul(graph.const(term.factor), moving)
         return graph.add(scaled, graph.const(term.offset)) if order == 0 else scaled
-
-
-def _places(arguments: Iterable[tuple[str, Sequence[int]]]) -> dict[int, tuple[str, int]]:
-    return {c: (name, k) for name, members in arguments for k, c in enumerate(members)}

@@ -1,4 +1,4 @@
-"""Reference values of a scene's kernels: on the way of the mechanism, beside it, and at NaN."""
+"""Reference values of a linkage: on the way of the mechanism, beside it, and at NaN."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from kousoku.codegen.dual import DUAL, Dual, variable
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
+from kousoku.codegen.linkage_solution import solution
 from kousoku.codegen.unit import columns
 from kousoku.model.jsontext import to_text
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
     from fractions import Fraction
 
-    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage_layout import Layout
     from kousoku.codegen.linkage_solution import Place
 
@@ -27,15 +28,15 @@ if TYPE_CHECKING:
 FORMAT = 1
 #: Every so many steps of the way a reference is taken.
 EVERY = 2
-#: Stands where a kernel does not look.
-_NONE = Dual(HIGH_CONTEXT.nan, {})
+#: Segments of a block, by the order of derivatives.
+ORDERS = ("position", "velocity", "acceleration")
 #: How far points lie from the way, relative to each number: rounding, and anywhere.
 BESIDE = ((2.0**-33, "near"), (0.25, "away from"))
 
 
 @dataclass(frozen=True, slots=True)
 class Point:
-    """Where kernels are evaluated.
+    """Where segments are evaluated.
 
     Parameters
     ----------
@@ -43,31 +44,36 @@ class Point:
         Why the point is there.
     numbers : dict of str to tuple of float
         ``alpha``, ``x`` and their derivatives.
-    has_nan : bool
-        Whether the first unknown of each kernel is NaN instead.
+    block : int, optional
+        The block whose segments alone are evaluated.
+    nan : (str, int), optional
+        What is NaN instead: its first unknown.
     """
 
     label: str
     numbers: Numbers
-    has_nan: bool = False
+    block: int | None = None
+    nan: tuple[str, int] | None = None
 
 
-def references(package: Package, layout: Layout, found: Sequence[Place]) -> str:
-    """Return the text of the reference values, in the format of the kinds.
+def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -> str:
+    """Return the text of the reference values.
 
     Values come from :class:`kousoku.codegen.linkage_exact.Exact` in 50 digits. Constants of the
     scene count as inputs in the unit of error: they were inputs before they were bound.
     """
-    points = _points(layout, found[::EVERY])
-    kernels = [
-        {"name": kernel.name, "points": [_row(kernel, layout, point) for point in points]}
-        for kernel in package.kernels
-    ]
-    return to_text({"format": FORMAT, "package": package.name, "kernels": kernels})
+    return to_text(
+        {
+            "format": FORMAT,
+            "points": [_row(program, layout, point) for point in _points(layout, found[::EVERY])],
+            "exact": [kernel.name for kernel in program.kernels if kernel.is_exact],
+            "solution": solution(layout, found),
+        }
+    )
 
 
 def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
-    """Return the points of all kernels, the last one with a number that is NaN."""
+    """Return the points, the last ones each with a number that is NaN."""
     points = [
         Point(
             f"{place.part} of the way",
@@ -82,7 +88,10 @@ def _points(layout: Layout, found: Sequence[Place]) -> list[Point]:
         points.append(Point(f"{where} {point.label}", _scattered(point.numbers, size, index)))
     # Away from symmetric positions, where a derivative may happen to vanish.
     numbers = _scattered(points[0].numbers, BESIDE[-1][0], len(points))
-    points.append(Point("x[0] is nan", numbers, has_nan=True))
+    first = 0
+    for number, block in enumerate(layout.blocks):
+        points.append(Point(f"x[{first}] is nan", numbers, number, ("x", first)))
+        first += len(block.unknowns)
     return points
 
 
@@ -113,46 +122,32 @@ def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
     return moved
 
 
-def _row(kernel: Kernel, layout: Layout, point: Point) -> dict[str, object]:
-    """Return one point of a kernel with its references."""
-    motion, _, block = kernel.name.partition("_")
-    number = int(block) - 1 if block else None
-    places = layout.everywhere if number is None else layout.places_in(number)
-    numbers = {quantity.name: [0.0] * quantity.size for quantity in kernel.inputs}
-    duals: dict[str, list[Dual]] = {n: [_NONE] * len(x) for n, x in point.numbers.items()}
-    bad: set[object] = set()
-    sizes: dict[object, Any] = {}
-    for coordinate, (name, index) in places.items():
-        whole, where = layout.everywhere[coordinate]
-        for suffix in SUFFIXES:
-            if name + suffix not in numbers:
-                continue
-            x = point.numbers[whole + suffix][where]
-            if point.has_nan and (name + suffix, index) == ("x", 0):
-                # Where a number is NaN, any number shows which outputs depend on it.
-                bad.add((name + suffix, index))
-                numbers[name + suffix][index] = math.nan
-            else:
-                numbers[name + suffix][index] = x
-            value = HIGH_CONTEXT.mpf(x)
-            sizes[name + suffix, index] = abs(value)
-            duals[whole + suffix][where] = variable(value, (name + suffix, index))
+def _row(program: Program, layout: Layout, point: Point) -> dict[str, object]:
+    """Return one point with the references of its segments."""
+    high = {n: [HIGH_CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
+    duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}
+    sizes: dict[object, Any] = {(n, k): abs(x) for n, xs in high.items() for k, x in enumerate(xs)}
+    inputs: dict[str, list[object]] = {n: list(xs) for n, xs in point.numbers.items()}
+    bad = []
+    if point.nan is not None:
+        # Where a number is NaN, any number shows which outputs depend on it.
+        name, place = point.nan
+        inputs[name][place] = "nan"
+        bad.append(point.nan)
 
     def constant(name: object, value: Fraction) -> Dual:
         sizes[name] = abs(HIGH.number(value))
         return variable(HIGH.number(value), name)
 
-    values = _values(motion, number, Exact(layout, DUAL, duals, constant))
-    outputs = {
-        quantity.name: columns([values[quantity.name][e] for e in kernel.nonzero(k)], sizes, bad)
-        for k, quantity in enumerate(kernel.outputs)
-    }
-    inputs = {n: [x if math.isfinite(x) else str(x) for x in xs] for n, xs in numbers.items()}
+    exact = Exact(layout, DUAL, duals, constant)
+    outputs = {}
+    for kernel in program.kernels:
+        order, _, number = kernel.name.partition("_")
+        if point.block is not None and number != str(point.block + 1):
+            continue
+        if number:
+            values = exact.block(int(number) - 1, ORDERS.index(order))
+        else:
+            values = exact.nodes() if order == "nodes" else exact.angles()
+        outputs[kernel.name] = {name: columns(x, sizes, bad) for name, x in values.items()}
     return {"label": point.label, "inputs": inputs, "outputs": outputs}
-
-
-def _values(motion: str, number: int | None, exact: Exact) -> dict[str, list[Dual]]:
-    """Return what a kernel must give."""
-    if number is not None:
-        return exact.block(number, ("position", "velocity", "acceleration").index(motion))
-    return exact.nodes() if motion == "nodes" else exact.angles()

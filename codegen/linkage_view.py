@@ -1,4 +1,4 @@
-"""What the solver templates may see: strings, whole numbers, and tuples of them."""
+"""What the templates of a linkage may see: strings, whole numbers, and tuples of them."""
 
 from __future__ import annotations
 
@@ -7,16 +7,27 @@ from fractions import Fraction
 from textwrap import fill
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.emission.numpy_view import (
+    python_kernels,
+    python_segment,
+    regions_of,
+)
+from kousoku.codegen.dynamics.emission.slots import slots_of
+from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
 from kousoku.codegen.graph import literal
-from kousoku.model.directions import HALF_TURN
+from kousoku.codegen.linkage_layout import REGIONS
+from kousoku.codegen.view_lines import ascii_of, plain
+from kousoku.model.motion import span_of, turns_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
+    from kousoku.codegen.dynamics.emission.numpy_view import PythonKernel, PythonSegment
+    from kousoku.codegen.dynamics.emission.view import SegmentText
+    from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.linkage_blocks import Block
     from kousoku.codegen.linkage_layout import Layout
     from kousoku.model.assemble import Term
-    from kousoku.model.planar import Input
 
 
 _STAR = " *     "
@@ -71,14 +82,6 @@ class LinkView:
 
 
 @dataclass(frozen=True, slots=True)
-class KnownView:
-    """A coordinate that a block depends on: its name, its place among inputs and unknowns."""
-
-    name: str
-    place: int
-
-
-@dataclass(frozen=True, slots=True)
 class CurveView:
     """A link that bends an equation of a block.
 
@@ -127,25 +130,20 @@ class BlockView:
     ----------
     number : int
         Counted from 1.
-    first, first_known, first_curve, jacobian : int
-        Where its unknowns, its known coordinates, its curves and its Jacobian start.
+    first, first_curve, jacobian : int
+        Where its unknowns, its curves and its Jacobian start.
     unknowns, links : tuple of str
         Names of its unknowns, and of the links that hold them.
-    known : tuple of KnownView
-        Its known coordinates, whose places are those among the inputs and, after them, all
-        unknowns.
     curves : tuple of CurveView
         What bends its equations.
     """
 
     number: int
     first: int
-    first_known: int
     first_curve: int
     jacobian: int
     unknowns: tuple[str, ...]
     links: tuple[str, ...]
-    known: tuple[KnownView, ...]
     curves: tuple[CurveView, ...]
 
     @property
@@ -160,19 +158,19 @@ class BlockView:
 
 
 @dataclass(frozen=True, slots=True)
-class SolverView:
+class LinkageView:
     """What the solver of a scene is made of.
 
     Parameters
     ----------
-    unit : str
-        Length unit of the scene.
+    name, title, unit : str
+        The scene, what it is, and its unit of length.
     nodes : tuple of str
         In the order of the scene.
     links, inputs, unknowns, blocks : tuple
         In the order of the scene, and in the order of solving.
-    largest_known, largest_block : int
-        Most known coordinates, and most unknowns, of any block.
+    largest_block : int
+        Most unknowns of any block.
     matrix_size : int
         Count of the elements of the Jacobians of all blocks.
     largest_length, limit : str
@@ -183,15 +181,26 @@ class SolverView:
         0 full Newton, 1 the iteration of the paper.
     outputs : tuple of str
         What is wanted beside positions.
+    work_size : int
+        Count of slots of the workspace.
+    regions : tuple of (str, int, int)
+        Its parts: name, first slot and size.
+    places : str
+        Their first slots as enumerators of C, in lines.
+    segments : tuple of SegmentText
+        Those of the blocks, then those of the outputs, in C.
+    python_kernels, python_segments : tuple
+        The same in Python.
     """
 
+    name: str
+    title: str
     unit: str
     nodes: tuple[str, ...]
     links: tuple[LinkView, ...]
     inputs: tuple[InputView, ...]
     unknowns: tuple[UnknownView, ...]
     blocks: tuple[BlockView, ...]
-    largest_known: int
     largest_block: int
     matrix_size: int
     largest_length: str
@@ -200,6 +209,22 @@ class SolverView:
     max_iterations: int
     method: int
     outputs: tuple[str, ...]
+    work_size: int
+    regions: tuple[tuple[str, int, int], ...]
+    places: str
+    segments: tuple[SegmentText, ...]
+    python_kernels: tuple[PythonKernel, ...]
+    python_segments: tuple[PythonSegment, ...]
+
+    @property
+    def title_ascii(self) -> str:
+        """The title in a comment of C."""
+        return ascii_of(plain(self.title))
+
+    @property
+    def meanings(self) -> tuple[tuple[str, str], ...]:
+        """What the regions hold."""
+        return tuple((name, REGIONS[name]) for name, _, _ in self.regions)
 
     def commented(self, text: str) -> list[str]:
         """Return a comment of C, in lines that fit."""
@@ -244,22 +269,20 @@ class SolverView:
         )
 
     @property
-    def has_known(self) -> bool:
-        """Whether any block depends on something."""
-        return any(block.known for block in self.blocks)
-
-    @property
     def has_angles(self) -> bool:
         """Whether the angles of links are wanted."""
         return "angles" in self.outputs
 
 
-def solver_view(layout: Layout) -> SolverView:
+def linkage_view(program: Program, layout: Layout) -> LinkageView:
     """Return what the templates of a scene's solver see."""
     scene = layout.system.scene
     sizes = [len(block.unknowns) for block in layout.blocks]
-    coordinates = layout.system.coordinates
-    return SolverView(
+    coordinates, slots = layout.system.coordinates, slots_of(program)
+    regions = regions_of(program)
+    return LinkageView(
+        name=scene.name,
+        title=scene.title or f"the linkage {scene.name}",
         unit=scene.unit,
         nodes=tuple(scene.nodes),
         links=tuple(
@@ -275,7 +298,6 @@ def solver_view(layout: Layout) -> SolverView:
             for c in (coordinates[number] for number in layout.unknowns)
         ),
         blocks=tuple(_block(layout, number) for number in range(len(sizes))),
-        largest_known=max(1, *map(len, layout.known)),
         largest_block=max(sizes),
         matrix_size=sum(size * size for size in sizes),
         largest_length=literal(Fraction(scene.largest_length)),
@@ -284,6 +306,12 @@ def solver_view(layout: Layout) -> SolverView:
         max_iterations=scene.method.iterations,
         method=("newton", "paper").index(scene.method.scheme),
         outputs=scene.outputs,
+        work_size=program.size,
+        regions=regions,
+        places=enumerators({f"W_{name.upper()}": base for name, base, _ in regions}),
+        segments=tuple(segment_text(program, one, slots) for one in program.segments),
+        python_kernels=tuple(python_kernels(program)),
+        python_segments=tuple(python_segment(program, one) for one in program.segments),
     )
 
 
@@ -293,48 +321,29 @@ def _quoted(names: Sequence[str]) -> tuple[str, ...]:
 
 def _input(layout: Layout, name: str, number: int) -> InputView:
     coordinate, given = layout.system.coordinates[number], layout.system.scene.inputs[name]
-    turns = _turns(given)
+    turns = turns_of(given) or 0.0
     return InputView(
         name=name,
         unit=coordinate.unit,
         origin=literal(Fraction(given.start)),
-        span=literal(_span(given, turns)),
-        turns=int(turns) if turns.denominator == 1 else 0,
+        span=literal(span_of(given)),
+        turns=int(turns) if turns.is_integer() else 0,
         rate=literal(Fraction(given.rate)),
         rate_dot=literal(Fraction(given.acceleration)),
         scale=literal(coordinate.scale),
     )
 
 
-def _turns(given: Input) -> Fraction:
-    """Return the turns of an input, 0 where it goes to a value instead."""
-    if given.turns is None:
-        return Fraction(0 if given.to is not None or given.slider is not None else 1)
-    return Fraction(given.turns)
-
-
-def _span(given: Input, turns: Fraction) -> Fraction:
-    if given.to is not None:
-        return Fraction(given.to) - Fraction(given.start)
-    return 2 * HALF_TURN * turns
-
-
 def _block(layout: Layout, number: int) -> BlockView:
     block, system = layout.blocks[number], layout.system
     sizes = [len(before.unknowns) for before in layout.blocks[:number]]
-    known = [
-        KnownView(system.coordinates[coordinate].name, layout.place_of(coordinate))
-        for coordinate in layout.known[number]
-    ]
     return BlockView(
         number=number + 1,
         first=sum(sizes),
-        first_known=sum(map(len, layout.known[:number])),
         first_curve=sum(len(_curves(layout, before)) for before in layout.blocks[:number]),
         jacobian=sum(size * size for size in sizes),
         unknowns=tuple(system.coordinates[unknown].name for unknown in block.unknowns),
         links=tuple(dict.fromkeys(system.elements[element].name for element, _ in block.rows)),
-        known=tuple(known),
         curves=_curves(layout, block),
     )
 

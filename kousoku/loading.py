@@ -301,9 +301,8 @@ def generated(
 
     from kousoku.codegen.linkage import generate_scene
 
-    return generate_scene(
-        scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
-    )
+    wanted = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
+    return generate_scene(wanted, references=references)
 
 
 def _written(shelf: Path, name: str, text: str, tree: Mapping[str, str]) -> Path:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import re
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 
@@ -29,15 +29,18 @@ from kousoku.runtime.reference import Expected
 from kousoku.runtime.report import Report, Row
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Callable, Iterator, Mapping, Sequence
     from pathlib import Path
 
     import numpy.typing as npt
 
     from kousoku.model.manifest import Manifest
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.run import Run
 
     Array = npt.NDArray[np.float64]
+
+Loaded = TypeVar("Loaded")
 
 HEADER = "solver.h"
 FORMAT = 2
@@ -75,7 +78,11 @@ def verify_solver(
         data = _read(folder, files)
     except VerifyError as error:
         return Report(manifest.package, str(folder), (), (str(error),))
-    solvers = list(_solvers(folder, target, problems, notes))
+
+    def load(wanted: Target) -> DynamicsSolver:
+        return load_dynamics(folder, target=wanted)
+
+    solvers = list(solvers_of(load, target, problems, notes))
     if not solvers and not problems:
         problems.append("nothing was checked, because nothing could be run")
     points = data["points"] if data else []
@@ -115,10 +122,7 @@ def _read(folder: Path, files: Mapping[str, bytes]) -> dict[str, Any] | None:
 def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
     """Yield why there is nothing to compare with."""
     if data is None:
-        yield (
-            f"{folder.name} has no {REFERENCE_FILE}: it was generated without reference values;"
-            " kousoku generate SCENE.toml writes them"
-        )
+        yield from without_references(folder)
     elif not data["points"]:
         yield (
             f"{folder.name} has no reference values: its {data['operations']} operations are more"
@@ -129,6 +133,14 @@ def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
             f"{folder.name} is not compared with each body's own equations: no state near its start"
             " is away from places where rows become dependent"
         )
+
+
+def without_references(folder: Path) -> Iterator[str]:
+    """Yield that a folder has no reference values."""
+    yield (
+        f"{folder.name} has no {REFERENCE_FILE}: it was generated without reference values;"
+        " kousoku generate SCENE.toml writes them"
+    )
 
 
 def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
@@ -145,17 +157,27 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
             yield f"{folder / HEADER}: {name} is {got}, wanted {value}"
 
 
-def _solvers(
-    folder: Path, target: str, problems: list[str], notes: list[str]
-) -> Iterator[DynamicsSolver]:
-    """Yield the solver by each target; what cannot be had is a problem or a note."""
-    targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy")
+def solvers_of(
+    load: Callable[[Target], Loaded], target: Target, problems: list[str], notes: list[str]
+) -> Iterator[Loaded]:
+    """Yield the solver by each target; what cannot be had is a problem or a note.
+
+    Parameters
+    ----------
+    load : callable
+        Opens the solver with a target.
+    target : {"auto", "c", "numpy"}
+        What to check.
+    problems, notes : list of str
+        Where to note what is wrong, and what is not checked.
+    """
+    targets: tuple[Target, ...] = ("c", "numpy")
     for wanted in targets:
         if target not in {"auto", wanted}:
             continue
         try:
             with silent():
-                solver = load_dynamics(folder, target=wanted)
+                solver = load(wanted)
             yield solver
         except (NoCompilerError, TargetError) as error:
             text = f"{NAMES[wanted]} is not checked: {error}"
@@ -180,9 +202,7 @@ def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> I
     given = zip(solver.parameters, point.get("parameters", ()), strict=False)
     found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
     for name, columns in point["outputs"].items():
-        expected = Expected(
-            *(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit"))
-        )
+        expected = Expected.of_columns(columns)
         values = found[name][None, :]
         (errors,) = expected.errors(values)
         element = int(np.argmax(errors))

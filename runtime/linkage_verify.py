@@ -1,68 +1,158 @@
-"""Check a scene's solver against motions that were computed in 50 digits."""
+"""Check the solver of a linkage: its segments against 50 digits, then its motions.
+
+At each point of ``reference.json.gz`` every segment is run, by C and by NumPy, and its error is
+told in units of what rounding can do there; segments that use only + − × ÷ √ must give the same
+bits by both. Then both methods move the linkage, and rows are compared with motions in 50 digits.
+"""
 
 from __future__ import annotations
 
 import json
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from kousoku.model.errors import VerifyError
-from kousoku.runtime.kinematics.rows import METHODS
+from kousoku.model.manifest import REFERENCE_FILE
+from kousoku.runtime.dynamics_verify import NAMES, solvers_of, without_references
+from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
 from kousoku.runtime.kinematics.status import Status
-from kousoku.runtime.library import read_files
-from kousoku.runtime.linkage import SOLVER, solver_of
+from kousoku.runtime.linkage import open_linkage
+from kousoku.runtime.reference import Expected
+from kousoku.runtime.report import Report, Row
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
+    from collections.abc import Iterator, Mapping, Sequence
 
     from kousoku.runtime.arguments import Floats
+    from kousoku.runtime.choice import Target
     from kousoku.runtime.kinematics.rows import Run
-    from kousoku.runtime.library import Library
     from kousoku.runtime.linkage import LinkageSolver
+    from kousoku.runtime.sources import Sources
 
-SOLUTION_FILE = "solution.json"
+FORMAT = 1
 #: Largest difference, relative to the largest length, velocity or acceleration: far above the
 #: rounding of a mechanism that comes near its dead centres, far below any wrong formula.
 LIMIT = 1e-9
-MOTIONS = ("position", "velocity", "acceleration")
 #: Other rates, so that no term of the velocities and accelerations is zero or counts once.
 SPEED, SPEED_DOT = -1.5, 0.75
 
 
-def solver_problems(library: Library) -> list[str]:
-    """Return what is wrong with the solver of a package; nothing where it has none.
+def verify_linkage(sources: Sources, target: Target) -> Report:
+    """Return whether a folder that was made from a linkage computes what was composed.
+
+    Parameters
+    ----------
+    sources : Sources
+        Its files, compared with the manifest.
+    target : {"auto", "c", "numpy"}
+        What to check.
+    """
+    folder, package = sources.folder, sources.manifest.package
+    problems: list[str] = []
+    notes: list[str] = []
+    try:
+        data = _read(sources)
+    except VerifyError as error:
+        return Report(package, str(folder), (), (str(error),))
+    solvers = list(
+        solvers_of(lambda wanted: open_linkage(sources, wanted), target, problems, notes)
+    )
+    if data is None:
+        notes += without_references(folder)
+        return Report(package, str(folder), (), tuple(problems), tuple(notes))
+    rows: list[Row] = []
+    bits: dict[tuple[int, str, str], Floats] = {}
+    for solver in solvers:
+        found = [row for k, point in enumerate(data["points"]) for row in _rows(solver, k, point)]
+        rows += _worst(row for row, _ in found)
+        for row, values in found:
+            key = row.point, row.kernel, row.output
+            same = np.array_equal(bits.setdefault(key, values), values, equal_nan=True)
+            if row.kernel in data["exact"] and row.ok and not same:
+                problems.append(
+                    f"{row.kernel}: {row.output} has not the same bits in C and in NumPy, at point"
+                    f" {row.point} ({row.label})"
+                )
+    problems += [str(row) for row in rows if not row.ok]
+    for solver in solvers:
+        problems += solver_problems(solver, data["solution"])
+    return Report(package, str(folder), tuple(rows), tuple(problems), tuple(notes))
+
+
+def _read(sources: Sources) -> dict[str, Any] | None:
+    """Return the reference values, None where the folder was generated without."""
+    if REFERENCE_FILE not in sources.files:
+        return None
+    path = sources.folder / REFERENCE_FILE
+    try:
+        data: dict[str, Any] = json.loads(sources.files[REFERENCE_FILE])
+        if data["format"] != FORMAT:
+            raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
+        _ = [(point["label"], point["inputs"], point["outputs"]) for point in data["points"]]
+        _ = [data["solution"][name] for name in ("divisions", "rows", *OF_NODES)], data["exact"]
+    except (ValueError, KeyError, TypeError) as error:
+        raise VerifyError(f"{path} cannot be read: {error!r}") from None
+    return data
+
+
+def _rows(
+    solver: LinkageSolver, number: int, point: Mapping[str, Any]
+) -> Iterator[tuple[Row, Floats]]:
+    """Yield the error of each output of each segment at a point, and what it gave."""
+    given = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
+    inputs = tuple((name, ", ".join(map(repr, x.tolist()))) for name, x in given.items())
+    for segment, outputs in point["outputs"].items():
+        with np.errstate(all="ignore"):
+            found = solver.evaluate(segment, given)
+        for name, columns in outputs.items():
+            expected = Expected.of_columns(columns)
+            values = found[name][: expected.high.shape[1]]
+            (errors,) = expected.errors(values[None, :])
+            element = int(np.argmax(errors))
+            row = Row(
+                kernel=segment,
+                output=name,
+                way=NAMES[solver.target],
+                worst=float(errors[element]),
+                element=(element,),
+                point=number,
+                label=point["label"],
+                inputs=inputs,
+                got=float(values[element]),
+                wanted=float(expected.high[0, element]),
+            )
+            yield row, values.copy()
+
+
+def _worst(rows: Iterator[Row]) -> list[Row]:
+    """Return the worst row of each output."""
+    worst: dict[tuple[str, str], Row] = {}
+    for row in rows:
+        known = worst.setdefault((row.kernel, row.output), row)
+        if row.worst > known.worst:
+            worst[row.kernel, row.output] = row
+    return list(worst.values())
+
+
+def solver_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:
+    """Yield what is wrong with the motions that a solver gives.
 
     Both methods are run as the scene says, and once more with other rates, from another turn on
-    where the inputs turn; each row that ``solution.json`` has is compared.
-
-    Raises
-    ------
-    VerifyError
-        ``solution.json`` cannot be read.
+    where the inputs turn; each row that is known is compared.
     """
-    files = read_files(library.folder, library.manifest)
-    if SOLUTION_FILE not in files or SOLVER not in files:
-        return []
-    try:
-        data = json.loads(files[SOLUTION_FILE])
-        rows, divisions = data["rows"], data["divisions"]
-        exact = {name: np.array(data[name], dtype=np.float64) for name in MOTIONS}
-    except (ValueError, KeyError, TypeError) as error:
-        raise VerifyError(f"{library.folder / SOLUTION_FILE} cannot be read: {error!r}") from None
-    solver = solver_of(library)
-    problems: list[str] = []
+    rows, divisions = solution["rows"], solution["divisions"]
+    exact = {name: np.array(solution[name], dtype=np.float64) for name in OF_NODES}
     for method in METHODS if rows else ():
         run = solver.request(method=method, divisions=divisions)
         other, wanted = _at_other_rates(run, exact)
         if run.is_periodic and rows[-1] == divisions:
             # the continuation begins at the turn before
             other = replace(other, start=divisions + 3, first=2 * divisions)
-        where = f"solver by {library.target}, {method}"
-        problems += _problems(where, solver, run, rows, exact)
-        problems += _problems(f"{where}, at other rates", solver, other, rows, wanted)
-    return problems
+        where = f"solver by {solver.target}, {method}"
+        yield from _problems(where, solver, run, rows, exact)
+        yield from _problems(f"{where}, at other rates", solver, other, rows, wanted)
 
 
 def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, Floats]]:
@@ -71,7 +161,7 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
     With t(τ), dt/dτ = s and d²t/dτ² = c, a velocity v becomes s v, an acceleration a becomes
     s² a + c v; the same holds for the inputs.
     """
-    position, velocity, acceleration = (exact[name] for name in MOTIONS)
+    position, velocity, acceleration = (exact[name] for name in OF_NODES)
     s, c = SPEED, SPEED_DOT
     other = replace(
         run,
@@ -82,7 +172,7 @@ def _at_other_rates(run: Run, exact: dict[str, Floats]) -> tuple[Run, dict[str, 
         ],
     )
     motions = (position, s * velocity, s * s * acceleration + c * velocity)
-    return other, dict(zip(MOTIONS, motions, strict=True))
+    return other, dict(zip(OF_NODES, motions, strict=True))
 
 
 def _problems(

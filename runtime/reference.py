@@ -39,6 +39,11 @@ class Expected:
     low: Floats
     unit: Floats
 
+    @classmethod
+    def of_columns(cls, columns: Mapping[str, Any]) -> Expected:
+        """Return what is stored of an output at one point; null is NaN."""
+        return cls(*(np.array([columns[key]], dtype=np.float64) for key in ("high", "low", "unit")))
+
     def errors(self, values: Floats) -> Floats:
         """Return how many units each element is off; infinite where no number of units says it.
 

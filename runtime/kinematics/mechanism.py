@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping
     from typing import TypeAlias
 
     import numpy as np
     import numpy.typing as npt
 
     Array: TypeAlias = npt.NDArray[np.float64]
+    Segment: TypeAlias = Callable[[Array], None]
 
 
 class Link(NamedTuple):
@@ -90,15 +92,12 @@ class Block(NamedTuple):
         Its coordinates among all unknowns.
     links : tuple of str
         The links and sliders whose equations determine them.
-    known : tuple of int
-        What it depends on: places among the inputs and, after them, all unknowns.
     curves : tuple of Curve
         What bends its equations.
     """
 
     unknowns: slice
     links: tuple[str, ...]
-    known: tuple[int, ...]
     curves: tuple[Curve, ...]
 
 
@@ -122,6 +121,13 @@ class Mechanism:
         The prescribed and the unknown coordinates.
     blocks : tuple of Block
         The blocks, in the order of solving.
+    work_size : int
+        Count of slots of the workspace.
+    regions : mapping of str to (int, int)
+        First slot and size of each named part of it.
+    segments : mapping of str to callable
+        What is computed on it: ``position_k``, ``velocity_k`` and ``acceleration_k`` belong to
+        block k, counted from 1; ``nodes`` and ``angles`` give the results.
     """
 
     unit: str
@@ -132,6 +138,9 @@ class Mechanism:
     inputs: tuple[Input, ...]
     unknowns: tuple[Unknown, ...]
     blocks: tuple[Block, ...]
+    work_size: int
+    regions: Mapping[str, tuple[int, int]]
+    segments: Mapping[str, Segment]
 
     @property
     def wants_angles(self) -> bool:

@@ -37,6 +37,7 @@ OF_RANK = tuple(f"integrate/{name}" for name in ("rank.h", "rank.py", "nearly_de
 PARTS = (
     *TEMPLATES.values(),
     "dynamics/kernels.c.jinja",
+    "dynamics/_segments.jinja",
     "dynamics/_straight_line.jinja",
     "c/_macros.jinja",
 )

@@ -18,7 +18,6 @@ from .trajectory import trajectory_of
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
 
-    from .equations import Kernels
     from .mechanism import Array, Mechanism
     from .rows import Rows, Run
     from .trajectory import Trajectory
@@ -46,12 +45,10 @@ class Linkage:
         The scene.
     module : module
         ``solver.py`` of its folder: the mechanism, and its analysis in NumPy.
-    kernels : module or Library
-        The functions of ``kernels.py``.
     """
 
-    def __init__(self, name: str, module: Any, kernels: Kernels) -> None:
-        self.name, self.module, self.kernels = name, module, kernels
+    def __init__(self, name: str, module: Any) -> None:
+        self.name, self.module = name, module
         self.mechanism: Mechanism = module.MECHANISM
 
     @property
@@ -72,7 +69,7 @@ class Linkage:
 
     def rows(self, run: Run) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
-        rows: Rows = self.module.solve(self.kernels, run)
+        rows: Rows = self.module.solve(run)
         return rows
 
     def solve(self, **options: Any) -> Trajectory:
