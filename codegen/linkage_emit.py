@@ -2,12 +2,24 @@
 
 from __future__ import annotations
 
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
+from kousoku.codegen.dynamics.emission.emit import MOTION_FILE
+from kousoku.codegen.dynamics.emission.numpy_view import (
+    python_kernels,
+    python_segment,
+    regions_of,
+)
+from kousoku.codegen.dynamics.emission.slots import slots_of
+from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.codegen.kernel import Package
-from kousoku.codegen.linkage_view import linkage_view
+from kousoku.codegen.linkage_data import linkage_data
+from kousoku.codegen.linkage_layout import REGIONS
+from kousoku.codegen.view_lines import ascii_of, plain
+from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -50,17 +62,48 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
     dict of str to str
         File name and text, the manifest last.
     """
-    view = linkage_view(program, layout)
-    analysis = along(LIBRARY, *SHARED)
+    scene, regions, slots = layout.system.scene, regions_of(program), slots_of(program)
+    title = scene.title or f"the linkage {scene.name}"
+    sizes = [len(block.unknowns) for block in layout.blocks]
+    view = {
+        "name": scene.name,
+        "title": title,
+        "title_ascii": ascii_of(plain(title)),
+        "has_angles": layout.wants_angles,
+        "largest_block": max(sizes),
+        "matrix_size": sum(size * size for size in sizes),
+        "work_size": program.size,
+        "regions": regions,
+        "meanings": [(name, REGIONS[name]) for name, _, _ in regions],
+        "places": enumerators({f"W_{name.upper()}": base for name, base, _ in regions}),
+        "segments": [segment_text(program, one, slots) for one in program.segments],
+    }
+    python = {
+        "kernels": list(python_kernels(program)),
+        "segments": [python_segment(program, one) for one in program.segments],
+    }
+    data, analysis = linkage_data(layout), along(LIBRARY, *SHARED)
     inputs = hashed(
-        scene=repr(view),
+        scene=to_text(data),
+        composition=repr((view, python)),
         templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
         runtime=repr(analysis),
     )
-    package = Package(view.name, view.title, f"kousoku generate {view.name}.toml", ())
+    package = Package(scene.name, title, f"kousoku generate {scene.name}.toml", ())
     promised = promise(package, inputs)
-    python = {"kernels": view.python_kernels, "segments": view.python_segments}
-    given = {"view": view, "python": python, "version": __version__, "digest": promised.digest}
+    given = {
+        "view": view,
+        "mechanism": data,
+        "python": python,
+        "version": __version__,
+        "digest": promised.digest,
+        "listed": listed,
+    }
     templates = environment()
     files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
-    return with_manifest({**files, **analysis, **more}, promised)
+    return with_manifest({**files, **analysis, MOTION_FILE: to_text(data), **more}, promised)
+
+
+def listed(text: str) -> str:
+    """Return text inside a comment of C, in lines that fit."""
+    return "\n * ".join(wrap(text, 92))

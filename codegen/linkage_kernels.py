@@ -79,7 +79,7 @@ class _Composer:
         unit = self.layout.system.scene.unit
         return self._kernel(
             "position",
-            f"residual of the equations for {self.title}",
+            f"Residual of the equations for {self.title}",
             "epsilon = 0, D = d epsilon / d x",
             "(5)-(7), (15)",
             {
@@ -92,7 +92,7 @@ class _Composer:
         rows = [self._carried(number, row, 1) for number, row in self.block.rows]
         return self._kernel(
             "velocity",
-            f"right-hand side of the velocities of {self.title}",
+            f"Right-hand side of the velocities of {self.title}",
             "D x_dot = nu",
             "(22), (24)",
             {self._right_hand_side("nu", "/s"): rows},
@@ -107,7 +107,7 @@ class _Composer:
             rows.append(self.graph.sub(carried, link["D_dot_x_dot"][0]))
         return self._kernel(
             "acceleration",
-            f"right-hand side of the accelerations of {self.title}",
+            f"Right-hand side of the accelerations of {self.title}",
             "D x_ddot = gamma",
             "(23), (25)",
             {self._right_hand_side("gamma", "/s^2"): rows},

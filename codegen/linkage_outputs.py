@@ -37,7 +37,7 @@ def node_kernel(layout: Layout) -> Kernel:
     return drop_dead(
         Kernel(
             name="nodes",
-            title="motion of the nodes",
+            title="Motion of the nodes",
             formula="node = offset + factor * coordinate",
             source="Yamada and Tatsumi 1981, (18), (24), (25)",
             inputs=(layout.workspace,),
@@ -68,7 +68,7 @@ def angle_kernel(layout: Layout) -> Kernel:
     return drop_dead(
         Kernel(
             name="angles",
-            title="angles of the links",
+            title="Angles of the links",
             formula="tan(beta) = (y2 - y1) / (x2 - x1)",
             source="Yamada and Tatsumi 1981, (10)-(13)",
             inputs=(layout.workspace,),

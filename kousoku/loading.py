@@ -25,7 +25,7 @@ from kousoku.model.errors import (
 )
 from kousoku.own_kinds import own_kinds
 from kousoku.progress import told
-from kousoku.runtime.dynamics import MOTION_FILE, load_dynamics
+from kousoku.runtime.dynamics import LINKAGE_LIBRARY, load_dynamics
 from kousoku.runtime.integrate.result import shown
 from kousoku.runtime.library import MANIFEST
 
@@ -328,7 +328,7 @@ def _look(key: str, options: str) -> Path | None:
 
 
 def _open(folder: Path, target: Target) -> Solver:
-    if (folder / MOTION_FILE).is_file():
+    if not (folder / LINKAGE_LIBRARY).is_dir():
         return load_dynamics(folder, target=target)
     from kousoku.runtime.linkage import load_scene
 

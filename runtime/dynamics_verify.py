@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
@@ -26,7 +27,7 @@ from kousoku.runtime.notice import silent
 from kousoku.runtime.options import METHODS, RUNGE_KUTTA
 from kousoku.runtime.order import shown_order_problems, table_problems
 from kousoku.runtime.reference import Expected
-from kousoku.runtime.report import Report, Row
+from kousoku.runtime.report import Report, Row, worst_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -88,7 +89,7 @@ def verify_solver(
     points = data["points"] if data else []
     notes += _without(folder, data)
     independent = data["independent"] if data else []
-    rows = [row for solver in solvers for row in _rows(solver, points)]
+    rows = [row for solver in solvers for row in worst_rows(_rows(solver, points))]
     rows += [row for solver in solvers for row in independent_rows(solver, independent)]
     problems += [str(row) for row in rows if not row.ok]
     if solvers:
@@ -187,37 +188,22 @@ def solvers_of(
 
 
 def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the worst error of each region over all states."""
-    worst: dict[str, Row] = {}
+    """Yield the error of each region at each state."""
     for number, point in enumerate(points):
-        for row in _rows_at(solver, number, point):
-            known = worst.get(row.output)
-            if known is None or row.worst > known.worst:
-                worst[row.output] = row
-    yield from worst.values()
-
-
-def _rows_at(solver: DynamicsSolver, number: int, point: Mapping[str, Any]) -> Iterator[Row]:
-    q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
-    given = zip(solver.parameters, point.get("parameters", ()), strict=False)
-    found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
-    for name, columns in point["outputs"].items():
-        expected = Expected.of_columns(columns)
-        values = found[name][None, :]
-        (errors,) = expected.errors(values)
-        element = int(np.argmax(errors))
-        yield Row(
-            kernel="solver",
-            output=name,
-            way=NAMES[solver.target.name],
-            worst=float(errors[element]),
-            element=(element,),
-            point=number,
-            label=point["label"] + _owner(solver, name, element),
-            inputs=(("time", repr(point["time"])),),
-            got=float(values[0, element]),
-            wanted=float(expected.high[0, element]),
-        )
+        q, v = (np.array(point[name], dtype=np.float64) for name in ("q", "v"))
+        given = zip(solver.parameters, point.get("parameters", ()), strict=False)
+        found = solver.evaluate(point["time"], q, v, {name: value for (name, _), value in given})
+        for name, columns in point["outputs"].items():
+            row = Expected.of_columns(columns).row(
+                found[name],
+                kernel="solver",
+                output=name,
+                way=NAMES[solver.target.name],
+                point=number,
+                label=point["label"],
+                inputs=(("time", repr(point["time"])),),
+            )
+            yield replace(row, label=row.label + _owner(solver, name, row.element[0]))
 
 
 def _owner(solver: DynamicsSolver, region: str, element: int) -> str:

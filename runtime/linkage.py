@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import ctypes
+import json
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from kousoku.model.errors import LoadError
 from kousoku.runtime.choice import choose
+from kousoku.runtime.dynamics import LINKAGE_LIBRARY, MOTION_FILE
 from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE
 from kousoku.runtime.dynamics_targets import C_SOURCE
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.importing import import_source
+from kousoku.runtime.kinematics.mechanism import Mechanism
 from kousoku.runtime.kinematics.moving import Linkage
-from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES, empty_rows
+from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES, Run, empty_rows
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.library import compiled, read_files, read_manifest, require_digest
 from kousoku.runtime.notice import say_once
@@ -27,12 +30,10 @@ if TYPE_CHECKING:
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.kinematics.mechanism import Array
-    from kousoku.runtime.kinematics.rows import Rows, Run
+    from kousoku.runtime.kinematics.rows import Rows
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
 
-#: The analysis that goes along with a linkage, and with nothing else.
-LIBRARY = "kinematics"
 #: Room for the results, in the order of the fields of ``solver.h``.
 RESULTS = ("alpha", *OF_NODES, *OF_LINKS, "iterations", "residual", "condition")
 
@@ -42,18 +43,20 @@ class LinkageSolver(Linkage):
 
     Parameters
     ----------
-    module : module
-        The folder's ``solver.py``.
     sources : Sources
         The generated files.
+    module : module
+        The folder's ``solver.py``.
     library : ctypes.CDLL, optional
         Its compiled solver; NumPy computes without.
     """
 
     def __init__(
-        self, module: ModuleType, sources: Sources, library: ctypes.CDLL | None = None
+        self, sources: Sources, module: ModuleType, library: ctypes.CDLL | None = None
     ) -> None:
-        super().__init__(sources.manifest.package, module)
+        data = json.loads(sources.files[MOTION_FILE])
+        mechanism = Mechanism.from_data(data, module)
+        super().__init__(sources.manifest.package, mechanism, Run(**data["run"]))
         self.sources = sources
         self._library = library
 
@@ -138,7 +141,7 @@ def load_scene(
 
 def is_linkage(files: Collection[str]) -> bool:
     """Whether files are those of the solver of a linkage, by their names."""
-    return any(name.startswith(f"{LIBRARY}/") for name in files)
+    return any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
 
 
 def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
@@ -151,7 +154,9 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
     """
     folder, manifest, files = sources.folder, sources.manifest, sources.files
     if not is_linkage(files):
-        raise LoadError(f"{folder} is not made from a linkage of nodes: it has no {LIBRARY}")
+        raise LoadError(
+            f"{folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
+        )
     if NUMPY_SOURCE not in files:
         raise LoadError(f"{folder} was generated without {NUMPY_SOURCE}, which has its tables")
     module = import_source(folder, files, NUMPY_SOURCE)
@@ -161,12 +166,12 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
         from kousoku.runtime.toolchain import find_toolchain
 
         library, _ = compiled(manifest, files, find_toolchain())
-        return LinkageSolver(module, sources, library)
+        return LinkageSolver(sources, module, library)
 
     def in_numpy(reason: Exception | None) -> LinkageSolver:
         if reason is not None:
             say_once(f"kousoku uses the NumPy solver: {reason}")
-        return LinkageSolver(module, sources)
+        return LinkageSolver(sources, module)
 
     return choose(target, folder, files, (C_SOURCE, in_c), (NUMPY_SOURCE, in_numpy))
 

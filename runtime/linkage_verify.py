@@ -20,7 +20,7 @@ from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
 from kousoku.runtime.kinematics.status import Status
 from kousoku.runtime.linkage import open_linkage
 from kousoku.runtime.reference import Expected
-from kousoku.runtime.report import Report, Row
+from kousoku.runtime.report import Report, Row, worst_rows
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
@@ -66,7 +66,7 @@ def verify_linkage(sources: Sources, target: Target) -> Report:
     bits: dict[tuple[int, str, str], Floats] = {}
     for solver in solvers:
         found = [row for k, point in enumerate(data["points"]) for row in _rows(solver, k, point)]
-        rows += _worst(row for row, _ in found)
+        rows += worst_rows(row for row, _ in found)
         for row, values in found:
             key = row.point, row.kernel, row.output
             same = np.array_equal(bits.setdefault(key, values), values, equal_nan=True)
@@ -108,32 +108,17 @@ def _rows(
             found = solver.evaluate(segment, given)
         for name, columns in outputs.items():
             expected = Expected.of_columns(columns)
-            values = found[name][: expected.high.shape[1]]
-            (errors,) = expected.errors(values[None, :])
-            element = int(np.argmax(errors))
-            row = Row(
+            values = found[name][: expected.high.shape[1]].copy()
+            row = expected.row(
+                values,
                 kernel=segment,
                 output=name,
                 way=NAMES[solver.target],
-                worst=float(errors[element]),
-                element=(element,),
                 point=number,
                 label=point["label"],
                 inputs=inputs,
-                got=float(values[element]),
-                wanted=float(expected.high[0, element]),
             )
-            yield row, values.copy()
-
-
-def _worst(rows: Iterator[Row]) -> list[Row]:
-    """Return the worst row of each output."""
-    worst: dict[tuple[str, str], Row] = {}
-    for row in rows:
-        known = worst.setdefault((row.kernel, row.output), row)
-        if row.worst > known.worst:
-            worst[row.kernel, row.output] = row
-    return list(worst.values())
+            yield row, values
 
 
 def solver_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:

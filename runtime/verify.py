@@ -61,10 +61,10 @@ def verify(
     try:
         manifest = read_manifest(folder)
         files = read_files(folder, manifest)
-        if MOTION_FILE in files:
-            return verify_solver(folder, manifest, files, target)
         if is_linkage(files):
             return verify_linkage(Sources(folder, manifest, files), target)
+        if MOTION_FILE in files:
+            return verify_solver(folder, manifest, files, target)
         references = read_references(folder, manifest, files)
     except (LoadError, VerifyError) as error:
         return Report(folder.name, str(folder), (), (str(error),))

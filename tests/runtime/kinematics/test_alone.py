@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
-from types import SimpleNamespace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,10 +33,7 @@ RUN = Run(
 
 def solve_alone(mechanism: Mechanism, run: Run) -> Trajectory:
     """Return the motion as a folder without kousoku makes it."""
-    module = SimpleNamespace(
-        MECHANISM=mechanism, request=lambda: run, solve=partial(solve, mechanism)
-    )
-    return Linkage("bar", module).solve()
+    return Linkage("bar", mechanism, run).solve()
 
 
 def test_results_are_by_node_and_by_link(four_bar: Any) -> None:
