@@ -5,8 +5,7 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from kousoku import __version__
-from kousoku.codegen.dynamics.emission.emit import MOTION_FILE
+from kousoku.codegen.dynamics.emission.emit import MOTION_FILE, filled, package_of
 from kousoku.codegen.dynamics.emission.numpy_view import (
     python_kernels,
     python_segment,
@@ -14,8 +13,7 @@ from kousoku.codegen.dynamics.emission.numpy_view import (
 )
 from kousoku.codegen.dynamics.emission.slots import slots_of
 from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
-from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
-from kousoku.codegen.kernel import Package
+from kousoku.codegen.emit import along, hashed, promise, template
 from kousoku.codegen.linkage_data import linkage_data
 from kousoku.codegen.linkage_layout import REGIONS
 from kousoku.codegen.view_lines import ascii_of, plain
@@ -89,19 +87,9 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
         templates="".join(map(template, (*TEMPLATES.values(), *PARTS))),
         runtime=repr(analysis),
     )
-    package = Package(scene.name, title, f"kousoku generate {scene.name}.toml", ())
-    promised = promise(package, inputs)
-    given = {
-        "view": view,
-        "mechanism": data,
-        "python": python,
-        "version": __version__,
-        "digest": promised.digest,
-        "listed": listed,
-    }
-    templates = environment()
-    files = {name: templates.get_template(path).render(**given) for name, path in TEMPLATES.items()}
-    return with_manifest({**files, **analysis, MOTION_FILE: to_text(data), **more}, promised)
+    given = {"view": view, "mechanism": data, "python": python, "listed": listed}
+    files = {**analysis, MOTION_FILE: to_text(data), **more}
+    return filled(promise(package_of(scene.name, title), inputs), TEMPLATES, given, files)
 
 
 def listed(text: str) -> str:

@@ -1,37 +1,31 @@
 """Check the solver of a linkage: its segments against 50 digits, then its motions.
 
-At each point of ``reference.json.gz`` every segment is run, by C and by NumPy, and its error is
-told in units of what rounding can do there; segments that use only + − × ÷ √ must give the same
-bits by both. Then both methods move the linkage, and rows are compared with motions in 50 digits.
+Segments that use only + − × ÷ √ must give the same bits in C and in NumPy. Then both methods move
+the linkage, and rows are compared with motions in 50 digits.
 """
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from kousoku.model.errors import VerifyError
-from kousoku.model.manifest import REFERENCE_FILE
-from kousoku.runtime.dynamics_verify import NAMES, solvers_of, without_references
 from kousoku.runtime.kinematics.rows import METHODS, OF_NODES
 from kousoku.runtime.kinematics.status import Status
-from kousoku.runtime.linkage import open_linkage
+from kousoku.runtime.linkage import LinkageSolver, open_linkage
 from kousoku.runtime.reference import Expected
-from kousoku.runtime.report import Report, Row, worst_rows
+from kousoku.runtime.report import Row, worst_rows
+from kousoku.runtime.solver_verify import NAMES, SolverCheck
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.runtime.arguments import Floats
     from kousoku.runtime.choice import Target
     from kousoku.runtime.kinematics.rows import Run
-    from kousoku.runtime.linkage import LinkageSolver
-    from kousoku.runtime.sources import Sources
+    from kousoku.runtime.solver_verify import Data
 
-FORMAT = 1
 #: Largest difference, relative to the largest length, velocity or acceleration: far above the
 #: rounding of a mechanism that comes near its dead centres, far below any wrong formula.
 LIMIT = 1e-9
@@ -39,77 +33,53 @@ LIMIT = 1e-9
 SPEED, SPEED_DOT = -1.5, 0.75
 
 
-def verify_linkage(sources: Sources, target: Target) -> Report:
-    """Return whether a folder that was made from a linkage computes what was composed.
+class LinkageCheck(SolverCheck[LinkageSolver]):
+    """The check of a folder that was made from a linkage."""
 
-    Parameters
-    ----------
-    sources : Sources
-        Its files, compared with the manifest.
-    target : {"auto", "c", "numpy"}
-        What to check.
-    """
-    folder, package = sources.folder, sources.manifest.package
-    problems: list[str] = []
-    notes: list[str] = []
-    try:
-        data = _read(sources)
-    except VerifyError as error:
-        return Report(package, str(folder), (), (str(error),))
-    solvers = list(
-        solvers_of(lambda wanted: open_linkage(sources, wanted), target, problems, notes)
-    )
-    if data is None:
-        notes += without_references(folder)
-        return Report(package, str(folder), (), tuple(problems), tuple(notes))
-    rows: list[Row] = []
-    bits: dict[tuple[int, str, str], Floats] = {}
-    for solver in solvers:
-        found = [row for k, point in enumerate(data["points"]) for row in _rows(solver, k, point)]
-        rows += worst_rows(row for row, _ in found)
-        for row, values in found:
-            key = row.point, row.kernel, row.output
-            same = np.array_equal(bits.setdefault(key, values), values, equal_nan=True)
-            if row.kernel in data["exact"] and row.ok and not same:
-                problems.append(
-                    f"{row.kernel}: {row.output} has not the same bits in C and in NumPy, at point"
-                    f" {row.point} ({row.label})"
-                )
-    problems += [str(row) for row in rows if not row.ok]
-    for solver in solvers:
-        problems += solver_problems(solver, data["solution"])
-    return Report(package, str(folder), tuple(rows), tuple(problems), tuple(notes))
+    FORMAT = 1
+
+    def load(self, target: Target) -> LinkageSolver:
+        """Return the solver by a target."""
+        return open_linkage(self.sources, target)
+
+    def require(self, data: Mapping[str, Any]) -> object:
+        """Look at all that reference values must have."""
+        solution = [data["solution"][name] for name in ("divisions", "rows", *OF_NODES)]
+        points = [(point["label"], point["inputs"], point["outputs"]) for point in data["points"]]
+        return points, solution, data["exact"]
+
+    def rows(self, solver: LinkageSolver, data: Mapping[str, Any]) -> Iterable[Row]:
+        """Return the worst error of each output of each segment."""
+        return worst_rows(_rows(solver, data["points"]))
+
+    def problems(self, solvers: Sequence[LinkageSolver], data: Data) -> Iterator[str]:
+        """Yield which segments have other bits by C, and what is wrong with motions."""
+        if data is None:
+            return
+        if len(solvers) > 1:
+            yield from _differences(solvers[0], solvers[1], data)
+        for solver in solvers:
+            yield from _motion_problems(solver, data["solution"])
 
 
-def _read(sources: Sources) -> dict[str, Any] | None:
-    """Return the reference values, None where the folder was generated without."""
-    if REFERENCE_FILE not in sources.files:
-        return None
-    path = sources.folder / REFERENCE_FILE
-    try:
-        data: dict[str, Any] = json.loads(sources.files[REFERENCE_FILE])
-        if data["format"] != FORMAT:
-            raise VerifyError(f"{path}: its format is {data['format']}, wanted {FORMAT}")
-        _ = [(point["label"], point["inputs"], point["outputs"]) for point in data["points"]]
-        _ = [data["solution"][name] for name in ("divisions", "rows", *OF_NODES)], data["exact"]
-    except (ValueError, KeyError, TypeError) as error:
-        raise VerifyError(f"{path} cannot be read: {error!r}") from None
-    return data
-
-
-def _rows(
-    solver: LinkageSolver, number: int, point: Mapping[str, Any]
-) -> Iterator[tuple[Row, Floats]]:
-    """Yield the error of each output of each segment at a point, and what it gave."""
+def _found(
+    solver: LinkageSolver, point: Mapping[str, Any]
+) -> Iterator[tuple[str, str, Floats, Mapping[str, Any]]]:
+    """Yield segment, output, what was computed at a point, and what is stored of it."""
     given = {name: np.array(x, dtype=np.float64) for name, x in point["inputs"].items()}
-    inputs = tuple((name, ", ".join(map(repr, x.tolist()))) for name, x in given.items())
     for segment, outputs in point["outputs"].items():
         with np.errstate(all="ignore"):
             found = solver.evaluate(segment, given)
         for name, columns in outputs.items():
-            expected = Expected.of_columns(columns)
-            values = found[name][: expected.high.shape[1]].copy()
-            row = expected.row(
+            yield segment, name, found[name][: len(columns["high"])], columns
+
+
+def _rows(solver: LinkageSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
+    """Yield the error of each output of each segment at each point."""
+    for number, point in enumerate(points):
+        inputs = tuple((name, ", ".join(map(repr, x))) for name, x in point["inputs"].items())
+        for segment, name, values, columns in _found(solver, point):
+            yield Expected.of_columns(columns).row(
                 values,
                 kernel=segment,
                 output=name,
@@ -118,10 +88,26 @@ def _rows(
                 label=point["label"],
                 inputs=inputs,
             )
-            yield row, values
 
 
-def solver_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:
+def _differences(
+    one: LinkageSolver, other: LinkageSolver, data: Mapping[str, Any]
+) -> Iterator[str]:
+    """Yield where two targets give other bits first, of segments that use only + − × ÷ √."""
+    known = set[tuple[str, str]]()
+    for point in data["points"]:
+        pairs = zip(_found(one, point), _found(other, point), strict=True)
+        for (segment, name, a, _), (_, _, b, _) in pairs:
+            is_told = segment not in data["exact"] or (segment, name) in known
+            if not is_told and not np.array_equal(a, b, equal_nan=True):
+                known.add((segment, name))
+                yield (
+                    f"{segment}: {name} has not the same bits in C and in NumPy, at the point"
+                    f" {point['label']}: {a.tolist()} and {b.tolist()}"
+                )
+
+
+def _motion_problems(solver: LinkageSolver, solution: Mapping[str, Any]) -> Iterator[str]:
     """Yield what is wrong with the motions that a solver gives.
 
     Both methods are run as the scene says, and once more with other rates, from another turn on

@@ -53,18 +53,17 @@ def verify(
         does.
     """
     from kousoku.runtime.dynamics import MOTION_FILE
-    from kousoku.runtime.dynamics_verify import verify_solver
+    from kousoku.runtime.dynamics_verify import BodiesCheck
     from kousoku.runtime.linkage import is_linkage
-    from kousoku.runtime.linkage_verify import verify_linkage
+    from kousoku.runtime.linkage_verify import LinkageCheck
 
     folder = package.folder if isinstance(package, Library) else folder_of(package)
     try:
         manifest = read_manifest(folder)
         files = read_files(folder, manifest)
-        if is_linkage(files):
-            return verify_linkage(Sources(folder, manifest, files), target)
         if MOTION_FILE in files:
-            return verify_solver(folder, manifest, files, target)
+            check = LinkageCheck if is_linkage(files) else BodiesCheck
+            return check(Sources(folder, manifest, files)).verify(target)
         references = read_references(folder, manifest, files)
     except (LoadError, VerifyError) as error:
         return Report(folder.name, str(folder), (), (str(error),))
