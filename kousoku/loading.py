@@ -299,7 +299,7 @@ def generated(
         return generate_dynamics(scene, outputs, references=references)
     import msgspec
 
-    from kousoku.codegen.linkage import generate_scene
+    from kousoku.codegen.linkage.generate import generate_scene
 
     wanted = scene if outputs is None else msgspec.structs.replace(scene, outputs=tuple(outputs))
     return generate_scene(wanted, references=references)

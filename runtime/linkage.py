@@ -125,7 +125,7 @@ def load_scene(
     Parameters
     ----------
     folder : path
-        As ``kousoku.codegen.linkage.generate_scene`` made it.
+        As ``kousoku.codegen.linkage.generate.generate_scene`` made it.
     target : {"auto", "c", "numpy"}
         As of :func:`kousoku.runtime.load`.
 

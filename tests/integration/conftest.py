@@ -10,7 +10,7 @@ import pytest
 from mpmath import MPContext
 from msgspec.structs import astuple
 
-from kousoku.codegen.linkage import generate_scene
+from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics
 from kousoku.runtime.linkage import LinkageSolver, load_scene

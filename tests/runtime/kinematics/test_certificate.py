@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pytest
 
-from kousoku.codegen.linkage import generate_scene
+from kousoku.codegen.linkage.generate import generate_scene
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place
 from kousoku.runtime.kinematics.certificate import Certifier, Way

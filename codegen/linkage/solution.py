@@ -7,14 +7,14 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
-from kousoku.codegen.linkage_exact import Exact
-from kousoku.codegen.linkage_layout import OF_NODES
+from kousoku.codegen.linkage.exact import Exact
+from kousoku.codegen.linkage.layout import OF_NODES
 from kousoku.model.motion import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
 
 High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
 

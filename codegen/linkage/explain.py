@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.linkage import layout_of, program_of
+from kousoku.codegen.linkage.generate import layout_of, program_of
 from kousoku.model.assemble import assemble
 from kousoku.model.text import counted, table
 

@@ -10,7 +10,7 @@ from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
 
 #: Name, power of the second in the unit, and meaning of each order of derivative.
 MOTIONS = (

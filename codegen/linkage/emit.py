@@ -14,8 +14,8 @@ from kousoku.codegen.dynamics.emission.numpy_view import (
 from kousoku.codegen.dynamics.emission.slots import slots_of
 from kousoku.codegen.dynamics.emission.view import enumerators, segment_text
 from kousoku.codegen.emit import along, hashed, promise, template
-from kousoku.codegen.linkage_data import linkage_data
-from kousoku.codegen.linkage_layout import REGIONS
+from kousoku.codegen.linkage.data import linkage_data
+from kousoku.codegen.linkage.layout import REGIONS
 from kousoku.codegen.view_lines import ascii_of, plain
 from kousoku.model.jsontext import to_text
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
 
 TEMPLATES = {
     "solver.c": "linkage/solver.c.jinja",

@@ -1,7 +1,7 @@
 """Compose the kernels of a linkage from the frozen link element: no link is derived twice.
 
 The kernels of a block take the workspace and read its own unknowns there, and what is known by
-then; see :mod:`kousoku.codegen.linkage_layout`.
+then; see :mod:`kousoku.codegen.linkage.layout`.
 """
 
 from __future__ import annotations
@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel
-from kousoku.codegen.linkage_blocks import DEPENDS
+from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.assemble import Element, Term
 
 PAPER = "Yamada and Tatsumi 1981"

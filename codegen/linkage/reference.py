@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dual import DUAL, Dual, variable
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
-from kousoku.codegen.linkage_exact import Exact
-from kousoku.codegen.linkage_layout import SUFFIXES
-from kousoku.codegen.linkage_solution import solution
+from kousoku.codegen.linkage.exact import Exact
+from kousoku.codegen.linkage.layout import SUFFIXES
+from kousoku.codegen.linkage.solution import solution
 from kousoku.codegen.unit import columns
 from kousoku.model.jsontext import to_text
 
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from fractions import Fraction
 
     from kousoku.codegen.dynamics.recording.program import Program
-    from kousoku.codegen.linkage_layout import Layout
-    from kousoku.codegen.linkage_solution import Place
+    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.codegen.linkage.solution import Place
 
     #: For each input of the kernels its doubles.
     Numbers = dict[str, tuple[float, ...]]
@@ -59,7 +59,7 @@ class Point:
 def reference_values(program: Program, layout: Layout, found: Sequence[Place]) -> str:
     """Return the text of the reference values.
 
-    Values come from :class:`kousoku.codegen.linkage_exact.Exact` in 50 digits. Constants of the
+    Values come from :class:`kousoku.codegen.linkage.exact.Exact` in 50 digits. Constants of the
     scene count as inputs in the unit of error: they were inputs before they were bound.
     """
     return to_text(

@@ -10,8 +10,8 @@ from kousoku.runtime.kinematics.rows import METHODS
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.linkage_blocks import Block
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.blocks import Block
+    from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.assemble import Element, Term
 
 FORMAT = 1

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from kousoku.codegen.graph import Graph
-    from kousoku.codegen.linkage_blocks import Block
-    from kousoku.codegen.linkage_link import LinkRow
+    from kousoku.codegen.linkage.blocks import Block
+    from kousoku.codegen.linkage.link import LinkRow
     from kousoku.model.assemble import System, Term
 
 SUFFIXES = ("", "_dot", "_ddot")

@@ -14,15 +14,15 @@ import numpy as np
 import pytest
 from msgspec import structs
 
-from kousoku.codegen import linkage_emit
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.linkage import generate_scene, layout_of, program_of
-from kousoku.codegen.linkage_emit import emit_linkage
-from kousoku.codegen.linkage_reference import ORDERS, reference_values
-from kousoku.codegen.linkage_solution import places
+from kousoku.codegen.linkage import emit as linkage_emit
+from kousoku.codegen.linkage.emit import emit_linkage
+from kousoku.codegen.linkage.generate import generate_scene, layout_of, program_of
+from kousoku.codegen.linkage.reference import ORDERS, reference_values
+from kousoku.codegen.linkage.solution import places
 from kousoku.model.assemble import assemble
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene, scene_from_dict
@@ -30,10 +30,10 @@ from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
     from kousoku.codegen.kernel import Kernel
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.scene import Scene
 
-SCENES = Path(__file__).parents[2] / "scenes"
+SCENES = Path(__file__).parents[3] / "scenes"
 NAMES = ("piston_crank", "lever_crank", "five_bar", "watt_six_bar", "stephenson_six_bar")
 #: A slider and two loops; the others are verified for a release.
 ALWAYS = ("piston_crank", "watt_six_bar")
@@ -165,7 +165,7 @@ def digest_of(scene: Scene) -> str:
 
 
 def test_folders_take_the_analysis_along_as_it_is() -> None:
-    runtime = Path(linkage_emit.__file__).parents[1] / "runtime"
+    runtime = Path(linkage_emit.__file__).parents[2] / "runtime"
     files = generate_scene(read_scene(SCENES / "piston_crank.toml"))
     paths = [path for path in (runtime / "kinematics").iterdir() if path.suffix in {".h", ".py"}]
     paths += [runtime / name for name in linkage_emit.SHARED]
