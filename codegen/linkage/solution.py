@@ -6,20 +6,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.linkage_exact import Exact
+from kousoku.codegen.linkage.exact import Exact
+from kousoku.codegen.linkage.layout import OF_NODES
 from kousoku.model.digits import CONTEXT, HIGH
-from kousoku.model.directions import HALF_TURN
-from kousoku.model.jsontext import to_text
+from kousoku.model.motion import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.linkage_layout import Layout
-    from kousoku.model.planar import Input
+    from kousoku.codegen.linkage.layout import Layout
 
 High = Any  # a number of CONTEXT: mpmath is untyped
 
-MOTIONS = ("position", "velocity", "acceleration")
 #: Steps over the way of the inputs.
 STEPS = 10
 #: How often a step may be halved before it is said to meet a dead centre.
@@ -65,30 +63,19 @@ def places(layout: Layout) -> list[Place]:
     return found
 
 
-def solution(layout: Layout, found: Sequence[Place]) -> str:
-    """Return the text of ``solution.json``: what the solver of the scene must give.
+def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
+    """Return what the solver of the scene must give, as data.
 
     Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has
     more than two unknowns only the first position is sure to be on the branch of the scene.
     """
     kept = found if max(len(block.unknowns) for block in layout.blocks) <= 2 else found[:1]
     nodes = [_exact(layout, place.motion).nodes() for place in kept]
-    return to_text(
-        {
-            "format": 1,
-            "divisions": STEPS,
-            "rows": [int(place.part * STEPS) for place in kept],
-            **{name: [[float(x) for x in row[name]] for row in nodes] for name in MOTIONS},
-        }
-    )
-
-
-def span_of(given: Input) -> Fraction:
-    """Return how far an input goes until the last division."""
-    if given.to is not None:
-        return Fraction(given.to) - Fraction(given.start)
-    turns = Fraction(given.turns if given.turns is not None else int(given.slider is None))
-    return 2 * HALF_TURN * turns
+    return {
+        "divisions": STEPS,
+        "rows": [int(place.part * STEPS) for place in kept],
+        **{name: [[float(x) for x in row[name]] for row in nodes] for name in OF_NODES},
+    }
 
 
 def _inputs(layout: Layout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
