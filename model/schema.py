@@ -15,8 +15,8 @@ import msgspec
 
 from kousoku.model import loads, own_kind, planar, scene, spatial
 from kousoku.model.decode import LARGEST
+from kousoku.model.elements.forces import FORCES
 from kousoku.model.joints import NAMES
-from kousoku.model.loads import KEYS
 from kousoku.model.names import LONGEST, PATTERN
 from kousoku.model.scene import TABLES, Scene
 from kousoku.model.validate import LONGEST_TITLE, MOST_CLOSURE, MOST_DIVISIONS, MOST_ITERATIONS
@@ -37,7 +37,7 @@ LIMITS: dict[str, dict[str, dict[str, object]]] = {
     },
     "Body": {"mass": {"exclusiveMinimum": 0}},
     "Joint": {"type": {"enum": list(NAMES)}, "length": {"exclusiveMinimum": 0}},
-    "Force": {"type": {"enum": list(KEYS)}, "free_length": {"minimum": 0}},
+    "Force": {"free_length": {"minimum": 0}},
     "MassPoint": {"mass": {"exclusiveMinimum": 0}},
     "Box": {"mass": {"exclusiveMinimum": 0}},
     "Rod": {"mass": {"exclusiveMinimum": 0}},
@@ -93,6 +93,7 @@ def scene_schema() -> dict[str, Any]:
         definition["properties"].pop(getattr(record, "FLAT", ""), None)
         for key, limits in LIMITS.get(name, {}).items():
             definition["properties"][key].update(limits)
+    definitions["Force"]["properties"] |= _of_forces(definitions["Force"]["properties"])
     for table in TABLES:
         definitions["Scene"]["properties"][table]["propertyNames"] = {
             "pattern": PATTERN,
@@ -110,6 +111,17 @@ def scene_schema() -> dict[str, Any]:
 def schema_text() -> str:
     """Return the text of ``scene.schema.json``."""
     return json.dumps(scene_schema(), indent=2, ensure_ascii=False) + "\n"
+
+
+def _of_forces(keys: dict[str, Any]) -> dict[str, Any]:
+    """Return the types of forces, and the keys that some of them alone have."""
+    inputs = {name: one for kind in FORCES.values() for name, one in kind.inputs.items()}
+    own = {
+        name: {"anyOf": [msgspec.json.schema(one.type), {"type": "null"}]}
+        | {"default": None, "description": one.meaning}
+        for name, one in inputs.items()
+    }
+    return {"type": keys["type"] | {"enum": list(FORCES)}, **own}
 
 
 def _describe(definition: dict[str, Any], record: type[msgspec.Struct]) -> None:

@@ -9,6 +9,7 @@ import msgspec
 from kousoku.model.design import Design, NumberOrAngle, Place, Turns
 from kousoku.model.joints import keys_of
 from kousoku.model.orientation import Orientation
+from kousoku.model.own_kind import OwnInput, OwnKind
 from kousoku.model.solids import Box, Cylinder, Inertia, MassPoint, Rod, Sphere
 
 Vector = tuple[float, float, float]
@@ -144,6 +145,17 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
     def keys_of_type(sort: str) -> tuple[str, ...]:
         """Return the keys of a joint of a type, none where there is no such type."""
         return keys_of(sort)
+
+    @staticmethod
+    def own_inputs(sort: str, kinds: Mapping[str, OwnKind]) -> Mapping[str, OwnInput] | None:
+        """Return the inputs of a kind of one's own, none of a shipped type.
+
+        None where nobody knows the type: what keys it has is not known either, and that it is
+        unknown is said where types are looked at.
+        """
+        if keys_of(sort):
+            return {}
+        return kinds[sort].inputs if sort in kinds else None
 
     type: str
     bodies: tuple[str, str] | None = None
