@@ -17,6 +17,9 @@ from kousoku.runtime.integrate.result import listed
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from kousoku.model.elements.coupling import Coupling
+    from kousoku.model.elements.joint import JointKind
+
 T = TypeVar("T")
 
 
@@ -133,8 +136,7 @@ def _catalog() -> Catalog:
 
     text = (files("kousoku.model") / "scene.schema.json").read_text(encoding="utf-8")
     records = json.loads(text)["$defs"]
-    known: dict[str, joints.JointKind | joints.Coupling]
-    known = {**joints.JOINTS, **joints.COUPLINGS}
+    known: dict[str, JointKind | Coupling] = {**joints.JOINTS, **joints.COUPLINGS}
     sections = {
         "kinds": _kinds(),
         "joints": [

@@ -23,7 +23,7 @@ from kousoku.model.text import with_a
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Iterable, Sequence
 
-    from kousoku.model.elements.kind import ForceInput
+    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.errors import Problem
     from kousoku.model.own_kind import OwnInput, OwnKind
 
@@ -163,12 +163,12 @@ def _fields_of(record: type[msgspec.Struct]) -> dict[str, Any]:
 
 def _own_inputs(
     tree: Mapping[Any, object], record: type[msgspec.Struct], problems: Problems
-) -> Mapping[str, OwnInput | ForceInput] | None:
+) -> Mapping[str, OwnInput | ElementInput] | None:
     """Return the keys that a type alone has, or None where nobody knows what keys it has."""
     sort = tree.get("type")
     if not isinstance(sort, str):
         return {}
-    found: Mapping[str, OwnInput | ForceInput] | None
+    found: Mapping[str, OwnInput | ElementInput] | None
     found = cast("Any", record).own_inputs(sort, problems.kinds)
     return found
 
@@ -185,7 +185,7 @@ def _unknown_key(
     name: str,
     tree: Mapping[Any, object],
     record: type[msgspec.Struct],
-    inputs: Mapping[str, OwnInput | ForceInput],
+    inputs: Mapping[str, OwnInput | ElementInput],
 ) -> str:
     """Return the message for a key that a record does not have, with those that it may have."""
     fields = (*inputs, *_fields_of(record))

@@ -8,7 +8,7 @@ import msgspec
 
 from kousoku.model.design import Place
 from kousoku.model.elements.forces import FORCES
-from kousoku.model.elements.kind import Dependence, ForceInput
+from kousoku.model.elements.inputs import Dependence, ElementInput
 from kousoku.model.spatial import Components, Free, Value
 
 Six = tuple[Value, Value, Value, Value, Value, Value]
@@ -94,7 +94,7 @@ class Force(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return ("type", *FORCES[sort].all_keys) if sort in FORCES else ()
 
     @staticmethod
-    def own_inputs(sort: str, kinds: object) -> Mapping[str, ForceInput]:
+    def own_inputs(sort: str, kinds: object) -> Mapping[str, ElementInput]:
         """Return the keys that a type of forces alone has."""
         return FORCES[sort].inputs if sort in FORCES else {}
 

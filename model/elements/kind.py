@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from kousoku.model.errors import SceneError
 
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from kousoku.model.coordinates import CoordinateList
+    from kousoku.model.elements.inputs import ElementInput
     from kousoku.model.frames import BodyFrame
     from kousoku.model.loads import Force
     from kousoku.model.mechanism import ForceElement
@@ -22,30 +23,6 @@ if TYPE_CHECKING:
     Constants = tuple[tuple[str, tuple[float, ...]], ...]
     Formulas = tuple[tuple[str, str], ...]
     Points = tuple[tuple[float, float, float], tuple[float, float, float]]
-
-Dependence = Literal["nothing", "parameters", "law", "motion"]
-"""What formulas of a key may depend on: ``parameters`` only, or ``law`` with elongation, rate and
-time, or ``motion`` with time, coordinates and their rates. ``nothing`` where it has no formulas
-that are checked here: names of elements, points, whose formulas are checked as they are read."""
-
-
-@dataclass(frozen=True, slots=True)
-class ForceInput:
-    """A key that one kind of force has beside those of :class:`~kousoku.model.loads.Force`.
-
-    Parameters
-    ----------
-    type : object
-        The type of its value in a scene, such as :data:`~kousoku.model.spatial.Value`.
-    meaning : str
-        What it is, with its unit.
-    depends_on : {"nothing", "parameters", "law", "motion"}
-        What its formulas may depend on.
-    """
-
-    type: object
-    meaning: str
-    depends_on: Dependence = "parameters"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,13 +56,13 @@ class ForceKind(ABC):
         What it is, in one line.
     keys : tuple of str
         The keys of :class:`~kousoku.model.loads.Force` that it has.
-    inputs : mapping of str to ForceInput
+    inputs : mapping of str to ElementInput
         Keys that it alone has; the scene has their values in ``force.inputs``.
     """
 
     title: ClassVar[str]
     keys: ClassVar[tuple[str, ...]]
-    inputs: ClassVar[Mapping[str, ForceInput]] = {}
+    inputs: ClassVar[Mapping[str, ElementInput]] = {}
 
     @property
     def all_keys(self) -> tuple[str, ...]:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING
 
 from kousoku.model.elements.along import known_coordinate
 from kousoku.model.elements.coordinate_spring import linear_spring, spring_against
+from kousoku.model.elements.joint import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE
 from kousoku.model.elements.kind import ForceKind
 from kousoku.model.elements.spring import check_law, unused_free
 from kousoku.model.errors import SceneError
-from kousoku.model.joints import ANGLE, ANGLES, DISPLACEMENTS, SECOND_ANGLE, leaves_of, sort_of
+from kousoku.model.joints import leaves_of, sort_of
 from kousoku.model.text import with_a
 from kousoku.model.validate_coordinates import check_leaves
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from kousoku.model.decode import require_known
 from kousoku.model.design import Place
-from kousoku.model.elements.kind import ForceInput, ForceKind, require_one, scalars
+from kousoku.model.elements.inputs import ElementInput
+from kousoku.model.elements.kind import ForceKind, require_one, scalars
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX, ForceElement
 from kousoku.model.spatial import Value
@@ -32,9 +33,11 @@ class QuadraticDrag(ForceKind):
 
     title = "drag by the square of the velocity of a point"
     keys = ("body",)
-    inputs = {  # noqa: RUF012
-        "centre": ForceInput(Place | None, "where it acts, in the body frame", "nothing"),
-        "coefficient": ForceInput(Value, "c of F = -c |v| v [kg/unit of the scene]"),
+    inputs: ClassVar = {
+        "centre": ElementInput(Place | None, "where it acts, in the body frame"),
+        "coefficient": ElementInput(
+            Value, "c of F = -c |v| v [kg/unit of the scene]", "parameters"
+        ),
     }
 
     def check(self, scene: Scene, force: Force, key: str) -> None:
