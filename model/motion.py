@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.directions import HALF_TURN
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -31,6 +29,8 @@ def span_of(given: Input) -> Fraction:
     """Return how far an input goes until the last division."""
     if given.to is not None:
         return Fraction(given.to) - Fraction(given.start)
+    from kousoku.model.directions import HALF_TURN  # starts mpmath, which reading does not need
+
     return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
 
 
