@@ -17,7 +17,7 @@ from kousoku.runtime.given import folder_of
 from kousoku.runtime.importing import import_source
 from kousoku.runtime.kinematics.mechanism import Mechanism
 from kousoku.runtime.kinematics.moving import Linkage
-from kousoku.runtime.kinematics.rows import OF_LINKS, OF_NODES, Run, empty_rows
+from kousoku.runtime.kinematics.rows import RUN, Run, empty_rows
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.library import compiled, read_files, read_manifest, require_digest
 from kousoku.runtime.notice import say_once
@@ -34,8 +34,13 @@ if TYPE_CHECKING:
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
 
-#: Room for the results, in the order of the fields of ``solver.h``.
-RESULTS = ("alpha", *OF_NODES, *OF_LINKS, "iterations", "residual", "condition")
+#: The types of numbers of ``solver.h``; all others point at numbers.
+_TYPES: dict[str, Any] = {
+    "int": ctypes.c_int,
+    "double": ctypes.c_double,
+    "long long": ctypes.c_longlong,
+    "size_t": ctypes.c_size_t,
+}
 
 
 class LinkageSolver(Linkage):
@@ -192,40 +197,29 @@ def solve(
 def record_of(run: Run, rows: Rows) -> Any:
     """Return the record of ``solver.h`` that asks for a run and points at room for its rows."""
     record = _run_type(len(run.origin))()
-    for name in ("method", "max_iterations", "limit", "divisions", "start", "first", "rows"):
-        setattr(record, name, getattr(run, name))
-    for name in ("origin", "span", "turns", "rate", "rate_dot"):
-        getattr(record, name)[:] = getattr(run, name)
-    if run.times is not None:
-        record.times = run.times.ctypes.data
-    for name in RESULTS:
-        array = getattr(rows, name)
-        setattr(record, name, array.ctypes.data if array.size else None)
+    for field in RUN:
+        value = getattr(run if hasattr(run, field.name) else rows, field.name)
+        if field.is_pointer:
+            has_room = value is not None and value.size
+            setattr(record, field.name, value.ctypes.data if has_room else None)
+        elif field.is_by_input:
+            getattr(record, field.name)[:] = value
+        else:
+            setattr(record, field.name, value)
     return record
 
 
 def _run_type(inputs: int) -> type[ctypes.Structure]:
     """Return the record of ``solver.h``."""
-    numbers = ctypes.c_double * inputs
-    whole = ctypes.c_longlong
 
-    class Run(ctypes.Structure):
-        _fields_ = (
-            ("method", ctypes.c_int),
-            ("max_iterations", ctypes.c_int),
-            ("limit", ctypes.c_double),
-            *((name, whole) for name in ("divisions", "start", "first")),
-            ("rows", ctypes.c_size_t),
-            ("origin", numbers),
-            ("span", numbers),
-            ("turns", whole * inputs),
-            ("rate", numbers),
-            ("rate_dot", numbers),
-            ("times", ctypes.c_void_p),
-            *((name, ctypes.c_void_p) for name in RESULTS),
-            ("done", ctypes.c_size_t),
-            ("block", ctypes.c_size_t),
-            ("reached", numbers),
+    class Record(ctypes.Structure):
+        _fields_ = tuple(
+            (one.name, _TYPES[one.type] * inputs if one.is_by_input else _type_of(one.type))
+            for one in RUN
         )
 
-    return Run
+    return Record
+
+
+def _type_of(declared: str) -> Any:
+    return _TYPES.get(declared, ctypes.c_void_p)
