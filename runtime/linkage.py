@@ -15,9 +15,9 @@ from kousoku.runtime.dynamics_numpy import NUMPY_SOURCE
 from kousoku.runtime.dynamics_targets import C_SOURCE
 from kousoku.runtime.given import folder_of
 from kousoku.runtime.importing import import_source
-from kousoku.runtime.kinematics.mechanism import Mechanism
 from kousoku.runtime.kinematics.moving import Linkage
-from kousoku.runtime.kinematics.rows import RUN, Run, empty_rows
+from kousoku.runtime.kinematics.rows import RUN, empty_rows
+from kousoku.runtime.kinematics.solve import Solver
 from kousoku.runtime.kinematics.trajectory import Trajectory
 from kousoku.runtime.library import compiled, read_files, read_manifest, require_digest
 from kousoku.runtime.notice import say_once
@@ -26,11 +26,10 @@ from kousoku.runtime.sources import Sources
 if TYPE_CHECKING:
     from collections.abc import Collection
     from pathlib import Path
-    from types import ModuleType
 
     from kousoku.runtime.choice import Target
     from kousoku.runtime.kinematics.mechanism import Array
-    from kousoku.runtime.kinematics.rows import Rows
+    from kousoku.runtime.kinematics.rows import Rows, Run
 
 __all__ = ["LinkageSolver", "Trajectory", "load_scene", "solve"]
 
@@ -50,20 +49,20 @@ class LinkageSolver(Linkage):
     ----------
     sources : Sources
         The generated files.
-    module : module
-        The folder's ``solver.py``.
+    solver : Solver
+        That of ``solver.py``, with the analysis of the folder.
     library : ctypes.CDLL, optional
-        Its compiled solver; NumPy computes without.
+        The compiled solver.
     """
 
     def __init__(
-        self, sources: Sources, module: ModuleType, library: ctypes.CDLL | None = None
+        self, sources: Sources, solver: Solver, library: ctypes.CDLL | None = None
     ) -> None:
         data = json.loads(sources.files[MOTION_FILE])
-        mechanism = Mechanism.from_data(data, module)
-        super().__init__(sources.manifest.package, mechanism, Run(**data["run"]))
+        super().__init__(data, solver)
         self.sources = sources
         self._library = library
+        self._segments: list[str] = data["segments"]
 
     def __repr__(self) -> str:
         return f"<LinkageSolver {self.name}; in {self.target}>"
@@ -98,7 +97,7 @@ class LinkageSolver(Linkage):
         if self._library is None:
             mechanism.segments[segment](slots)
         else:
-            number = ctypes.c_size_t([*mechanism.segments].index(segment))
+            number = ctypes.c_size_t(self._segments.index(segment))
             self._function("evaluate", None)(number, slots.ctypes.data_as(ctypes.c_void_p))
         return {name: slots[place] for name, place in places.items()}
 
@@ -146,7 +145,8 @@ def load_scene(
 
 def is_linkage(files: Collection[str]) -> bool:
     """Whether files are those of the solver of a linkage, by their names."""
-    return any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
+    is_scene = MOTION_FILE in files
+    return is_scene and any(name.startswith(f"{LINKAGE_LIBRARY}/") for name in files)
 
 
 def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
@@ -162,21 +162,19 @@ def open_linkage(sources: Sources, target: Target) -> LinkageSolver:
         raise LoadError(
             f"{folder} is not made from a linkage of nodes: it has no {LINKAGE_LIBRARY}"
         )
-    if NUMPY_SOURCE not in files:
-        raise LoadError(f"{folder} was generated without {NUMPY_SOURCE}, which has its tables")
-    module = import_source(folder, files, NUMPY_SOURCE)
-    require_digest(folder, manifest, NUMPY_SOURCE, module.DIGEST)
 
     def in_c() -> LinkageSolver:
         from kousoku.runtime.toolchain import find_toolchain
 
         library, _ = compiled(manifest, files, find_toolchain())
-        return LinkageSolver(sources, module, library)
+        return LinkageSolver(sources, Solver(), library)
 
     def in_numpy(reason: Exception | None) -> LinkageSolver:
         if reason is not None:
             say_once(f"kousoku uses the NumPy solver: {reason}")
-        return LinkageSolver(sources, module)
+        module = import_source(folder, files, NUMPY_SOURCE)
+        require_digest(folder, manifest, NUMPY_SOURCE, module.DIGEST)
+        return LinkageSolver(sources, module.SOLVER)
 
     return choose(target, folder, files, (C_SOURCE, in_c), (NUMPY_SOURCE, in_numpy))
 

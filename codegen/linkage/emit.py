@@ -81,7 +81,7 @@ def emit_linkage(program: Program, layout: Layout, more: Mapping[str, str]) -> d
         "kernels": list(python_kernels(program)),
         "segments": [python_segment(program, one) for one in program.segments],
     }
-    data, analysis = linkage_data(layout), along(LIBRARY, *SHARED)
+    data, analysis = linkage_data(program, layout), along(LIBRARY, *SHARED)
     inputs = hashed(
         scene=to_text(data),
         composition=repr((view, python)),
