@@ -19,8 +19,8 @@ from kousoku.model.manifest import ABI, KernelManifest, Manifest
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.kernel import Kernel, Package
     from kousoku.codegen.view_records import PackageView
+    from kousoku.model.kernel import Kernel, Package
 
     Inputs = tuple[tuple[str, str], ...]
 

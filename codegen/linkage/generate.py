@@ -29,8 +29,8 @@ from kousoku.model.assemble import assemble
 from kousoku.model.manifest import REFERENCE_FILE
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel
     from kousoku.model.assemble import System
+    from kousoku.model.kernel import Kernel
     from kousoku.model.scene import Scene
 
 

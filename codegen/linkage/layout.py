@@ -16,10 +16,10 @@ from kousoku.model.quantity import Quantity
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.graph import Graph
     from kousoku.codegen.linkage.blocks import Block
     from kousoku.codegen.linkage.link import LinkRow
     from kousoku.model.assemble import System, Term
+    from kousoku.model.graph import Graph
 
 SUFFIXES = ("", "_dot", "_ddot")
 #: What the segments of a block leave beside its matrix.

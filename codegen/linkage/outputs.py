@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import drop_dead
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:

@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.dual import DUAL, Dual, variable
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.codegen.linkage.exact import Exact
 from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.codegen.linkage.solution import solution
 from kousoku.codegen.unit import columns
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.dual import DUAL, Dual, variable
 from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:
@@ -124,7 +124,7 @@ def _scattered(numbers: Numbers, size: float, seed: int) -> Numbers:
 
 def _row(program: Program, layout: Layout, point: Point) -> dict[str, object]:
     """Return one point with the references of its segments."""
-    high = {n: [HIGH_CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
+    high = {n: [CONTEXT.mpf(x) for x in xs] for n, xs in point.numbers.items()}
     duals = {n: [variable(x, (n, k)) for k, x in enumerate(xs)] for n, xs in high.items()}
     sizes: dict[object, Any] = {(n, k): abs(x) for n, xs in high.items() for k, x in enumerate(xs)}
     inputs: dict[str, list[object]] = {n: list(xs) for n, xs in point.numbers.items()}

@@ -11,8 +11,8 @@ from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
-from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text
+from kousoku.model.kernel import Package
 from kousoku.runtime.integrate.methods import METHODS
 from kousoku.runtime.integrate.motion import PARTS_OF_ROWS
 

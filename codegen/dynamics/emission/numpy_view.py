@@ -27,17 +27,17 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
     works,
 )
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
-from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
 from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
 from kousoku.codegen.view_names import Namer
+from kousoku.model.graph import Op, literal
 from kousoku.runtime.integrate.scene import Scene
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.mechanism import System
 
 #: A kernel gets the functions of floats or those of arrays, as its argument ``m``.

@@ -22,11 +22,11 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 )
 from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
-from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
 from kousoku.codegen.view_body import layout, output_text, straight_line
 from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
+from kousoku.model.graph import literal
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE
 from kousoku.runtime.integrate.settings import KINEMATICS, Doubt, Settings, Status
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Program, Segment, Task
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
     from kousoku.model.mechanism import System
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from fractions import Fraction
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
 
 @dataclass(frozen=True, slots=True)

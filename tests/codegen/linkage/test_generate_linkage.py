@@ -16,21 +16,22 @@ from msgspec import structs
 
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
-from kousoku.codegen.graph import Op
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.linkage import emit as linkage_emit
 from kousoku.codegen.linkage.emit import emit_linkage
 from kousoku.codegen.linkage.generate import generate_scene, layout_of, program_of
 from kousoku.codegen.linkage.reference import ORDERS, reference_values
 from kousoku.codegen.linkage.solution import places
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.assemble import assemble
+from kousoku.model.graph import Op
+from kousoku.model.interpret import evaluate
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.runtime.verify import verify
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.linkage.layout import Layout
+    from kousoku.model.kernel import Kernel
     from kousoku.model.scene import Scene
 
 SCENES = Path(__file__).parents[3] / "scenes"
