@@ -21,7 +21,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.model import precise
-from kousoku.model.mechanism import COMBINATION
+from kousoku.model.elements.constraints import COMBINATION
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping, Sequence

@@ -17,7 +17,8 @@ from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
 from kousoku.model import precise
-from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
+from kousoku.model.elements.constraints import COMBINATION
+from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.varying import is_varying
 
 if TYPE_CHECKING:
