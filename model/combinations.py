@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.frames import joint_points
 from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.mechanism import Instance, Term
-from kousoku.model.precise import CONTEXT, NOISE
+from kousoku.model.precise import NOISE
 from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import is_length
 from kousoku.model.frames import GROUND_FRAME
 from kousoku.model.joints import JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
-from kousoku.model.precise import CONTEXT, NOISE, ZERO
+from kousoku.model.precise import NOISE, ZERO
 from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:

@@ -26,8 +26,8 @@ class ConstantVelocity(JointKind):
         from kousoku.model import precise
         from kousoku.model.combinations import combination
         from kousoku.model.coordinates import Measure
+        from kousoku.model.digits import CONTEXT
         from kousoku.model.frames import joint_vectors
-        from kousoku.model.precise import CONTEXT
 
         ends = coordinates.frames[joint.ends[0]], coordinates.frames[joint.ends[1]]
         i, j = joint_vectors(ends, joint)

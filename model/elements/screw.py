@@ -35,7 +35,7 @@ class Screw(JointKind):
         """Return displacement − pitch / 2π · angle."""
         from kousoku.model import precise
         from kousoku.model.combinations import as_written
-        from kousoku.model.precise import CONTEXT
+        from kousoku.model.digits import CONTEXT
 
         assert joint.pitch is not None
         angle = coordinates.of_joint(name, ANGLE)

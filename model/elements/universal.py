@@ -25,8 +25,9 @@ class Universal(JointKind):
         """
         from kousoku.model import precise
         from kousoku.model.coordinates import Measure
+        from kousoku.model.digits import CONTEXT
         from kousoku.model.frames import joint_vectors
-        from kousoku.model.precise import CONTEXT, NOISE
+        from kousoku.model.precise import NOISE
 
         i, j = joint_vectors(ends, joint)
         first, second = ends

@@ -72,7 +72,7 @@ class DragFacets(ForceFacets[Drag]):
         """Add −c |ṙ_P| ṙ_P at its point; return its power, and no energy."""
         (coefficient,), course = given["coefficient"], at[self.force.j]
         rate = [x.d for x in course.point(given["s_j_b"])]
-        speed = equations.digits.functions.sqrt(sum(x * x for x in rate))
+        speed = equations.digits.sqrt(sum(x * x for x in rate))
         force = [-coefficient * speed * x for x in rate]
         equations.push(self.force.j, course, given["s_j_b"], force, found)
         return sum(a * b for a, b in zip(force, rate, strict=True)), 0

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION
 from kousoku.model.errors import SceneError
+from kousoku.model.interpret import evaluate
 from kousoku.model.read import scene_from_dict
 from kousoku.model.system import system_of
 

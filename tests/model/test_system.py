@@ -8,13 +8,14 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.store import load_frozen
 from kousoku.model import precise
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression
 from kousoku.model.families import chain, n_four_bar
+from kousoku.model.interpret import evaluate
 from kousoku.model.joints import JOINTS, NAMES
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, Instance, System, Term
 from kousoku.model.read import read_scene, scene_from_dict

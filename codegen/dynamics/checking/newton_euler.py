@@ -15,7 +15,6 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.checking.jets import (
-    FIFTY,
     Jet,
     arithmetic_of,
     cross,
@@ -23,19 +22,21 @@ from kousoku.codegen.dynamics.checking.jets import (
 )
 from kousoku.codegen.dynamics.elements.constraints import facets_of_kind
 from kousoku.codegen.dynamics.elements.forces import facets_of
-from kousoku.codegen.interpret import evaluate
 from kousoku.codegen.passes.rebuild import with_outputs
 from kousoku.codegen.store import load_frozen
+from kousoku.model.digits import HIGH
 from kousoku.model.elements.constraints import COMBINATION, is_length
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import Digits, High, Vector
+    from kousoku.codegen.dynamics.checking.jets import High, Vector
+    from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
     from kousoku.model.terms import Expression
 
@@ -171,11 +172,11 @@ class BodyEquations:
     ----------
     system : System
         The scene, all of whose numbers are fixed.
-    digits : Digits
+    digits : FormulaArithmetic
         What is computed with.
     """
 
-    def __init__(self, system: System, digits: Digits = FIFTY) -> None:
+    def __init__(self, system: System, digits: FormulaArithmetic[Any] = HIGH) -> None:
         self.system, self.digits = system, digits
         self.bodies = system.bodies
         #: The first column of each body, and their count.
@@ -234,7 +235,7 @@ class BodyEquations:
         (value,) = facets_of_kind(one.kind).residuals(i, j, own, self.digits)
         if not one.counts_turns:
             return value
-        turn = 8 * self.digits.functions.atan(self.digits.number(1))
+        turn = 8 * self.digits.atan(self.digits.number(1))
         count = round(float((self.digits.number(one.near) - value.x) / turn))
         return value + Jet(turn * count)
 

@@ -11,17 +11,19 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.checking.jets import Jet, atan2, cross, dot, sqrt
-from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.elements.constraints import base_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import Digits, High, Vector
+    from kousoku.codegen.dynamics.checking.jets import High, Vector
     from kousoku.codegen.dynamics.checking.newton_euler import Course
+    from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.precise import Triple
 
+    Digits = FormulaArithmetic[High]
     #: Its inputs by name.
     Own = Mapping[str, Sequence[High]]
 
@@ -88,8 +90,8 @@ class ConstraintFacets(ABC):
             The bodies on their way.
         own : mapping of str to sequence of number
             Its inputs.
-        digits : Digits
-            Numbers.
+        digits : FormulaArithmetic
+            What numbers are computed with.
         """
 
     def gap(self, seen: Seen) -> tuple[High, int]:
@@ -169,7 +171,7 @@ class Perpendicular(OfAxes):
     def gap(self, seen: Seen) -> tuple[High, int]:
         """Return by how much the angle between them differs from a right one."""
         sine, cosine = _angle(seen)
-        return HIGH_CONTEXT.atan2(cosine, sine), 1
+        return CONTEXT.atan2(cosine, sine), 1
 
 
 class Parallel(OfAxes):
@@ -181,7 +183,7 @@ class Parallel(OfAxes):
 
     def gap(self, seen: Seen) -> tuple[High, int]:
         """Return the angle between their lines."""
-        return HIGH_CONTEXT.atan2(*_angle(seen)), 1
+        return CONTEXT.atan2(*_angle(seen)), 1
 
 
 class Angle(ConstraintFacets):

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model import precise
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
