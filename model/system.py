@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from kousoku.model import precise
-from kousoku.model.combinations import combination_of
 from kousoku.model.coordinates import CoordinateList
+from kousoku.model.elements.constraints import COMBINATION, CONSTRAINTS
 from kousoku.model.errors import SceneError
 from kousoku.model.formulas import used_parameters
 from kousoku.model.frames import (
@@ -28,7 +28,7 @@ from kousoku.model.frames import (
 from kousoku.model.held import held_coordinates, held_of
 from kousoku.model.joints import COUPLINGS, JOINTS, NAMES
 from kousoku.model.mass import mass_properties
-from kousoku.model.mechanism import COMBINATION, Instance, MovingBody, System
+from kousoku.model.mechanism import Instance, MovingBody, System
 from kousoku.model.own_kind import FRAMES, ORIGINS, input_name
 from kousoku.model.precise import ZERO, High, Triple
 from kousoku.model.quaternions import quaternion
@@ -45,8 +45,8 @@ from kousoku.model.zero_directions import check_zero_directions
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
+    from kousoku.model.elements.joint import Part
     from kousoku.model.errors import Problem
-    from kousoku.model.joints import Part
     from kousoku.model.mass import MassProperties
     from kousoku.model.own_kind import OwnInput, OwnKind
     from kousoku.model.scene import Scene
@@ -97,7 +97,7 @@ def system_of(scene: Scene, outputs: Sequence[str] | None = None) -> System:
     start_values(scene, coordinates)
     constraints = (
         *_constraints(scene, frames, coordinates),
-        *driver_instances(scene, coordinates, frames),
+        *driver_instances(scene, coordinates),
     )
     forces = force_elements(scene, frames, coordinates, unit)
     events = events_of(scene, coordinates)
@@ -222,7 +222,7 @@ def _instances(
 ) -> Iterator[Instance]:
     """Yield what a joint is composed of, in the order of the table of joints."""
     if NAMES[joint.type] in COUPLINGS:
-        yield combination_of(name, joint, frames, coordinates)
+        yield COUPLINGS[NAMES[joint.type]].combination(name, joint, coordinates)
         return
     unit = coordinates.unit
     kind = JOINTS[NAMES[joint.type]]
@@ -233,11 +233,11 @@ def _instances(
         _require_near(name, ends, vectors)
     for part in kind.parts:
         if part.kind == COMBINATION:
-            yield combination_of(name, joint, frames, coordinates)
+            yield kind.combination(name, joint, coordinates)
             continue
         constants = dict(_constants(part, ends, points, vectors, unit))
         package = part.kind
-        if package in ("p1", "p2"):
+        if CONSTRAINTS[package].has_variants:
             package = variant(package, constants["a_i_b"])
         if package == "distance":
             constants["length"] = (_length(name, joint, ends, points, unit),)
@@ -307,12 +307,12 @@ def _constants(
     unit: High,
 ) -> Iterator[tuple[str, tuple[float, ...]]]:
     """Yield the inputs of a kernel that are fixed, in the order of its arguments."""
-    for k, body in enumerate("ij"):
-        if part.kind in ("n1", "p1") or (k == 0 and part.kind in ("n2", "p2")):
-            vector = vectors[k][part.j if k else part.i]
-            yield f"a_{body}_b", precise.rounded(vector)
-        if part.kind not in ("n1", "p1"):
-            yield f"s_{body}_b", ends[k].point(points[k], unit)
+    for name in CONSTRAINTS[part.kind].inputs:
+        k = "ij".index(name[2])
+        if name.startswith("s_"):
+            yield name, ends[k].point(points[k], unit)
+        else:
+            yield name, precise.rounded(vectors[k][part.j if k else part.i])
 
 
 def _length(

@@ -1,7 +1,7 @@
 """Position, velocity and acceleration analysis of planar mechanisms, block after block.
 
 The same algorithm as ordinary C (``*.h``) and as ordinary Python, file by file; a generated folder
-holds a copy of it beside the kernels and the tables of its scene. It needs the C library, and in
+holds a copy of it beside the segments and the tables of its scene. It needs the C library, and in
 Python NumPy, and imports nothing of kousoku but itself.
 
 ``mechanism``     records of the tables that describe a mechanism
@@ -12,6 +12,6 @@ Python NumPy, and imports nothing of kousoku but itself.
 ``newton``        full and modified Newton method
 ``assembly``      the first position
 ``continuation``  predictor and corrector along the inputs
-``solve``         the whole analysis
+``solve``         the whole analysis, and what a folder has of it
 ``trajectory``    results by name
 """

@@ -5,6 +5,7 @@ Told with kousoku's errors; where that is not installed with ``ValueError`` and 
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -12,15 +13,17 @@ import numpy as np
 
 from ..integrate.given import require_numbers, require_options, times_of
 from ..integrate.result import StoppedError, refusal, shown
+from .rows import request
 from .status import Status
 from .trajectory import trajectory_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping, Sequence
+    from pathlib import Path
 
-    from .equations import Kernels
-    from .mechanism import Array, Mechanism
+    from .mechanism import Array
     from .rows import Rows, Run
+    from .solve import Solver
     from .trajectory import Trajectory
 
 #: Options of a call that are counts, and all of them.
@@ -42,17 +45,16 @@ class Linkage:
 
     Parameters
     ----------
-    name : str
-        The scene.
-    module : module
-        ``solver.py`` of its folder: the mechanism, and its analysis in NumPy.
-    kernels : module or Library
-        The functions of ``kernels.py``.
+    data : mapping
+        What its ``motion.json`` holds.
+    solver : Solver
+        That of the folder.
     """
 
-    def __init__(self, name: str, module: Any, kernels: Kernels) -> None:
-        self.name, self.module, self.kernels = name, module, kernels
-        self.mechanism: Mechanism = module.MECHANISM
+    def __init__(self, data: Mapping[str, Any], solver: Solver) -> None:
+        self.name: str = data["name"]
+        self.solver = solver
+        self.mechanism, self.scene = solver.mechanism(data), solver.scene(data)
 
     @property
     def target(self) -> str:
@@ -67,13 +69,11 @@ class Linkage:
         ValueError, TypeError
             They are not such options.
         """
-        run: Run = self.module.request(**options)
-        return run
+        return request(self.scene, **options)
 
     def rows(self, run: Run) -> Rows:
         """Return what :meth:`solve` starts from, for a run."""
-        rows: Rows = self.module.solve(self.kernels, run)
-        return rows
+        return self.solver.solve(self.mechanism, run)
 
     def solve(self, **options: Any) -> Trajectory:
         """Return the motion of the scene.
@@ -221,3 +221,16 @@ class Linkage:
                 )
         fits = "no link is violated much, but they cannot all be met"
         return f"{', '.join(parts) or fits}; change lengths or positions"
+
+
+def linkage_of(solver: Solver, folder: Path) -> Linkage:
+    """Return the linkage of a folder alone.
+
+    Parameters
+    ----------
+    solver : Solver
+        That of the folder.
+    folder : Path
+        Where its ``motion.json`` is.
+    """
+    return Linkage(json.loads((folder / "motion.json").read_text(encoding="utf-8")), solver)

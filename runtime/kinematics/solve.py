@@ -13,24 +13,55 @@ import numpy as np
 
 from .assembly import assemble
 from .continuation import Continuation
-from .rows import Rows, empty_rows
+from .equations import Coordinates, segments_of
+from .mechanism import Mechanism
+from .rows import OF_LINKS, OF_NODES, Rows, Run, empty_rows
 from .status import Status, StopError
 
 if TYPE_CHECKING:
-    from .equations import Kernels
-    from .mechanism import Array, Mechanism
-    from .rows import Run
+    from collections.abc import Mapping, Sequence
+    from typing import Any
+
+    from ..integrate.tasks import Function
+    from .mechanism import Array
 
 
-def solve(mechanism: Mechanism, kernels: Kernels, run: Run) -> Rows:
+class Solver:
+    """What a folder computes with: its segments, and the analysis beside them.
+
+    Parameters
+    ----------
+    kernels, tasks
+        As of :func:`kinematics.equations.segments_of`; none where a compiled library computes.
+    """
+
+    def __init__(
+        self,
+        kernels: Sequence[tuple[Function, int, str, str]] = (),
+        tasks: Mapping[str, str] | None = None,
+    ) -> None:
+        self.segments = segments_of(kernels, tasks or {})
+
+    def mechanism(self, data: Mapping[str, Any]) -> Mechanism:
+        """Return what ``motion.json`` says of the mechanism."""
+        return Mechanism.from_data(data, self.segments)
+
+    def scene(self, data: Mapping[str, Any]) -> Run:
+        """Return what it says of the run that the scene asks for."""
+        return Run(**data["run"])
+
+    def solve(self, mechanism: Mechanism, run: Run) -> Rows:
+        """Return what is asked, as far as the mechanism moves."""
+        return solve(mechanism, run)
+
+
+def solve(mechanism: Mechanism, run: Run) -> Rows:
     """Return what is asked, as far as the mechanism moves.
 
     Parameters
     ----------
     mechanism : Mechanism
-        The tables.
-    kernels : Kernels
-        Whatever has the functions of the folder's ``kernels.py``.
+        The tables and segments.
     run : Run
         What is asked.
     """
@@ -39,19 +70,18 @@ def solve(mechanism: Mechanism, kernels: Kernels, run: Run) -> Rows:
         rows.status = Status.BAD_ARGUMENT
         return rows
     with np.errstate(all="ignore"):
-        _Analysis(mechanism, kernels, run, rows).make()
+        _Analysis(mechanism, run, rows).make()
     return rows
 
 
 class _Analysis:
     """A continuation whose positions are written into rows."""
 
-    def __init__(self, mechanism: Mechanism, kernels: Kernels, run: Run, rows: Rows) -> None:
-        self.kernels = kernels
+    def __init__(self, mechanism: Mechanism, run: Run, rows: Rows) -> None:
         self.wants_angles = mechanism.wants_angles
         self.run = run
         self.rows = rows
-        self.way = Continuation(mechanism, kernels, run)
+        self.way = Continuation(mechanism, run)
 
     def make(self) -> None:
         """Write all rows, or all until the mechanism stops and where it did."""
@@ -93,10 +123,15 @@ class _Analysis:
     def _write(self, division: int, x_dot: Array, x_ddot: Array) -> None:
         """Write what is wanted of the position into the next row."""
         run, rows, row, way = self.run, self.rows, self.rows.done, self.way
-        motion = (*way.position, way.rate, x_dot, np.asarray(run.rate_dot), x_ddot)
-        rows.position[row], rows.velocity[row], rows.acceleration[row] = self.kernels.nodes(*motion)
+        equations = way.newton.equations
+        equations.place(way.position)
+        equations.place(Coordinates(way.rate, x_dot), "_dot")
+        equations.place(Coordinates(np.asarray(run.rate_dot), x_ddot), "_ddot")
+        equations.run("nodes")
         if self.wants_angles:
-            angles = self.kernels.angles(*motion)
-            rows.angle[row], rows.angle_dot[row], rows.angle_ddot[row] = angles
+            equations.run("angles")
+        for name in OF_NODES + OF_LINKS * self.wants_angles:
+            wanted = getattr(rows, name)[row]
+            wanted[:] = equations.region(name).reshape(wanted.shape)
         is_timed = run.times is not None
         rows.alpha[row] = way.position.alpha if is_timed else run.counted_inputs(division)

@@ -89,6 +89,17 @@ def oscillator(t: float, s: float, m: float) -> dict[str, Any]:
     }
 
 
+def weight(t: float, s: float, m: float) -> dict[str, Any]:
+    """Return a weight on a spring that hardens, whose joint has no length."""
+    scene = oscillator(t, s, m)
+    middle = [0, 0, 0]
+    scene["bodies"] = {"cart": {**bar(m, s, s), "center": middle}}
+    scene["joints"]["rail"] = {**scene["joints"]["rail"], "points": [middle, middle]}
+    del scene["joints"]["rail"]["at"]
+    scene["forces"]["spring"]["force"] = f"{-m / t**2!r}*(x + 3*x^3/{s!r}^2)"
+    return {**scene, "name": "weight"}
+
+
 def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
     """Return the motion of a scene to an end."""
     return cast("Motion", kousoku.load(scene, target="numpy").simulate(end, samples=11, **options))
@@ -96,7 +107,7 @@ def moved(scene: dict[str, Any], end: float, **options: Any) -> Motion:
 
 @pytest.mark.parametrize("units", UNITS, ids=lambda units: "-".join(f"{x:g}" for x in units))
 @pytest.mark.parametrize("method", ["dopri5", "dop853"])
-@pytest.mark.parametrize("scene", [double_pendulum, oscillator, led])
+@pytest.mark.parametrize("scene", [double_pendulum, oscillator, led, weight])
 def test_steps_are_those_of_the_same_motion_in_other_units(
     scene: Any, method: str, units: tuple[float, float, float]
 ) -> None:
@@ -138,3 +149,10 @@ def test_a_body_that_nothing_moves_needs_few_steps() -> None:
     ledger = moved(scene, 1000.0).ledger
     assert ledger.steps < 200
     assert ledger.trust.is_trusted
+
+
+def test_a_point_alone_may_have_a_parameter_for_its_mass() -> None:
+    point = {"point": True, "position": [1, 2, 3], "mass": "k"}
+    scene = {"name": "alone", "unit": "m", "bodies": {"b": point}, "parameters": {"k": 2.0}}
+    run = moved({**scene, "gravity": [0, 0, -2]}, 3.0, parameters={"k": 5.0})
+    np.testing.assert_allclose(run.position["b"][-1], [1, 2, 3 - 9], rtol=0, atol=1e-14)
