@@ -79,7 +79,7 @@ static int follow_branch(
 {
     double x[WAY], beside = ASIDE, roots[2], off[2], farthest = 0.0, nearest = HUGE_VAL;
     const double way = h * larger(size_of(s->y + NQ), size_of(y + NQ));
-    const double before = sqrt(s->position_ratio), after = slope - before;
+    const double before = sqrt(fabs(s->position_ratio)), after = slope - before;
     const int is_even = !IS_DRIVEN || larger(before, after) <= EVEN * smaller(before, after);
     size_t n = 4;
     forget_trials(work);

@@ -109,7 +109,7 @@ def follow_branch(
     nq, size_of = work.scene.nq, work.w.size_of
     x, c = begin_way(h, state.y, state.f, y, f, nq)
     way = h * larger(size_of(state.y[nq:]), size_of(y[nq:]))
-    before = math.sqrt(state.position_ratio)
+    before = math.sqrt(abs(state.position_ratio))
     low, high = smaller(before, slope - before), larger(before, slope - before)
     is_even = high <= EVEN * low or not work.scene.is_driven
     beside = ASIDE

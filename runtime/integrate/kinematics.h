@@ -83,14 +83,22 @@ static int is_explained(double h, Position start, Position half, Position last)
     return 1;
 }
 
+/* what tells branches, negative where all rows are solved for: that is another number */
+static double told_ratio(const Work *work, const State *s)
+{
+    const double ratio = branch_ratio(work, s);
+    return HAS_ROW_SWITCH && work->all.is_on != 0.0 ? -ratio : ratio;
+}
+
 /* whether half a step of length h may leap over a singular configuration onto another branch: what
  * tells branches goes with the square of the distance from it, which changes at a steady rate; no
  * half passes zero where it and those beside it change the ratio by a small factor. What is too
  * short to be halved is noted: it is looked at */
 static int may_leap(double h, double before, double after, Position last, State *s)
 {
-    const double low = smaller(before, after), high = larger(before, after);
-    const int is_near = high > MOST_GROWTH * low;
+    const double low = smaller(fabs(before), fabs(after));
+    const double high = larger(fabs(before), fabs(after));
+    const int is_near = high > MOST_GROWTH * low && (before < 0.0) == (after < 0.0);
     const double way = h * size_of(last.y + NQ);
     if (is_near && !(way > FINEST_WAY)) s->is_near = 1.0;
     const int is_long = HAS_REFINEMENT && way > LONGEST_WAY && low < LEVEL * high;
@@ -114,13 +122,13 @@ static int reach(double end, int in_halves, State *s, Work *work, double *drift)
         if (!predict_and_correct(s->time + h, h, start, half, work, s, &first)) return 0;
         if (!is_smooth(h, first, start, half, change)) return 0;
         if (pivot_ratio(work, s) < WEAK * s->largest_pivot_ratio) return 0;
-        middle = branch_ratio(work, s);
+        middle = told_ratio(work, s);
         if (may_leap(h, s->position_ratio, middle, half, s)) return 0;
     }
     const Position before = in_halves ? half : start;
     if (!predict_and_correct(end, h, before, last, work, s, &second)) return 0;
     if (!is_smooth(h, second, before, last, change)) return 0;
-    if (in_halves && may_leap(h, middle, branch_ratio(work, s), last, s)) return 0;
+    if (in_halves && may_leap(h, middle, told_ratio(work, s), last, s)) return 0;
     if (FITS && in_halves && !is_explained(h, start, half, last)) return 0;
     for (size_t k = NQ - WORKS; k != NQ; ++k) {
         last.y[k] = start.y[k] + (in_halves ? h / 3.0 * (start.f[k] + 4.0 * half.f[k] + last.f[k])
@@ -135,7 +143,7 @@ static int branch_at(double end, State *s, Work *work)
 {
     if (!(HAS_REFINEMENT && s->is_near > 0.0)) return STAYS;
     const Position last = end_of(work);
-    const double first = sqrt(s->position_ratio), after = sqrt(branch_ratio(work, s));
+    const double first = sqrt(fabs(s->position_ratio)), after = sqrt(branch_ratio(work, s));
     const double part = meeting_part(first, after), h = end - s->time;
     const int found = follow_branch(h, last.y, last.f, part, first + after, work, s);
     place(end, last.y, work->w); /* its geometry again */
@@ -237,7 +245,7 @@ static void note_ratios(double ratio, double end, int is_deep, State *s, const W
         s->largest_pivot_ratio = ratio / WEAK * (is_deep ? DEEPER : 1.0);
     s->largest_pivot_ratio = larger(s->largest_pivot_ratio, ratio);
     note_largest_pivot(work, s);
-    s->position_ratio = branch_ratio(work, s);
+    s->position_ratio = told_ratio(work, s);
     s->usual_ratio = larger(s->usual_ratio, s->position_ratio);
 }
 

@@ -140,6 +140,12 @@ def is_explained(h: float, start: Position, half: Position, last: Position, work
     return miss <= larger(NO_JUMP, UNEXPLAINED * 2.0 * h * fastest)
 
 
+def told_ratio(work: Work, state: State) -> float:
+    """Return what tells branches, negative where all rows are solved for: another number."""
+    ratio = branch_ratio(work, state)
+    return -ratio if work.all is not None and work.all.is_on else ratio
+
+
 def may_leap(
     h: float, before: float, after: float, last: Position, state: State, work: Work
 ) -> bool:
@@ -149,8 +155,8 @@ def may_leap(
     it, which changes at a steady rate: no half passes zero where it and those beside it change the
     ratio by a small factor. What is too short to be halved is noted: it is looked at.
     """
-    low, high = smaller(before, after), larger(before, after)
-    is_near = high > MOST_GROWTH * low
+    low, high = smaller(abs(before), abs(after)), larger(abs(before), abs(after))
+    is_near = high > MOST_GROWTH * low and (before < 0.0) == (after < 0.0)
     way = h * work.w.size_of(last.y[work.scene.nq :])
     if is_near and not way > FINEST_WAY:
         state.is_near = 1.0
@@ -184,14 +190,14 @@ def reach(end: float, state: State, work: Work, *, in_halves: bool) -> float:
             return -1.0
         if pivot_ratio(work, state) < WEAK * state.largest_pivot_ratio:
             return -1.0
-        middle = branch_ratio(work, state)
+        middle = told_ratio(work, state)
         if may_leap(h, state.position_ratio, middle, half, state, work):
             return -1.0
         before = half
     second = predict_and_correct(end, h, before, last, work, state)
     if not is_smooth(h, second, before, last, work):
         return -1.0
-    if in_halves and may_leap(h, middle, branch_ratio(work, state), last, state, work):
+    if in_halves and may_leap(h, middle, told_ratio(work, state), last, state, work):
         return -1.0
     if work.scene.fits and in_halves and not is_explained(h, start, half, last, work):
         return -1.0
@@ -209,7 +215,7 @@ def branch_at(end: float, state: State, work: Work) -> int:
     if not (state.is_near > 0.0 and work.scene.has_refinement):
         return STAYS
     last = end_of(work)
-    first, after = math.sqrt(state.position_ratio), math.sqrt(branch_ratio(work, state))
+    first, after = math.sqrt(abs(state.position_ratio)), math.sqrt(branch_ratio(work, state))
     part, h = meeting_part(first, after), end - state.time
     found = follow_branch(h, last.y, last.f, part, first + after, work, state)
     work.w.place(end, last.y)  # its geometry again
@@ -309,7 +315,7 @@ def note_ratios(ratio: float, end: float, state: State, work: Work, *, is_deep: 
         state.largest_pivot_ratio = ratio / WEAK * (DEEPER if is_deep else 1.0)
     state.largest_pivot_ratio = larger(state.largest_pivot_ratio, ratio)
     note_largest_pivot(work, state)
-    state.position_ratio = branch_ratio(work, state)
+    state.position_ratio = told_ratio(work, state)
     state.usual_ratio = larger(state.usual_ratio, state.position_ratio)
 
 

@@ -237,8 +237,8 @@ static double way_of(const Trial *trial, const State *s, const Work *work)
     return trial->h * larger(size_of(s->y + NQ), size_of(work->y + NQ));
 }
 
-/* at which part of a step roots of ratios at its ends, which go with the distance from a place where
- * branches meet, tell that this is */
+/* at which part of a step roots of ratios at its ends, which go with the distance from a place
+ * where branches meet, tell that this is */
 static double meeting_part(double first, double last)
 {
     return first + last > 0.0 ? first / (first + last) : 0.5;

@@ -38,7 +38,7 @@ OFF = 1e-6
 """How far a motion may be off, where branches are ten times as far from each other [m]."""
 
 METHODS = ("kinematics", "dop853", "dopri5")
-LAWS = {
+LAWS: dict[str, Callable[[Any, float], Any]] = {
     "even": lambda x, _: x,
     "swinging": lambda x, amplitude: amplitude * np.sin(x),
     "uneven": lambda x, _: x - 0.9 * np.sin(x),

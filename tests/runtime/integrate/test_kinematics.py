@@ -59,7 +59,7 @@ def step(
     tried = Tried(found.get("drifts", []), found.get("ratios", []))
     for name in ("reach", "pivot_ratio", "accept_position"):
         monkeypatch.setattr(kinematics, name, getattr(tried, name))
-    monkeypatch.setattr(kinematics, "branch_ratio", lambda *_: 1.0)
+    monkeypatch.setattr(kinematics, "told_ratio", lambda *_: 1.0)
     for name in ("note_pivot_ratio", "note_largest_pivot"):
         monkeypatch.setattr(kinematics, name, lambda *_: None)
     settings: Any = SimpleNamespace(largest_step=1.0, checks=False, tolerance=1e-9)
