@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import analyse
-from kousoku.codegen.dynamics.assembly.moved import changes_of_assembly
+from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.choose import program_of
 from kousoku.codegen.dynamics.emission.emit import emit_dynamics

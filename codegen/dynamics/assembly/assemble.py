@@ -16,12 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
-from kousoku.codegen.dynamics.assembly.least import THINNEST, Metric, Solver
+from kousoku.codegen.dynamics.assembly.minimum_norm import THINNEST, Metric, MinimumNormSolver
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
-from kousoku.codegen.dynamics.assembly.nearest import CLOSED, ROUNDING, nearest
+from kousoku.codegen.dynamics.assembly.newton_mp import CLOSED, ROUNDING, nearest_pose
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers, with_turns_counted
+from kousoku.codegen.dynamics.assembly.unwrap import unwrapped, wound_as_driven
 from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, worst_first
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.model import precise
@@ -73,7 +73,7 @@ def _nearest(system: System, left_out: Collection[tuple[int, int]], metric: Metr
     """
     there, offset = brought_near(system, metric.size)
     rows = Residuals.of(there, there.constraints + there.held, left_out)
-    return nearest(there, rows, metric).shifted(offset)
+    return nearest_pose(there, rows, metric).shifted(offset)
 
 
 def _with_places(system: System, placed: System) -> System:
@@ -91,14 +91,14 @@ def _with_places(system: System, placed: System) -> System:
 
 def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
     """Return a system whose numbers are those of the scene, assembled."""
-    system = on_turns_of_drivers(system)
+    system = wound_as_driven(system)
     positions = Residuals.of(system, system.constraints + system.held, left_out)
     speeds = Residuals.of(system, system.constraints + system.held_rates, left_out)
     metric = Metric(system)
     fits = _fits(system, positions, metric)
     moves = _moves(system, speeds, metric)
     if fits and moves:
-        return with_turns_counted(system)
+        return unwrapped(system)
     if max(positions.rows, speeds.rows) > MOST_ROWS:
         raise AssemblyError(
             f"{system.name}: the positions and velocities of the scene do not fit, and it has "
@@ -117,7 +117,7 @@ def _assembled(system: System, left_out: Collection[tuple[int, int]]) -> System:
         replace(one, near=float(near))
         for one, near in zip(system.coordinates, pose.near, strict=True)
     )
-    return with_turns_counted(replace(system, bodies=bodies, coordinates=coordinates))
+    return unwrapped(replace(system, bodies=bodies, coordinates=coordinates))
 
 
 def _fits(system: System, rows: Residuals, metric: Metric) -> bool:
@@ -180,7 +180,7 @@ def _velocities(system: System, rows: Residuals, metric: Metric, pose: Pose) -> 
     rates = [x - y for x, y in zip(jacobian.times(given), rows.nu, strict=True)]
     wanted = [-x if row < kept else precise.ZERO[0] for row, x in enumerate(rates)]
     lengths = metric.lengths(rows)
-    change = Solver(jacobian, metric, rows).displacement(wanted)
+    change = MinimumNormSolver(jacobian, metric, rows).displacement(wanted)
     v = [x + y for x, y in zip(given, change, strict=True)]
     torn = [x - y for x, y in zip(jacobian.times(change), wanted, strict=True)]
     prescribed = max((abs(x * y) for x, y in zip(rows.nu, lengths, strict=True)), default=0)

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Places = np.ndarray[Any, np.dtype[np.int64]]
 
 
-class Jacobian:
+class PreciseJacobian:
     """C_q of a system in 50 digits, by its elements that are not zero.
 
     Parameters
@@ -40,7 +40,7 @@ class Jacobian:
         columns = np.array([column for _, column, _ in self._elements], int)
         return rows, columns, np.array([float(value) for _, _, value in self._elements])
 
-    def of_displacement(self, d: Sequence[High]) -> Jacobian:
+    def of_displacement(self, d: Sequence[High]) -> PreciseJacobian:
         """Return the derivative by a displacement d so far, whose turns are rotation vectors."""
         turns = range(3, len(d), COLUMNS)
         rates = {k: rates_of_turn((d[k], d[k + 1], d[k + 2])) for k in turns}
@@ -53,7 +53,7 @@ class Jacobian:
             first = column - place
             parts = enumerate(rates[first][place])
             elements += ((row, first + k, value * rate) for k, rate in parts)
-        return Jacobian(elements, self._shape)
+        return PreciseJacobian(elements, self._shape)
 
     def dense(self) -> Array:
         """Return the matrix in doubles."""

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import law_at_start
-from kousoku.codegen.dynamics.assembly.jacobian import Jacobian
+from kousoku.codegen.dynamics.assembly.jacobian import PreciseJacobian
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
 from kousoku.codegen.interpret import ARRAY, HIGH, HIGH_CONTEXT, evaluate
 from kousoku.codegen.passes.rebuild import with_outputs
@@ -146,7 +146,7 @@ class Residuals:
             if piece.coordinate >= 0:
                 self.sizes[piece.first] += abs(piece.factor * self.near[piece.coordinate])
 
-    def at(self, pose: Pose) -> tuple[list[High], Jacobian]:
+    def at(self, pose: Pose) -> tuple[list[High], PreciseJacobian]:
         """Return C and C_q in 50 digits; angles are counted from those of the pose."""
         values = list(self._offsets)
         elements: list[tuple[int, int, High]] = []
@@ -163,7 +163,7 @@ class Residuals:
                     elements.append((piece.first + row, column, factor * value))
         for row in np.flatnonzero(self.is_left_out).tolist():
             values[row] = precise.ZERO[0]
-        return values, Jacobian(elements, (self.rows, self.columns))
+        return values, PreciseJacobian(elements, (self.rows, self.columns))
 
     def counted(self, pose: Pose) -> Pose:
         """Return the pose with the angles that it has, counted on from those that it had."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Pattern
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
-from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.composition.length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS

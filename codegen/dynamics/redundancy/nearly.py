@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.assemble import MOST_ROWS, assemble
-from kousoku.codegen.dynamics.assembly.least import Metric
+from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.near_origin import brought_near
+from kousoku.codegen.dynamics.assembly.newton_double import CLOSE, DoublePose, GaussNewton
 from kousoku.codegen.dynamics.assembly.pose import Pose
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.rough import CLOSE, Place, RoughSearch
-from kousoku.codegen.dynamics.assembly.turns import on_turns_of_drivers
+from kousoku.codegen.dynamics.assembly.unwrap import wound_as_driven
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import HOLDS
 from kousoku.codegen.dynamics.redundancy.closure import is_near, near_branch
@@ -93,7 +93,7 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
         Places of constraints, and which of their rows; with them others of the same loops that are
         redundant to rounding.
     """
-    system = on_turns_of_drivers(fixed_system(system))
+    system = wound_as_driven(fixed_system(system))
     if not (parts := loops_of(system)):
         return ()
     metric = Metric(system)
@@ -102,9 +102,9 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     if rows.rows > MOST_ROWS:
         return ()
     damping = system.closure_tolerance**2  # what is stiff by less stays where it is
-    start = Place.of(Pose.of(system.bodies, system.coordinates))
-    search = RoughSearch(rows, metric)
-    place = search.restored(start, least=damping)
+    start = DoublePose.of(Pose.of(system.bodies, system.coordinates))
+    search = GaussNewton(rows, metric)
+    place = search.solve(start, least=damping)
     bodies = [
         replace(body, r=tuple(r), p=tuple(p))
         for body, r, p in zip(system.bodies, place.r.tolist(), place.p.tolist(), strict=False)

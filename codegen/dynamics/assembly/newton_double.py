@@ -20,7 +20,7 @@ from kousoku.model.precise import IDENTITY, ZERO
 
 if TYPE_CHECKING:
     from kousoku.codegen.dynamics.assembly.jacobian import Places
-    from kousoku.codegen.dynamics.assembly.least import Metric
+    from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.codegen.dynamics.redundancy.rank import Array
 
@@ -50,7 +50,7 @@ DIFFERENCE, RIGHT = 1e-6, 1e-5
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class DoublePose:
     """Positions of all bodies in doubles, the ground last.
 
     Parameters
@@ -66,7 +66,7 @@ class Place:
     near: Array
 
     @classmethod
-    def of(cls, pose: Pose) -> Place:
+    def of(cls, pose: Pose) -> DoublePose:
         """Return a pose in doubles."""
         r, p = (np.array([[float(x) for x in own] for own in part]) for part in (pose.r, pose.p))
         return cls(r, p, np.array([float(x) for x in pose.near]))
@@ -78,7 +78,7 @@ class Place:
         near = tuple(precise.number(x) for x in self.near.tolist())
         return Pose((*r, ZERO), (*p, IDENTITY), near)
 
-    def moved(self, step: Array) -> Place:
+    def moved(self, step: Array) -> DoublePose:
         """Return the positions after a displacement (δr, δθ′) of each body, finite rotations."""
         by_body = step.reshape(-1, COLUMNS)
         r, p = self.r.copy(), self.p.copy()
@@ -88,9 +88,9 @@ class Place:
         turn = np.hstack((np.cos(size), half * np.sinc(size / np.pi)))
         moved = _composed(p[:-1], turn)
         p[:-1] = moved / np.sqrt((moved * moved).sum(axis=1, keepdims=True))
-        return Place(r, p, self.near)
+        return DoublePose(r, p, self.near)
 
-    def since(self, start: Place) -> Array:
+    def since(self, start: DoublePose) -> Array:
         """Return the displacement (δr, δθ′) of each body from ``start`` to here."""
         back = start.p[:-1] * (1.0, -1.0, -1.0, -1.0)
         turned = _composed(back, self.p[:-1])
@@ -101,7 +101,7 @@ class Place:
         return np.hstack((self.r[:-1] - start.r[:-1], turn)).ravel()
 
 
-class RoughSearch:
+class GaussNewton:
     """Steps of least norm towards positions at which rows have wanted values.
 
     Parameters
@@ -117,18 +117,18 @@ class RoughSearch:
         self._lengths = np.where(rows.in_metres, 1.0, metric.size)
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
 
-    def missing(self, place: Place, wanted: Array | float = 0.0) -> Array:
+    def missing(self, place: DoublePose, wanted: Array | float = 0.0) -> Array:
         """Return wanted − C as lengths."""
         missing: Array = wanted - self._rows.residuals(place.r, place.p, place.near)
         return missing * self._lengths
 
-    def restored(
+    def solve(
         self,
-        place: Place,
+        place: DoublePose,
         wanted: Array | float = 0.0,
         until: float = CLOSE,
         least: float = LEAST_DAMPING,
-    ) -> Place:
+    ) -> DoublePose:
         """Return positions near a place at which rows are as wanted, or as near as they come.
 
         Gauss-Newton steps of least norm, damped while they overshoot (Levenberg and Marquardt),
@@ -149,7 +149,7 @@ class RoughSearch:
             damping = max(damping / 100, least)
         return place
 
-    def polished(self, start: Place, place: Place) -> Place | None:
+    def project_nearest(self, start: DoublePose, place: DoublePose) -> DoublePose | None:
         """Return the positions nearest to ``start`` on the branch of a place that fits.
 
         None where d ← W⁻¹ C_dᵀ λ with S λ = C_d d − C does not settle, C_d = C_q ∂q/∂d.
@@ -164,10 +164,10 @@ class RoughSearch:
             if not away < HOPELESS * self._size:
                 return None
             d = accelerated.next(d, nearest)
-            moved = self._counted(Place(start.r, start.p, moved.near).moved(d))
+            moved = self._counted(DoublePose(start.r, start.p, moved.near).moved(d))
         return None
 
-    def settled(self, start: Place, place: Place, change: Array) -> Array:
+    def implicit_correction(self, start: DoublePose, place: DoublePose, change: Array) -> Array:
         """Return by how much d is to change where one more step of it would be ``change``.
 
         With g the step and x what is wanted, x = change + g′ x. The derivative is a difference of
@@ -179,7 +179,7 @@ class RoughSearch:
         accelerated = Accelerated(1 / self._roots)
         x = change
         for _ in range(MOST_STEPS):
-            moved = Place(start.r, start.p, place.near).moved(d + scale * x)
+            moved = DoublePose(start.r, start.p, place.near).moved(d + scale * x)
             value = change + (self._nearest(moved, d + scale * x) - here) / scale
             away = self._away(value - x)
             if away <= RIGHT * self._away(change) or not away < HOPELESS * self._away(change):
@@ -187,7 +187,7 @@ class RoughSearch:
             x = accelerated.next(x, value)
         return x
 
-    def _nearest(self, place: Place, d: Array) -> Array:
+    def _nearest(self, place: DoublePose, d: Array) -> Array:
         c, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
         rows, columns, values = _of_displacement(rows, columns, values, d)
         rates = np.bincount(rows, values * d[columns], self._rows.rows)
@@ -197,10 +197,10 @@ class RoughSearch:
     def _away(self, change: Array) -> float:
         return _norm(change / self._roots)
 
-    def _counted(self, place: Place) -> Place:
-        return Place(place.r, place.p, self._rows.angles(place.r, place.p, place.near))
+    def _counted(self, place: DoublePose) -> DoublePose:
+        return DoublePose(place.r, place.p, self._rows.angles(place.r, place.p, place.near))
 
-    def _step(self, place: Place, missing: Array, damping: float) -> Array:
+    def _step(self, place: DoublePose, missing: Array, damping: float) -> Array:
         """Return a displacement that changes the rows, as lengths, about as wanted, damped."""
         _, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
         return self._least((rows, columns, values), missing, damping)

@@ -17,7 +17,7 @@ from kousoku.runtime.integrate.given_start import THIN
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Array, Jacobian
+    from kousoku.codegen.dynamics.assembly.jacobian import Array, PreciseJacobian
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
     from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
     from kousoku.model.precise import High
@@ -92,12 +92,12 @@ def _size(system: System) -> float:
     return max((abs(x) for values in lengths for x in values), default=0.0) or 1.0
 
 
-class Solver:
+class MinimumNormSolver:
     """S = C_q W⁻¹ C_qᵀ in doubles, and its solutions of least norm.
 
     Parameters
     ----------
-    jacobian : Jacobian
+    jacobian : PreciseJacobian
         C_q.
     metric : Metric
         W.
@@ -110,7 +110,7 @@ class Solver:
         Rows depend on each other, and they are too many for a dense solution.
     """
 
-    def __init__(self, jacobian: Jacobian, metric: Metric, rows: Residuals) -> None:
+    def __init__(self, jacobian: PreciseJacobian, metric: Metric, rows: Residuals) -> None:
         self._factors = np.array([float(x) for x in metric.lengths(rows)])
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
         self._jacobian, self._metric = jacobian, metric
@@ -119,7 +119,7 @@ class Solver:
         self._blocks = BlockFactors(Pattern(rows), (at, columns, scaled))
         self._parts: tuple[Array, Array] | None = None
 
-    def with_jacobian(self, jacobian: Jacobian) -> Solver:
+    def with_jacobian(self, jacobian: PreciseJacobian) -> MinimumNormSolver:
         """Return the solver for a C_q that is nearly the same: each pass adds fewer digits."""
         other = copy(self)
         other._jacobian = jacobian

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from kousoku.model.mechanism import System
 
 
-def on_turns_of_drivers(system: System) -> System:
+def wound_as_driven(system: System) -> System:
     """Return a system whose driven angles count from the turn on which their drivers start.
 
     The angle of the scene and what the driver prescribes at t = 0 are the same place up to whole
@@ -37,7 +37,7 @@ def on_turns_of_drivers(system: System) -> System:
     return system if coordinates == system.coordinates else replace(system, coordinates=coordinates)
 
 
-def with_turns_counted(system: System) -> System:
+def unwrapped(system: System) -> System:
     """Return a system whose angles count from the values that they have, rounded once."""
     if not any(one.counts_turns for one in system.coordinates):
         return system

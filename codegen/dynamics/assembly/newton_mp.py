@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.excess import excess_of_drivers
-from kousoku.codegen.dynamics.assembly.least import Solver
-from kousoku.codegen.dynamics.assembly.pose import Pose
-from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.assembly.rough import (
+from kousoku.codegen.dynamics.assembly.minimum_norm import MinimumNormSolver
+from kousoku.codegen.dynamics.assembly.newton_double import (
     LEAST_DAMPING,
     PATIENCE,
     SLOW,
-    Place,
-    RoughSearch,
+    DoublePose,
+    GaussNewton,
 )
+from kousoku.codegen.dynamics.assembly.pose import Pose
+from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of, sizes_of, violations
 from kousoku.model import precise
 from kousoku.model.errors import AssemblyError
@@ -30,7 +30,7 @@ from kousoku.model.errors import AssemblyError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.assembly.least import Metric
+    from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
     from kousoku.codegen.dynamics.redundancy.rank import Array
     from kousoku.model.mechanism import System
     from kousoku.model.precise import High
@@ -64,7 +64,7 @@ MOST_STAGES, MOST_HALVINGS = 64, 5
 """Stages on the way of drivers, and how often one that fails is halved."""
 
 
-def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
+def nearest_pose(system: System, rows: Residuals, metric: Metric) -> Pose:
     """Return the positions nearest to those of a system at which all rows hold.
 
     Raises
@@ -74,12 +74,12 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
         many metres and radians.
     """
     start = Pose.of(system.bodies, system.coordinates)
-    search = _Search(rows, metric)
-    written = Place.of(start)
-    pose = search.restored(search.rough.restored(written).pose())
+    search = _PreciseGaussNewton(rows, metric)
+    written = DoublePose.of(start)
+    pose = search.solve(search.doubles.solve(written).pose())
     open_joints = violations(rows, pose, CLOSED, metric.size)
-    if open_joints and (driven := _driven(written, system, search)):
-        pose = search.restored(driven.pose())
+    if open_joints and (driven := _led_by_drivers(written, system, search)):
+        pose = search.solve(driven.pose())
         open_joints = violations(rows, pose, CLOSED, metric.size)
     if open_joints:
         excess = excess_of_drivers(system, start)
@@ -89,7 +89,7 @@ def nearest(system: System, rows: Residuals, metric: Metric) -> Pose:
             f" {_advice(system, open_joints)}",
             [*open_joints],
         )
-    return _polished(start, pose, search)
+    return _project_nearest(start, pose, search)
 
 
 def _advice(system: System, open_joints: Mapping[str, tuple[float, float]]) -> str:
@@ -106,7 +106,7 @@ def _advice(system: System, open_joints: Mapping[str, tuple[float, float]]) -> s
     return "check lengths, points, axes and the positions that the scene gives"
 
 
-class _Search:
+class _PreciseGaussNewton:
     """Steps of least norm towards positions at which rows hold.
 
     Parameters
@@ -120,13 +120,13 @@ class _Search:
     def __init__(self, rows: Residuals, metric: Metric) -> None:
         self.rows, self.metric = rows, metric
         self.lengths = metric.lengths(rows)
-        self.rough = RoughSearch(rows, metric)
+        self.doubles = GaussNewton(rows, metric)
 
     def size(self, c: Sequence[High]) -> High:
         """Return the norm of rows as lengths."""
         return precise.length([x * y for x, y in zip(c, self.lengths, strict=True)])
 
-    def restored(self, pose: Pose) -> Pose:
+    def solve(self, pose: Pose) -> Pose:
         """Return positions at which rows hold, near those where they nearly do.
 
         Gauss-Newton steps of least norm, damped where they overshoot (Levenberg and Marquardt),
@@ -136,7 +136,7 @@ class _Search:
         c, jacobian = self.rows.at(pose)
         size = self.size(c)
         while EXACT * self.metric.size < size <= NEARLY * self.metric.size and slow < PATIENCE:
-            solver = Solver(jacobian, self.metric, self.rows)
+            solver = MinimumNormSolver(jacobian, self.metric, self.rows)
             moved = pose.moved(solver.step([-x for x in c], damping))
             moved_c, moved_jacobian = self.rows.at(moved)
             moved_size = self.size(moved_c)
@@ -149,39 +149,41 @@ class _Search:
         return pose
 
 
-def _driven(start: Place, system: System, search: _Search) -> Place | None:
+def _led_by_drivers(
+    start: DoublePose, system: System, search: _PreciseGaussNewton
+) -> DoublePose | None:
     """Return positions to which drivers lead from afar; None if none is far, or does not arrive.
 
     The joints are put together without drivers first. From there the value that each driver is
     away from what it prescribes goes to zero in equal stages.
     """
-    rough, size = search.rough, search.metric.size
+    doubles, size = search.doubles, search.metric.size
     drives = np.repeat(
         [one.is_driver for one in search.rows.constraints],
         [search.rows.count(one) for one in search.rows.constraints],
     )
-    if _stages(rough.missing(start), drives, size) <= 1:
+    if _stages(doubles.missing(start), drives, size) <= 1:
         return None
     places = [k for k, one in enumerate(search.rows.constraints) if not one.is_driver]
     kept = [search.rows.constraints[k] for k in places]
     left_out = [(places.index(k), row) for k, row in search.rows.left_out if k in places]
-    others = RoughSearch(Residuals.of(system, kept, left_out), search.metric)
-    place = others.restored(start, until=ON_THE_WAY)
+    others = GaussNewton(Residuals.of(system, kept, left_out), search.metric)
+    place = others.solve(start, until=ON_THE_WAY)
     lengths = np.where(search.rows.in_metres, 1.0, size)
-    away = np.where(drives, -rough.missing(place) / lengths, 0.0)
+    away = np.where(drives, -doubles.missing(place) / lengths, 0.0)
     done, halvings = 0.0, 0
-    part = 1 / min(MOST_STAGES, _stages(rough.missing(place), drives, size))
+    part = 1 / min(MOST_STAGES, _stages(doubles.missing(place), drives, size))
     while done < 1:
         wanted = max(0.0, 1 - done - part) * away
-        moved = rough.restored(place, wanted, ON_THE_WAY)
-        left = rough.missing(moved, wanted)
+        moved = doubles.solve(place, wanted, ON_THE_WAY)
+        left = doubles.missing(moved, wanted)
         if float((left * left).sum()) ** 0.5 <= ON_THE_WAY * size:
             place, done = moved, done + part
         elif halvings < MOST_HALVINGS:
             part, halvings = part / 2, halvings + 1
         else:
             return None
-    return rough.restored(place)
+    return doubles.solve(place)
 
 
 def _stages(missing: Array, drives: Array, size: float) -> int:
@@ -190,37 +192,41 @@ def _stages(missing: Array, drives: Array, size: float) -> int:
     return max(1, math.ceil(largest / (FAR * size)))
 
 
-def _polished(start: Pose, pose: Pose, search: _Search) -> Pose:
+def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
     """Return the positions nearest to ``start`` on the branch of ``pose``, which fits already.
 
     With d the displacement so far, and C_d = C_q ∂q/∂d, d ← W⁻¹ C_dᵀ λ where S λ = C_d d − C, until
     it stays. Where that does not settle, rows that depend on each other where they hold and nowhere
     else lead along themselves.
     """
-    metric, rough = search.metric, search.rough
-    begin = Place.of(start)
-    place = rough.polished(begin, Place.of(pose))
+    metric, doubles = search.metric, search.doubles
+    begin = DoublePose.of(start)
+    place = doubles.project_nearest(begin, DoublePose.of(pose))
     if place is None:
-        return _slid(start, pose, search)
+        return _stepwise_nearest(start, pose, search)
     moved = replace(place.pose(), near=pose.near)
     d = moved.since(start)
-    solver: Solver | None = None
+    solver: MinimumNormSolver | None = None
     for _ in range(MOST_STEPS):
         c, jacobian = search.rows.at(moved)
         jacobian = jacobian.of_displacement(d)
-        solver = solver.with_jacobian(jacobian) if solver else Solver(jacobian, metric, search.rows)
+        solver = (
+            solver.with_jacobian(jacobian)
+            if solver
+            else MinimumNormSolver(jacobian, metric, search.rows)
+        )
         towards = solver.displacement(_less(jacobian.times(d), c))
         missing = _less(towards, d)
         change = metric.norm(missing)
         if change <= EXACT * metric.size:
             return search.rows.counted(replace(start.moved(towards), near=moved.near))
-        left = rough.settled(begin, place, np.array([float(x) for x in missing]))
+        left = doubles.implicit_correction(begin, place, np.array([float(x) for x in missing]))
         d = [x + precise.number(y) for x, y in zip(d, left.tolist(), strict=True)]
         moved = search.rows.counted(replace(start.moved(d), near=moved.near))
-    return moved if change <= ROUNDING * metric.size else _slid(start, pose, search)
+    return moved if change <= ROUNDING * metric.size else _stepwise_nearest(start, pose, search)
 
 
-def _slid(start: Pose, pose: Pose, search: _Search) -> Pose:
+def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
     """Return the positions nearest to ``start``, by steps from positions to others that fit.
 
     A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay, unless
@@ -231,14 +237,14 @@ def _slid(start: Pose, pose: Pose, search: _Search) -> Pose:
     for _ in range(MOST_SLIDES):
         d = here.since(start)
         jacobian = rows.at(here)[1].of_displacement(d)
-        normal = Solver(jacobian, metric, rows).displacement(jacobian.times(d))
+        normal = MinimumNormSolver(jacobian, metric, rows).displacement(jacobian.times(d))
         size = metric.norm(_less(d, normal))
         if size <= SLID * metric.size:
             return here
         if not size < last:
             return here if size <= CLOSED * metric.size else pose
         moved = rows.counted(replace(start.moved(normal), near=here.near))
-        here, last = search.restored(search.rough.restored(Place.of(moved)).pose()), size
+        here, last = search.solve(search.doubles.solve(DoublePose.of(moved)).pose()), size
         if violations(rows, here, CLOSED, metric.size):
             break
     return pose
