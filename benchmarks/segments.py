@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from benchmarks.kit import seconds_of
-from kousoku.codegen.dynamics.explanation.counts import counts
 from kousoku.codegen.dynamics.generate import composed
+from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.runtime.dynamics_targets import CompiledSolver
 from kousoku.runtime.toolchain import EXTENSION, find_toolchain
 

@@ -17,11 +17,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import unit_of
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.equations import NUMBERS, system_equations
-from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.view_numbers import row_of
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import frozen
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.outline import outline_of
@@ -145,7 +145,7 @@ class Equations:
         self.system = without_held(put_together(system_of(scene, ())))
         self._recorded = system_equations(self.system)
         self._program = self._recorded.program
-        self._workspace = Workspace(self._program)
+        self._workspace = ProgramInterpreter(self._program)
         self.name, self.unit = self.system.name, self.system.unit
         #: As of a solver.
         self.parameters = self.system.parameters
@@ -268,7 +268,7 @@ class Equations:
             self._run(work, q, turned)
         return self._written(work, bodies, masses, turned, (q, v)), turned
 
-    def _with_parameters(self, state: State) -> tuple[Workspace, Array]:
+    def _with_parameters(self, state: State) -> tuple[ProgramInterpreter, Array]:
         """Return a workspace with the parameters of a state, and the numbers of the bodies."""
         work, program = copy(self._workspace), self._program
         work.values = list(self._workspace.values)
@@ -292,7 +292,7 @@ class Equations:
         work.run("masses")
         return work, np.array(work["masses"]).reshape(-1, NUMBERS)
 
-    def _run(self, work: Workspace, q: Array, state: State) -> None:
+    def _run(self, work: ProgramInterpreter, q: Array, state: State) -> None:
         """Evaluate all kernels."""
         tail = [state.near.get(one.name, 0.0) for one in self._program.auxiliary]
         work["q"] = [*q[: self.sizes[0]].tolist(), *tail]
@@ -337,7 +337,7 @@ class Equations:
 
     def _written(
         self,
-        work: Workspace,
+        work: ProgramInterpreter,
         bodies: Sequence[BodyPlaces],
         masses: Array,
         state: State,

@@ -11,12 +11,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import counts
+from kousoku.codegen.dynamics.recording.counts import counts
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
-from kousoku.codegen.dynamics.simplification.reduction import is_worth
+from kousoku.codegen.dynamics.simplification.joint_coordinates import is_worth
 from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
@@ -74,7 +74,7 @@ def cheaper(
     if analysed.left_out or not is_worth(analysed.system, analysed.outline.rows):
         return program
     found = with_joint_coordinates(analysed, most_free)
-    if not found.reductions:
+    if not found.transformations:
         return program
     other = compose(found, wanted)
     if _cost(other) >= _cost(program):
@@ -151,7 +151,7 @@ def _named(program: Program, freedom: Freedom) -> Program:
 
 def _is_regular(program: Program) -> bool:
     """Return whether the rows that a program keeps are independent at the start."""
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     try:
         workspace.run("geometry")
     except ZeroDivisionError:  # a pivot is exactly zero

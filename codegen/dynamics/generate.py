@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.analyse import analyse
+from kousoku.codegen.dynamics.analyse import analyse, require_driven
 from kousoku.codegen.dynamics.assembly.changes import changes_of_assembly
 from kousoku.codegen.dynamics.checking.reference import solver_references
 from kousoku.codegen.dynamics.choose import program_of
@@ -29,7 +29,6 @@ from kousoku.codegen.dynamics.redundancy.closure import notes_of_freedom
 from kousoku.codegen.dynamics.redundancy.given_rank import notes_of_rank
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.given_start import given_start, require_held
-from kousoku.codegen.dynamics.simplification.weights import require_driven
 from kousoku.model.about import About
 from kousoku.model.held import require_kept, without_held
 from kousoku.model.manifest import REFERENCE_FILE

@@ -23,10 +23,10 @@ from kousoku.codegen.dynamics.checking import reference
 from kousoku.codegen.dynamics.composition import (
     combinations,
     compose,
-    coordinate_tasks,
     energies,
-    force_tasks,
     momentum,
+    record_coordinates,
+    record_forces,
 )
 from kousoku.codegen.dynamics.emission import emit
 from kousoku.codegen.dynamics.generate import generate_dynamics
@@ -36,8 +36,8 @@ from kousoku.codegen.dynamics.operations import (
     forces,
     forces_along,
     mechanics,
-    reduced_operations,
 )
+from kousoku.codegen.dynamics.operations import joint_coordinates as joint_operations
 from kousoku.codegen.dynamics.recording import recorder
 from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
@@ -154,7 +154,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("(*v, *omega), strict=True", "v, strict=False"),
     ),
     "sign of potential energy": (
-        *("rich", force_tasks.ForceTasks, "weight"),
+        *("rich", record_forces.ForceRecorder, "weight"),
         *("[-mass *", "[mass *"),
     ),
     "rates of Euler parameters": (
@@ -221,7 +221,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     # coordinates
     "second derivative of a coordinate": (
-        *("rich", coordinate_tasks.CoordinateTasks, "show"),
+        *("rich", record_coordinates.CoordinateRecorder, "show"),
         *("self.gamma(place), into", "None, into"),
     ),
     "curvature of a coordinate": (
@@ -246,11 +246,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("graph.sub(total", "graph.add(total"),
     ),
     "reaction of a joint with the ground": (
-        *("rich", reduced_operations.Wrench, "__call__"),
+        *("rich", joint_operations.JointWrench, "__call__"),
         *(".T - others", ".T + others"),
     ),
     "arm of a joint with the ground": (
-        *("rich", reduced_operations.Drift, "__call__"),
+        *("rich", joint_operations.BiasAcceleration, "__call__"),
         *("point.cross(omega)", "omega.cross(point)"),
     ),
     "body of a reaction": (
@@ -259,7 +259,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     # drivers
     "effort of a driver": (
-        *("rich", reduced_operations.Driven, "__call__"),
+        *("rich", joint_operations.DriverPower, "__call__"),
         *("(second - free)", "(second + free)"),
     ),
     "acceleration of a driver": (
@@ -272,11 +272,11 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
     ),
     # momenta
     "linear momentum": (
-        *("free", momentum.Share, "__call__"),
+        *("free", momentum.BodyMomentum, "__call__"),
         *("momentum, arm = v @ mass", "momentum, arm = (v + v) @ mass"),
     ),
     "spin in the angular momentum": (
-        *("free", momentum.Share, "__call__"),
+        *("free", momentum.BodyMomentum, "__call__"),
         *("orientation @ own", "own"),
     ),
 }

@@ -7,15 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.composition.ordering import minimum_degree
+from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.assembly.jacobian import Places
+    from kousoku.codegen.dynamics.assembly.jacobian import Array, Places
     from kousoku.codegen.dynamics.assembly.residuals import Residuals
-    from kousoku.codegen.dynamics.redundancy.rank import Array
 
 #: Rows are independent where no pivot is below this part of the largest element.
 REGULAR = 1e-9

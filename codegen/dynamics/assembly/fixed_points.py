@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.redundancy.rank import Array
+    from kousoku.codegen.dynamics.assembly.jacobian import Array
 
 #: How many steps are remembered.
 DEPTH = 6

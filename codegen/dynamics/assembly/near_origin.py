@@ -8,7 +8,7 @@ from itertools import chain
 from statistics import median
 from typing import TYPE_CHECKING, TypeVar
 
-from kousoku.codegen.dynamics.composition.length import is_ground_point
+from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_point
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence

@@ -30,8 +30,8 @@ from kousoku.model.errors import AssemblyError
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kousoku.codegen.dynamics.assembly.jacobian import Array
     from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
-    from kousoku.codegen.dynamics.redundancy.rank import Array
     from kousoku.model.mechanism import System
     from kousoku.model.precise import High
 

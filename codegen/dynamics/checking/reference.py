@@ -17,12 +17,12 @@ import numpy as np
 
 from kousoku.codegen.dynamics.checking.independent import Given, independent_points
 from kousoku.codegen.dynamics.checking.rounding import run_and_keep, units
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS
-from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import GIVEN, motion_data
 from kousoku.codegen.dynamics.emission.view_numbers import shift_slots
-from kousoku.codegen.dynamics.explanation.counts import operations
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.recording.counts import operations
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.graph import EXACT_OPS, Op
 from kousoku.codegen.interpret import HIGH
 from kousoku.codegen.stream import Stream
@@ -121,7 +121,7 @@ def _uses(program: Program, allowed: frozenset[Op]) -> bool:
 def _known(program: Program, system: System, written: System) -> Given:
     """Return what is known of a solver beside what it computes: where it has its bodies."""
     data = motion_data(program, system)
-    numbers = Workspace(program)["design"] if program.design else []
+    numbers = ProgramInterpreter(program)["design"] if program.design else []
     names = [
         [one.name for one in system.carried if one.carrier in part.bodies]
         if system.carried
@@ -148,7 +148,7 @@ def _known(program: Program, system: System, written: System) -> Given:
 
 def _states(program: Program, system: System) -> list[State]:
     """Return the start, a state near it that moves, and one that no assembly would leave."""
-    work = Workspace(program)
+    work = ProgramInterpreter(program)
     stream = Stream(f"states of {system.name}")
     q, v = [float(x) for x in work["q"]], [float(x) for x in work["v"]]
     lengths = {slot for pair in shift_slots(program) for slot in pair}
@@ -181,7 +181,7 @@ def _states(program: Program, system: System) -> list[State]:
 
 def _point(program: Program, system: System, state: State) -> dict[str, object] | None:
     """Return the results at a state, None where they are not finite or not determined."""
-    work = Workspace(program, HIGH)
+    work = ProgramInterpreter(program, HIGH)
     given = {"t": [state.time], "q": state.q, "v": state.v}
     if system.parameters:
         given["parameters"] = state.parameters

@@ -21,7 +21,7 @@ from kousoku.codegen.interpret import node_values
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.codegen.dynamics.checking.run import Workspace
+    from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
     from kousoku.codegen.dynamics.recording.program import Task
     from kousoku.codegen.graph import Node
     from kousoku.codegen.kernel import Kernel
@@ -54,8 +54,8 @@ class Step:
     values: list[float]
 
 
-def run_and_keep(workspace: Workspace, segments: Sequence[str]) -> list[Step]:
-    """Run segments as :meth:`Workspace.run` does, and keep the values of all nodes."""
+def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list[Step]:
+    """Run segments as :meth:`ProgramInterpreter.run` does, and keep the values of all nodes."""
     program, steps = workspace.program, []
     for name in segments:
         for task in program.segment(name).tasks:
@@ -71,12 +71,14 @@ def run_and_keep(workspace: Workspace, segments: Sequence[str]) -> list[Step]:
     return steps
 
 
-def units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) -> list[float]:
+def units(
+    workspace: ProgramInterpreter, steps: Sequence[Step], slots: Sequence[int]
+) -> list[float]:
     """Return the units of error of some slots.
 
     Parameters
     ----------
-    workspace : Workspace
+    workspace : ProgramInterpreter
         Where the steps were run, as they left it. No slot was written twice.
     steps : sequence of Step
         As :func:`run_and_keep` returned them.
@@ -89,7 +91,9 @@ def units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) -> 
     return found
 
 
-def _units(workspace: Workspace, steps: Sequence[Step], slots: Sequence[int]) -> list[float]:
+def _units(
+    workspace: ProgramInterpreter, steps: Sequence[Step], slots: Sequence[int]
+) -> list[float]:
     slopes: dict[int, Array] = {}
     for k, slot in enumerate(slots):
         slopes.setdefault(slot, np.zeros(len(slots)))[k] = 1.0

@@ -7,6 +7,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import Part, inputs_of
+from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Block, column
 
 if TYPE_CHECKING:
@@ -125,3 +126,13 @@ def joints_of(
             )
         first += count
     return found
+
+
+def rows_of(joints: Iterable[JointBlocks]) -> tuple[Row, ...]:
+    """Return the rows of joints in their order."""
+    return tuple(
+        Row(joint.name, instance, row)
+        for joint in joints
+        for instance, part in zip(joint.instances, joint.parts, strict=True)
+        for row in part.rows
+    )

@@ -26,12 +26,12 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.composition.reactions import Reaction
     from kousoku.codegen.dynamics.recording.recorder import Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
-    from kousoku.model.mechanism import System, Vector
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.model.mechanism import Vector
 
 ORIGIN = (0.0, 0.0, 0.0)
 #: Rows of a set that are shared out at most: what it takes grows with their cube.
@@ -81,29 +81,6 @@ class Scale:
     shared: Shared = Shared()
 
 
-def points_of(system: System) -> dict[str, Vector]:
-    """Return the point of each joint in the principal frame of body j, or in frame O.
-
-    Joints without a point have their torque at the origin of that frame.
-    """
-    found: dict[str, Vector] = {}
-    for one in system.constraints:
-        measures = (system.coordinates[term.coordinate] for term in one.terms)
-        constants = [
-            *one.constants,
-            *(x for own in measures if own.j == one.j for x in own.constants),
-        ]
-        for name, values in constants:
-            if name == "s_j_b":
-                found[one.joint] = _vector(values)
-    return found
-
-
-def _vector(values: Sequence[float]) -> Vector:
-    x, y, z = values
-    return x, y, z
-
-
 def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
     """Return groups of joints such that no joint is in two of them, in the order of the first."""
     found: list[frozenset[str]] = []
@@ -119,7 +96,7 @@ def merged(groups: Iterable[Sequence[str]]) -> list[frozenset[str]]:
 
 
 @dataclass(frozen=True, slots=True)
-class Wrench:
+class MultiplierWrench:
     """Force and torque / ℓ of a joint at its point for each of its multipliers, in frame O.
 
     Blocks: C_q of the body that they act on, its A, and the way from the joint's point to its
@@ -309,7 +286,9 @@ class LeastNorm:
 
     def height(self, one: Reaction) -> int:
         """Return how many components these have."""
-        return len(IN_PLANE) if Wrench(self.body(one.end).columns).is_in_plane else COLUMNS
+        return (
+            len(IN_PLANE) if MultiplierWrench(self.body(one.end).columns).is_in_plane else COLUMNS
+        )
 
     def _sum(self, one: Reaction, units: Mapping[int, Block], into: Block | None = None) -> Block:
         """Return force and torque / ℓ from those of each row with the multiplier one."""
@@ -326,7 +305,7 @@ class LeastNorm:
         point = self.recorder.constant(self.scale.points.get(one.name, ORIGIN))
         weight = self.recorder.constant([1 / Fraction(self.scale.length)])
         blocks = (rows.jacobian[one.end], end.orientation, start, j.orientation, point, weight)
-        (found,) = self.recorder.call(Wrench(end.columns), *blocks)
+        (found,) = self.recorder.call(MultiplierWrench(end.columns), *blocks)
         return found
 
 

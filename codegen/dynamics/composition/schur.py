@@ -5,7 +5,6 @@ from __future__ import annotations
 from itertools import accumulate
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.ordering import Pivot, minimum_degree
 from kousoku.codegen.dynamics.operations.elimination import (
     Backward,
     Couple,
@@ -15,6 +14,7 @@ from kousoku.codegen.dynamics.operations.elimination import (
     Panel,
     Update,
 )
+from kousoku.codegen.dynamics.operations.elimination_order import Pivot, minimum_degree
 from kousoku.codegen.dynamics.recording.recorder import zeros
 from kousoku.model.mechanism import GROUND_INDEX
 

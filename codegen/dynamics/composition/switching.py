@@ -17,7 +17,7 @@ from kousoku.model.terms import Name, add, mul
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.force_tasks import ForceTasks
+    from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
     from kousoku.codegen.dynamics.recording.traces import Trace
     from kousoku.model.mechanism import System
@@ -76,7 +76,7 @@ class Enclosed:
 
 
 def record_switching(
-    recorder: Recorder, system: System, parameters: Block, forces: ForceTasks
+    recorder: Recorder, system: System, parameters: Block, forces: ForceRecorder
 ) -> None:
     """Record the segments, if some formula switches or varies, or there are events.
 
@@ -88,7 +88,7 @@ def record_switching(
         The scene.
     parameters : Block
         Where its parameters are.
-    forces : ForceTasks
+    forces : ForceRecorder
         What records its forces.
     """
     seen, names = seen_of(system), tuple(name for name, _ in system.parameters)

@@ -6,10 +6,10 @@ from dataclasses import astuple
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
-from kousoku.codegen.dynamics.composition.length import characteristic_length
 from kousoku.codegen.dynamics.emission.motion_data import motion_data
 from kousoku.codegen.dynamics.emission.numpy_view import numpy_view
 from kousoku.codegen.dynamics.emission.view import dynamics_view, method_text
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.emit import along, environment, hashed, promise, template, with_manifest
 from kousoku.codegen.kernel import Package
 from kousoku.model.jsontext import to_text

@@ -6,15 +6,15 @@ from dataclasses import asdict, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import WORK
-from kousoku.codegen.dynamics.composition.least_norm import ORIGIN, points_of
-from kousoku.codegen.dynamics.composition.length import characteristic_length
-from kousoku.codegen.dynamics.composition.reactions import ends_of
+from kousoku.codegen.dynamics.composition.least_norm import ORIGIN
 from kousoku.codegen.dynamics.emission.view_numbers import (
     LENGTHS,
     is_driven,
     row_of,
     start_places,
 )
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND_REGIONS, Coordinates, Place
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.model.about import About

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 from kousoku.codegen.dynamics.analyse import PRESCRIBED, analyse, with_all_rows
 from kousoku.codegen.dynamics.choose import cheaper, with_reactions
 from kousoku.codegen.dynamics.composition.auxiliary import drivers_of
-from kousoku.codegen.dynamics.composition.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import counts, operations
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
 from kousoku.codegen.dynamics.redundancy.nearly import put_together
+from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.dynamics.simplification.shapes import thickened
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.dynamics.explanation.structure import Structure
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.simplification.merge import Constants
+    from kousoku.codegen.dynamics.simplification.lump import Constants
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.ordering import minimum_degree
+from kousoku.codegen.dynamics.operations.elimination_order import minimum_degree
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.model.mechanism import GROUND_INDEX

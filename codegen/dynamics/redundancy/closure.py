@@ -18,7 +18,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.pose import normalised
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, lengths_of
 from kousoku.codegen.dynamics.redundancy.branch import (
     HOLDS,

@@ -19,7 +19,7 @@ from kousoku.codegen.dynamics.assembly.block_factors import BlockFactors, Patter
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.minimum_norm import Metric
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.length import is_ground_point
+from kousoku.codegen.dynamics.operations.characteristic_length import is_ground_point
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.disjoint import DisjointSets
 from kousoku.codegen.dynamics.redundancy.branch import Branch, places_of
@@ -254,7 +254,7 @@ def _freedom_of_part(system: System, outline: Outline, part: Part, rows: Sequenc
         branch = Branch(residuals, chosen, columns, length)
         positions, drivers = looked(branch)
         is_stuck = len(positions) == 1 and positions[0].factors.rank < few
-        found = _stuck(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
+        found = _shaky(joints, positions[0], few) if is_stuck else _dependences(joints, positions)
         return _Found(branch, positions, drivers, found)
 
     def nearly() -> _Found | None:
@@ -355,7 +355,7 @@ def _dependences(
     )
 
 
-def _stuck(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
+def _shaky(rows: Sequence[Row], position: Position, rank: int) -> Freedom:
     """Return what is known where C_q leaves something free and yet nothing moves.
 
     Rows that depend on each other there hold what the others do not, as those of two bars that are

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.redundancy.closure import SHOWN
-from kousoku.codegen.dynamics.redundancy.left_out import MOST_DENSE
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
+from kousoku.codegen.dynamics.redundancy.redundant_rows import MOST_DENSE
 from kousoku.model.varying import fixed_system
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
 from kousoku.codegen.stream import Stream
@@ -87,7 +87,7 @@ def _of_part(
 
 def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
     """Yield r and p of all bodies, the ground last, at the start and near it on the branch."""
-    work, stream = Workspace(program), Stream("near the start")
+    work, stream = ProgramInterpreter(program), Stream("near the start")
     yield _position(work)
     work["q"] = [x + AWAY * stream.sign() * stream.magnitude() for x in work["q"]]
     for _ in range(CORRECTIONS):
@@ -99,12 +99,12 @@ def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
     yield _position(work)
 
 
-def _position(work: Workspace) -> tuple[Array, Array]:
+def _position(work: ProgramInterpreter) -> tuple[Array, Array]:
     bodies = work.program.bodies
     r = [_numbers(work, body.r) for body in bodies]
     p = [_numbers(work, body.p) for body in bodies]
     return np.array([*r, [0.0] * 3]), np.array([*p, [1.0, 0.0, 0.0, 0.0]])
 
 
-def _numbers(work: Workspace, places: Sequence[Place]) -> list[float]:
+def _numbers(work: ProgramInterpreter, places: Sequence[Place]) -> list[float]:
     return [work.values[place.slot] if place.slot >= 0 else place.value for place in places]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import places_of
 from kousoku.codegen.stream import Stream

@@ -12,8 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.codegen.dynamics.composition.least_norm import points_of
-from kousoku.codegen.dynamics.composition.reactions import ends_of
+from kousoku.codegen.dynamics.operations.joint_ends import ends_of, points_of
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.runtime.integrate.body_tables import crossed, rotated
 from kousoku.runtime.integrate.motion import JOINT

@@ -24,7 +24,7 @@ NOISE = CONTEXT.mpf(2) ** -51
 
 
 @dataclass(frozen=True, slots=True)
-class Seat:
+class Placement:
     """Where the principal frame of a body is in the frame of what carries it.
 
     Parameters
@@ -56,15 +56,15 @@ class Seat:
         return _turn(precise.compose(self.turn, _quadruple(axes)))
 
 
-def on_ground(body: MovingBody, ground: int) -> Seat:
-    """Return the seat of a body that stands still."""
+def on_ground(body: MovingBody, ground: int) -> Placement:
+    """Return the placement of a body that stands still."""
     r, p, _, _ = start_of(body)
-    return Seat(ground, r, p)
+    return Placement(ground, r, p)
 
 
 def joined(
     bodies: Sequence[MovingBody], carrier: int, normal: int | None
-) -> tuple[MovingBody, list[Seat]]:
+) -> tuple[MovingBody, list[Placement]]:
     """Return the body that some bodies are together, and where each is in it.
 
     Parameters
@@ -81,7 +81,7 @@ def joined(
     -------
     MovingBody
         With the name of the first, at its position and velocity.
-    list of Seat
+    list of Placement
         Where the principal frame of each body is.
     """
     first = bodies[0]
@@ -101,16 +101,18 @@ def joined(
         v=fixed(_vector(precise.add(speed, velocity), precise.length(velocity))),
         omega_b=fixed(_vector(precise.rotate(axes, spin))),
     )
-    seats = [
-        Seat(
+    placements = [
+        Placement(
             carrier,
             precise.rotate(axes, precise.subtract(place, center)),
             precise.compose(axes, turn),
         )
         for place, turn in zip(places, turns, strict=True)
     ]
-    own = seats[0]
-    return replace(body, origin_b=own.point(first.origin_b), axes_b=own.frame(first.axes_b)), seats
+    own = placements[0]
+    return replace(
+        body, origin_b=own.point(first.origin_b), axes_b=own.frame(first.axes_b)
+    ), placements
 
 
 def _mass_of(

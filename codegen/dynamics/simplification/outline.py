@@ -10,20 +10,24 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.bodies import GROUND, body_blocks
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
 from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
+from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    permuted,
+    permuted_columns,
+    permuted_rows,
+)
+from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
 from kousoku.codegen.dynamics.simplification.shapes import shape, sizes
-from kousoku.codegen.dynamics.simplification.turned import own_columns, turned, turned_rows
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.recording.recorder import Pattern
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import Coordinate, Instance, System
 
     Elements = tuple[tuple[bool, ...], ...]
@@ -40,7 +44,8 @@ class Outline:
     ----------
     shift : int, optional
         The permutation of axes that brings the plane of the motion into the xy-plane, see
-        :mod:`~kousoku.codegen.dynamics.simplification.turned`; None where bodies move in space.
+        :mod:`~kousoku.codegen.dynamics.simplification.axis_permutation`; None where bodies move
+        in space.
     columns : tuple of tuple of int
         Of each body the places in (δr, δθ′) that are velocities.
     rows : tuple of Row
@@ -83,7 +88,7 @@ def outline_of(system: System, shift: int | None) -> Outline:
         None for equations in space.
     """
     is_planar = shift is not None
-    there = turned(system, shift or 0)
+    there = permuted(system, shift or 0)
     live = live_rows(there, is_planar=is_planar)
     rows = tuple(
         Row(one.joint, place, row)
@@ -93,8 +98,8 @@ def outline_of(system: System, shift: int | None) -> Outline:
     shapes = (shape(body, is_planar=is_planar) for body in system.bodies)
     return Outline(
         shift=shift,
-        columns=tuple(own_columns(columns, shift or 0) for _, columns in shapes),
-        rows=turned_rows(rows, there, -(shift or 0)),
+        columns=tuple(permuted_columns(columns, shift or 0) for _, columns in shapes),
+        rows=permuted_rows(rows, there, -(shift or 0)),
     )
 
 

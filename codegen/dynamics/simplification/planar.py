@@ -23,13 +23,13 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.dynamics.simplification.axis_permutation import can_permute, permuted
 from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
-from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
 from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import is_own
@@ -101,8 +101,8 @@ def plane_of(system: System) -> int | None:
     """
     if is_planar(system):
         return 0
-    shifts = (1, 2) if can_turn(system) else ()
-    return next((k for k in shifts if is_planar(turned(system, k), must_be_held=True)), None)
+    shifts = (1, 2) if can_permute(system) else ()
+    return next((k for k in shifts if is_planar(permuted(system, k), must_be_held=True)), None)
 
 
 @dataclass(slots=True)

@@ -9,32 +9,33 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.simplification.reduction import NOTHING, PARALLEL, POINT
+from kousoku.codegen.dynamics.operations.joint_coordinates import NOTHING, POINT
+from kousoku.codegen.dynamics.simplification.joint_coordinates import PARALLEL
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.dynamics.simplification.reduction import Reduction
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.model.mechanism import MovingBody
 
     Square = list[list[Fraction]]
 
 
-def axes_of(one: Reduction) -> Square:
+def axes_of(one: VelocityTransformation) -> Square:
     """Return the axes that a body turns about, in its frame, one below the other."""
     if one.turn == POINT:
         return [[Fraction(int(k == n)) for n in range(3)] for k in range(3)]
     return [] if one.turn == NOTHING else [[Fraction(x) for x in one.axis_b]]
 
 
-def arms_of(one: Reduction) -> Square:
+def arms_of(one: VelocityTransformation) -> Square:
     """Return s′ × a′ of each of these axes, by columns: the centre of mass moves along it."""
     x, y, z = (Fraction(value) for value in one.joint_b)
     arms = [(y * c - z * b, z * a - x * c, x * b - y * a) for a, b, c in axes_of(one)]
     return [[arm[k] for arm in arms] for k in range(3)]
 
 
-def mass_of(one: Reduction, body: MovingBody) -> Square:
+def mass_of(one: VelocityTransformation, body: MovingBody) -> Square:
     """Return Rᵀ M R of all freedoms, turns first, those too that are driven."""
     mass, moments = Fraction(body.mass), [Fraction(x) for x in body.inertia]
     axes = axes_of(one)
@@ -53,7 +54,7 @@ def mass_of(one: Reduction, body: MovingBody) -> Square:
     return found
 
 
-def shares_of(one: Reduction, body: MovingBody) -> tuple[Square, Square]:
+def shares_of(one: VelocityTransformation, body: MovingBody) -> tuple[Square, Square]:
     """Return (Rᵀ M R)⁻¹ m and (Rᵀ M R)⁻¹ a′ᵀ I′ of the turns."""
     turns, whole = range(one.turns), mass_of(one, body)
     inverse = inverse_of([[whole[a][b] for b in turns] for a in turns])
@@ -64,7 +65,7 @@ def shares_of(one: Reduction, body: MovingBody) -> tuple[Square, Square]:
     ]
 
 
-def is_principal(one: Reduction, body: MovingBody) -> bool:
+def is_principal(one: VelocityTransformation, body: MovingBody) -> bool:
     """Return whether the axis that a body turns about is a principal one, to rounding."""
     x, y, z = (Fraction(x) for x in one.axis_b)
     a, b, c = (Fraction(value) for value in body.inertia)

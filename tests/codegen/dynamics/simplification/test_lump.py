@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.generate import generate_dynamics
-from kousoku.codegen.dynamics.simplification.merge import merged
+from kousoku.codegen.dynamics.recording.counts import operations
+from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.codegen.generate import write_tree
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, ForceElement, Instance, System
@@ -132,7 +132,7 @@ def row_of(mechanisms: SimpleNamespace, height: float = 0.0) -> System:
 
 
 def test_mass_center_and_moments_are_those_of_both(mechanisms: SimpleNamespace) -> None:
-    found = merged(row_of(mechanisms))
+    found = lump(row_of(mechanisms))
     first, last = found.system.bodies
 
     assert found.joints == ("weld",)
@@ -148,7 +148,7 @@ def test_bodies_at_any_height_stay_in_their_plane(
     mechanisms: SimpleNamespace, height: float
 ) -> None:
     system = row_of(mechanisms, height)
-    one = merged(system).system
+    one = lump(system).system
 
     assert compose(all_rows(one)).is_planar
     assert operations(compose(all_rows(one))) < operations(compose(all_rows(system)))
@@ -163,7 +163,7 @@ def test_what_is_fixed_to_the_ground_has_no_columns_and_keeps_its_energy(
     base = fixed(mechanisms, "base", GROUND_INDEX, 0, (0.0, 0.0, 0.0), (-0.5, 0.0, 0.0))
     constants = (("s_j_b", (0.5, 0.0, 0.0)), ("force", (2.0, 0.0, 0.0)))
     pull = ForceElement("pull", "force", GROUND_INDEX, 0, constants)
-    found = merged(replace(system, constraints=(*base, *hinge), forces=(pull,))).system
+    found = lump(replace(system, constraints=(*base, *hinge), forces=(pull,))).system
 
     assert [body.name for body in found.bodies] == ["b1", "b2"]
     assert found.carried[0].carrier == GROUND_INDEX
@@ -184,7 +184,7 @@ def test_a_spring_in_one_body_is_energy_only_where_no_work_is_told(
     )
     spring = ForceElement("spring", "spring_damper", 0, 1, constants)
     system = replace(row_of(mechanisms), forces=(spring,))
-    found = merged(system).system
+    found = lump(system).system
 
     if damping:
         assert found == system
@@ -195,8 +195,8 @@ def test_a_spring_in_one_body_is_energy_only_where_no_work_is_told(
 def test_a_fixed_joint_whose_reactions_are_wanted_stays(mechanisms: SimpleNamespace) -> None:
     system = row_of(mechanisms)
 
-    assert merged(system, ["reactions"]).system == system
-    assert len(merged(system, ["energies"]).system.bodies) == 2
+    assert lump(system, ["reactions"]).system == system
+    assert len(lump(system, ["energies"]).system.bodies) == 2
 
 
 def test_gravity_that_a_parameter_changes_keeps_what_rests(mechanisms: SimpleNamespace) -> None:
@@ -205,16 +205,16 @@ def test_gravity_that_a_parameter_changes_keeps_what_rests(mechanisms: SimpleNam
     rest = [one for one in mechanisms.chain(2).constraints if one.joint != "j0"]
     system = replace(mechanisms.chain(2), constraints=(*base, *rest))
 
-    assert len(merged(system).system.bodies) == 1
+    assert len(lump(system).system.bodies) == 1
     changed = replace(system, gravity_law=("", "", "g"))
-    assert merged(changed).system == changed
+    assert lump(changed).system == changed
 
 
 def test_a_coordinate_between_two_bodies_keeps_them_two(mechanisms: SimpleNamespace) -> None:
     points = (("s_i_b", (0.0, 0.0, 0.0)), ("s_j_b", (0.0, 0.0, 0.0)))
     system = replace(row_of(mechanisms), coordinates=(Coordinate("l", "length", 0, 1, points),))
 
-    assert merged(system).system == system
+    assert lump(system).system == system
 
 
 def test_only_the_bodies_between_which_a_damper_works_stay_apart(
@@ -232,17 +232,17 @@ def test_only_the_bodies_between_which_a_damper_works_stay_apart(
     )
     damper = ForceElement("damper", "spring_damper", 0, 1, constants)
 
-    assert merged(replace(system, forces=(torque,))).joints == ("w1", "w2", "w3")
-    assert merged(replace(system, forces=(damper,))).joints == ("w3",)
+    assert lump(replace(system, forces=(torque,))).joints == ("w1", "w2", "w3")
+    assert lump(replace(system, forces=(damper,))).joints == ("w3",)
 
 
 def test_bodies_with_many_joints_are_not_made_one(mechanisms: SimpleNamespace) -> None:
     """Three arms on each of two bodies cost less than six on one."""
     few, many = (two_hubs(mechanisms, arms) for arms in (2, 3))
 
-    assert merged(few).joints == ("weld",)
-    assert merged(many).joints == ()
-    assert operations(compose(all_rows(merged(few).system))) < operations(compose(all_rows(few)))
+    assert lump(few).joints == ("weld",)
+    assert lump(many).joints == ()
+    assert operations(compose(all_rows(lump(few).system))) < operations(compose(all_rows(few)))
 
 
 def two_hubs(mechanisms: SimpleNamespace, arms: int) -> System:
@@ -265,7 +265,7 @@ def test_a_loop_of_fixed_joints_is_one_body(mechanisms: SimpleNamespace) -> None
         *fixed(mechanisms, "w3", 0, 2, (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0)),
     ]
     kept = [one for one in system.constraints if one.joint in {"j0", "j3"}]
-    found = merged(replace(system, constraints=(*kept, *loop)))
+    found = lump(replace(system, constraints=(*kept, *loop)))
 
     assert found.joints == ("w1", "w2", "w3")
     assert len(found.system.bodies) == 2
@@ -277,4 +277,4 @@ def test_a_scene_in_which_nothing_moves_stays_as_it_is(mechanisms: SimpleNamespa
     base = fixed(mechanisms, "base", GROUND_INDEX, 0, (0.0, 0.0, 0.0), (-0.5, 0.0, 0.0))
     system = replace(system, constraints=tuple(base))
 
-    assert merged(system).system == system
+    assert lump(system).system == system

@@ -12,11 +12,11 @@ import pytest
 
 from kousoku.codegen.dynamics.analyse import PRESCRIBED
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.choose import cheaper
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import operations
 from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.recording.counts import operations
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.simplification.reduced_mass import inverse_of
 from kousoku.model.builder import SceneBuilder
 from kousoku.model.families import n_four_bar
@@ -82,8 +82,8 @@ def system(scene: Any) -> System:
     return assemble(system_of(scene, ("accelerations", "reactions", "energies")))
 
 
-def run_at(program: Program, state: Any, *segments: str) -> Workspace:
-    work = Workspace(program)
+def run_at(program: Program, state: Any, *segments: str) -> ProgramInterpreter:
+    work = ProgramInterpreter(program)
     work["t"] = [TIME]
     for name in ("q", "v"):
         work[name] = list(state[name])
@@ -91,9 +91,9 @@ def run_at(program: Program, state: Any, *segments: str) -> Workspace:
     return work
 
 
-def placed(program: Program, seed: int = 2, size: float = 0.05) -> Workspace:
+def placed(program: Program, seed: int = 2, size: float = 0.05) -> ProgramInterpreter:
     """Return a workspace with a state that meets all constraints, not far from the start."""
-    rng, work = np.random.default_rng(seed), Workspace(program)
+    rng, work = np.random.default_rng(seed), ProgramInterpreter(program)
     work["t"] = [TIME]
     for name, scale in (("q", size), ("v", 1.0)):
         bodies = 7 if name == "q" else 6
@@ -139,7 +139,7 @@ def test_a_position_is_put_onto_the_joint_and_keeps_its_norm(
 ) -> None:
     given = system(hung(kind, seed=5, is_swapped=is_swapped, driven=driven))
     program = compose(jointed(given), WANTED)
-    rng, work = np.random.default_rng(3), Workspace(program)
+    rng, work = np.random.default_rng(3), ProgramInterpreter(program)
     work["t"] = [TIME]
     work["q"] = [*rng.normal(size=14), *work["q"][14:]]
     work["dq"] = list(rng.normal(size=12))

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
     from kousoku.codegen.dynamics.composition.auxiliary import Auxiliaries
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import Coordinate, System
 
 NOTHING = column(())
 
 
-class CoordinateTasks:
+class CoordinateRecorder:
     """Coordinates of a program.
 
     What ``geometry`` has recorded is read by the segments after it.

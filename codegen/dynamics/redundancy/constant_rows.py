@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.assembly.violations import key_of
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 HOLDS = 1e-11
 
 
-def require_unmoved_rows_hold(system: System, outline: Outline) -> None:
+def require_constant_rows_hold(system: System, outline: Outline) -> None:
     """Refuse constraints that are not solved, because nothing changes them, and do not hold.
 
     Parameters

@@ -12,16 +12,19 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.reduced_operations import (
-    Arm,
-    Condense,
-    Drift,
-    Driven,
-    Fit,
-    Put,
-    Share,
-    Turned,
-    Wrench,
+from kousoku.codegen.dynamics.operations.joint_coordinates import (
+    AXIS,
+    NOTHING,
+    POINT,
+    BiasAcceleration,
+    DrivenCoordinate,
+    DriverPower,
+    DriverWrench,
+    JointArm,
+    JointWrench,
+    ProjectPosition,
+    ProjectVelocity,
+    ReduceForces,
 )
 from kousoku.codegen.dynamics.recording.recorder import Block, column, zeros
 from kousoku.codegen.dynamics.simplification.reduced_mass import (
@@ -31,28 +34,30 @@ from kousoku.codegen.dynamics.simplification.reduced_mass import (
     mass_of,
     shares_of,
 )
-from kousoku.codegen.dynamics.simplification.reduction import AXIS, NOTHING, POINT
 from kousoku.model import precise
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from fractions import Fraction
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.combinations import Combinations
-    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
-    from kousoku.codegen.dynamics.simplification.reduction import Led, Reduction
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import (
+        Prescribed,
+        VelocityTransformation,
+    )
     from kousoku.model.mechanism import MovingBody, System
 
 
 @dataclass(slots=True)
-class ReducedTasks:
+class JointCoordinateRecorder:
     """What records one body.
 
     Parameters
     ----------
-    one : Reduction
+    one : VelocityTransformation
         How it hangs.
     system : System
         The scene.
@@ -64,7 +69,7 @@ class ReducedTasks:
         What records the formulas of drivers.
     """
 
-    one: Reduction
+    one: VelocityTransformation
     system: System
     recorder: Recorder
     body: Callable[[int], BodyBlocks]
@@ -96,18 +101,24 @@ class ReducedTasks:
     def geometry(self) -> tuple[Block, Block]:
         """Record the arm; return R of what is free and (Rᵀ M R)⁻¹."""
         arms = self._table(arms_of(self.one))
-        (self.arm,) = self.recorder.call(Arm(), self.blocks.orientation, arms)
+        (self.arm,) = self.recorder.call(JointArm(), self.blocks.orientation, arms)
         masses, free = mass_of(self.one, self.moving), self.one.free
         inverse = self._table(inverse_of([[masses[a][b] for b in free] for a in free]))
         return _chosen(self._columns(), free), inverse
 
-    def put(self, dr: Block, dtheta: Block, into: Block) -> dict[int, Block]:
+    def project_position(self, dr: Block, dtheta: Block, into: Block) -> dict[int, Block]:
         """Record the position on the joint; return the formulas of drivers by their coordinates."""
         one, blocks, vector = self.one, self.blocks, self._vector
-        drivers = [(led, self._law(led, 0)) for _, led in one.led]
+        drivers = [(led, self._law(led, 0)) for _, led in one.prescribed]
         turned = _compose(one.p, one.axis_b)
         self.recorder.call(
-            Put(blocks.coordinates, one.turn, one.slides, bool(one.turned), bool(one.slid)),
+            ProjectPosition(
+                blocks.coordinates,
+                one.turn,
+                one.slides,
+                bool(one.prescribed_turn),
+                bool(one.prescribed_slide),
+            ),
             *(blocks.r, blocks.p, dr, dtheta, vector(one.joint), self.point),
             *(vector(one.p), vector(one.base), self._pair(one.across), self._pair(one.beside)),
             *(vector(turned), vector(one.axis)),
@@ -118,13 +129,18 @@ class ReducedTasks:
             self.system.constraints[led.instance].terms[0].coordinate: law for led, law in drivers
         }
 
-    def fit(self) -> tuple[Block, Block, Block]:
+    def project_velocity(self) -> tuple[Block, Block, Block]:
         """Record u, what v lacks of R u + β, and β."""
         one, blocks = self.one, self.blocks
         masses, moments = shares_of(one, self.moving)
-        is_skew = one.turn == AXIS and not (one.turned or is_principal(one, self.moving))
-        fitted = Fit(
-            blocks.columns, one.turn, one.slides, bool(one.turned), bool(one.slid), is_skew
+        is_skew = one.turn == AXIS and not (one.prescribed_turn or is_principal(one, self.moving))
+        fitted = ProjectVelocity(
+            blocks.columns,
+            one.turn,
+            one.slides,
+            bool(one.prescribed_turn),
+            bool(one.prescribed_slide),
+            is_skew,
         )
         u, lacks, beta = self.recorder.call(
             fitted,
@@ -135,10 +151,12 @@ class ReducedTasks:
         )
         return u, lacks, beta
 
-    def drift(self) -> Block:
+    def bias_acceleration(self) -> Block:
         """Record η."""
         one, blocks = self.one, self.blocks
-        operation = Drift(blocks.columns, one.turn, bool(one.turned), bool(one.slid))
+        operation = BiasAcceleration(
+            blocks.columns, one.turn, bool(one.prescribed_turn), bool(one.prescribed_slide)
+        )
         (eta,) = self.recorder.call(
             operation,
             *(blocks.omega_b, self.arm, blocks.orientation, self.axis_b),
@@ -147,11 +165,11 @@ class ReducedTasks:
         )
         return eta
 
-    def condense(self, free: Block, eta: Block) -> Block:
+    def reduce_forces(self, free: Block, eta: Block) -> Block:
         """Record u̇ of all freedoms, those that are driven too, under the acceleration M⁻¹f."""
         one, (masses, moments) = self.one, shares_of(self.one, self.moving)
         (found,) = self.recorder.call(
-            Condense(self.blocks.columns, one.turn, one.slides),
+            ReduceForces(self.blocks.columns, one.turn, one.slides),
             *(free, self.arm, self._vector(one.axis), eta),
             *(self._table(masses), self._table(moments)),
         )
@@ -162,27 +180,27 @@ class ReducedTasks:
         return column([values.entries[k] for k in self.one.free])
 
     def powers(self, values: Block | None, others: Block) -> list[tuple[str, Block]]:
-        """Record the power of each driver: its name, and what :class:`Driven` gives.
+        """Record the power of each driver: its name, and what :class:`DriverPower` gives.
 
         Parameters
         ----------
         values : Block or None
-            As :meth:`condense` returned it; without it only what others do counts.
+            As :meth:`reduce_forces` returned it; without it only what others do counts.
         others : Block
             What other joints do to the body, −Σ C_qᵀλ.
         """
         whole, masses, found = self._columns(), mass_of(self.one, self.moving), []
         zero = column((0,))
-        for (k, led), rate in zip(self.one.led, self._derivatives(1), strict=True):
+        for (k, led), rate in zip(self.one.prescribed, self._derivatives(1), strict=True):
             mass = self.recorder.constant((masses[k][k],))
             forces = (self._derivative(led, 2), values.part(k, 1)) if values else (zero, zero)
             own = _chosen(whole, (k,))
-            (power,) = self.recorder.call(Driven(), mass, *forces, own, others, rate)
+            (power,) = self.recorder.call(DriverPower(), mass, *forces, own, others, rate)
             found.append((self.system.constraints[led.instance].joint, power))
         return found
 
     def wrenches(
-        self, second: Block, free: Block, others: Block, coordinates: CoordinateTasks
+        self, second: Block, free: Block, others: Block, coordinates: CoordinateRecorder
     ) -> dict[str, Block]:
         """Record what the joint and each of its drivers do to the body, by their names.
 
@@ -192,18 +210,18 @@ class ReducedTasks:
             v̇ and M⁻¹f of the body.
         others : Block
             What other joints do to the body, −Σ C_qᵀλ.
-        coordinates : CoordinateTasks
+        coordinates : CoordinateRecorder
             What records the Jacobians of coordinates.
         """
         body, constraints, found = self.moving, self.system.constraints, {}
         diagonal = (*(body.mass,) * 3, *body.inertia)
         masses = self._vector([diagonal[k] for k in self.blocks.columns]).T
-        (left,) = self.recorder.call(Wrench(), masses, second, free, others)
-        for k, led in self.one.led:
+        (left,) = self.recorder.call(JointWrench(), masses, second, free, others)
+        for k, led in self.one.prescribed:
             one = constraints[led.instance]
             slopes = coordinates.slopes(one.terms[0].coordinate)[self.one.body]
             column = _chosen(self._columns(), (k,))
-            own, left = self.recorder.call(Share(led.sign), left, column, slopes)
+            own, left = self.recorder.call(DriverWrench(led.sign), left, column, slopes)
             found[one.joint] = own
         return {constraints[self.one.instances[0]].joint: left, **found}
 
@@ -220,19 +238,21 @@ class ReducedTasks:
         width = count + self.one.slides
         return Block(tuple(x for row in rows for x in row), len(rows), width)
 
-    def _law(self, led: Led, order: int) -> Block:
+    def _law(self, led: Prescribed, order: int) -> Block:
         return self.combinations.law(self.system.constraints[led.instance], order)
 
-    def _since(self, led: Led, law: Block) -> Block:
+    def _since(self, led: Prescribed, law: Block) -> Block:
         start = self.recorder.constant((led.start,))
-        return self.recorder.call(Turned(led.sign), law, start)[0]
+        return self.recorder.call(DrivenCoordinate(led.sign), law, start)[0]
 
     def _derivatives(self, order: int) -> list[Block]:
         """Record the derivatives of what drives turn and displacement."""
-        return [self._derivative(led, order) for _, led in self.one.led]
+        return [self._derivative(led, order) for _, led in self.one.prescribed]
 
-    def _derivative(self, led: Led, order: int) -> Block:
-        return self.recorder.call(Turned(led.sign), self._law(led, order), column((0,)))[0]
+    def _derivative(self, led: Prescribed, order: int) -> Block:
+        return self.recorder.call(DrivenCoordinate(led.sign), self._law(led, order), column((0,)))[
+            0
+        ]
 
     def _vector(self, values: Sequence[float]) -> Block:
         return self.recorder.constant(values)

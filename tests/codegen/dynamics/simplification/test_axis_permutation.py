@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    can_permute,
+    permuted,
+    permuted_row,
+)
 from kousoku.codegen.dynamics.simplification.planar import is_planar
-from kousoku.codegen.dynamics.simplification.turned import can_turn, turned, turned_row
 from tests.analysed import all_rows, without
 
 if TYPE_CHECKING:
@@ -31,7 +35,7 @@ def test_a_turned_system_has_the_same_equations(
     mechanisms: SimpleNamespace, rng: np.random.Generator, shift: int
 ) -> None:
     system = mechanisms.mixed()
-    other = turned(system, shift)
+    other = permuted(system, shift)
     state = mechanisms.random_state(system, rng)
     wanted, lam, residual = mechanisms.dense(system, state)
     found, other_lam, other_residual = mechanisms.dense(other, turned_state(state, shift))
@@ -42,7 +46,7 @@ def test_a_turned_system_has_the_same_equations(
     place = 0
     for instance in system.constraints:
         count = counts.get(instance.kind.partition("_")[0], 1)
-        rows = [place + turned_row(instance.kind, row, shift) for row in range(count)]
+        rows = [place + permuted_row(instance.kind, row, shift) for row in range(count)]
         np.testing.assert_allclose(other_lam[rows], lam[place : place + count], rtol=1e-7)
         np.testing.assert_allclose(other_residual[rows], residual[place : place + count])
         place += count
@@ -52,11 +56,11 @@ def test_a_turned_system_has_the_same_equations(
 def test_closed_loops_in_any_coordinate_plane_are_planar(
     mechanisms: SimpleNamespace, shift: int
 ) -> None:
-    system = turned(mechanisms.four_bars(2), shift)
+    system = permuted(mechanisms.four_bars(2), shift)
     state = turned_state(mechanisms.four_bars_state(2, 1.1, 2.0), shift)
     program = compose(all_rows(system), ["reactions"])
     assert program.is_planar
-    workspace = Workspace(program)
+    workspace = ProgramInterpreter(program)
     for name in ("r", "p", "v", "omega_b"):
         for body, values in zip(program.bodies, state[name], strict=True):
             for place, value in zip(getattr(body, name), values, strict=True):
@@ -76,7 +80,7 @@ def test_closed_loops_in_any_coordinate_plane_are_planar(
 
 
 def test_kept_rows_are_those_of_the_scene(mechanisms: SimpleNamespace) -> None:
-    found = all_rows(turned(mechanisms.planar_pendulum(1), 1))
+    found = all_rows(permuted(mechanisms.planar_pendulum(1), 1))
     assert found.outline.rows == compose(found).rows
     assert [(row.instance, row.row) for row in found.outline.rows] == [(0, 2), (0, 0)]
     kept = compose(without(found, found.outline.rows[1:]))
@@ -87,12 +91,12 @@ def test_a_chain_at_rest_in_another_plane_is_not_taken_for_planar(
     mechanisms: SimpleNamespace,
 ) -> None:
     system = mechanisms.chain(2)
-    assert is_planar(turned(system, 2))
+    assert is_planar(permuted(system, 2))
     assert not compose(all_rows(system)).is_planar
 
 
 def test_a_kind_whose_components_are_not_known_is_not_turned(mechanisms: SimpleNamespace) -> None:
     system = mechanisms.planar_pendulum(1)
-    assert can_turn(system)
+    assert can_permute(system)
     other = replace(system.constraints[0], kind="norm")
-    assert not can_turn(replace(system, constraints=(other,)))
+    assert not can_permute(replace(system, constraints=(other,)))

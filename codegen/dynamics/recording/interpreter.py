@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from kousoku.codegen.interpret import Arithmetic
 
 
-class Workspace:
+class ProgramInterpreter:
     """The workspace of a program, with the start of the scene in it.
 
     Parameters

@@ -10,23 +10,18 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.composition.length import characteristic_length
+from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
 from kousoku.codegen.dynamics.simplification.shapes import shape
-from kousoku.codegen.dynamics.simplification.turned import turned
-from kousoku.model.errors import SceneError
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Iterator
+    from collections.abc import Iterator
 
-    from kousoku.codegen.dynamics.analyse import Analysed
     from kousoku.model.mechanism import MovingBody, System
-
-#: Outputs that depend on masses.
-DEPEND = ("reactions", "energies")
 
 
 @dataclass(frozen=True, slots=True)
-class Weighted:
+class PlaceholderMasses:
     """A system whose bodies all weigh something.
 
     Parameters
@@ -44,7 +39,7 @@ class Weighted:
     thin: tuple[str, ...] = ()
 
 
-def weighted(system: System, shift: int | None) -> Weighted:
+def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMasses:
     """Return a system with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
 
     A system without drivers stays as it is, and so do masses and moments that are given.
@@ -57,54 +52,22 @@ def weighted(system: System, shift: int | None) -> Weighted:
         Its plane, as :func:`~kousoku.codegen.dynamics.simplification.planar.plane_of` finds it.
     """
     if not any(one.is_driver for one in system.constraints):
-        return Weighted(system)
+        return PlaceholderMasses(system)
     if all(body.mass > 0 and (body.is_point or min(body.inertia) > 0) for body in system.bodies):
-        return Weighted(system)
+        return PlaceholderMasses(system)
     missing = tuple(_missing(system, shift))
     if not missing:
-        return Weighted(system)
+        return PlaceholderMasses(system)
     length = characteristic_length(system)
     bodies = tuple(_filled(body, length) for body in system.bodies)
     keys = (f"bodies.{body.name}.inertia" for body in system.bodies if max(body.inertia) > 0)
     thin = tuple(key for key in keys if key in missing)
-    return Weighted(replace(system, bodies=bodies), missing, thin)
-
-
-def require_driven(found: Analysed, wanted: Collection[str]) -> None:
-    """Refuse what depends on masses that are missing.
-
-    Raises
-    ------
-    SceneError
-        Drivers leave freedoms, or what is wanted depends on masses; the message names a body that
-        lacks one.
-    """
-    if not found.missing:
-        return
-    key = found.missing[0]
-    lack, give = "is missing", "give it"
-    if key in found.thin:
-        lack = "has a moment of zero, as of a rod without thickness, about an axis of turning"
-        give = "give the body some thickness, as of a cylinder"
-    more = f" (one of {len(found.missing)} such)" if len(found.missing) > 1 else ""
-    if found.freedom.degrees > 0:
-        raise SceneError(
-            f"{lack}, and drivers leave {found.freedom.degrees} of the freedoms, whose motion"
-            f" depends on it{more}; {give}, or drive them",
-            key=key,
-        )
-    for name in DEPEND:
-        if name in wanted:
-            raise SceneError(
-                f"asks for {name}, which depend on {key}, and it {lack}{more}; {give}, or"
-                f" leave {name} out: positions, velocities and accelerations need no mass here",
-                key="outputs",
-            )
+    return PlaceholderMasses(replace(system, bodies=bodies), missing, thin)
 
 
 def _missing(system: System, shift: int | None) -> Iterator[str]:
     """Yield what bodies lack that their motion depends on."""
-    for body in turned(system, shift or 0).bodies:
+    for body in permuted(system, shift or 0).bodies:
         _, columns = shape(body, is_planar=shift is not None)
         if body.mass <= 0:
             yield f"bodies.{body.name}.mass"

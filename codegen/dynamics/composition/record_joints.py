@@ -13,15 +13,15 @@ from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.combinations import Combinations
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import System
 
 
 @dataclass(frozen=True, slots=True)
-class JointTasks:
+class JointRecorder:
     """What records the rows of joints.
 
     Parameters
@@ -49,8 +49,17 @@ class JointTasks:
         with self.recorder.of(joint.name):
             _, *found = self.recorder.call(
                 Joint(joint.parts, tuple(one.columns for one in ends), reduced),
-                *(i.r, i.p, i.orientation, i.weights, j.r, j.p, j.orientation, j.weights),
-                *(one.weights for one in others),
+                *(
+                    i.r,
+                    i.p,
+                    i.orientation,
+                    i.effective_inverse_mass,
+                    j.r,
+                    j.p,
+                    j.orientation,
+                    j.effective_inverse_mass,
+                ),
+                *(one.effective_inverse_mass for one in others),
                 *(one.basis for one in ends if one.basis),
                 *self._of_parts(joint, "C"),
                 into=(residuals,),

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
-from kousoku.codegen.dynamics.checking.run import Workspace
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.composition.momentum import kept_of
+from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
+from kousoku.codegen.dynamics.simplification.conserved_momenta import conserved_momenta
 from kousoku.model.joints import JOINTS
 from kousoku.model.mechanism import GROUND_INDEX, Instance, System
 from kousoku.model.read import scene_from_dict
@@ -72,7 +72,9 @@ def held(kind: str, *, ground_first: bool) -> System:
 
 def rates_of_momentum(system: System, about: Any) -> Any:
     """Return ṗ and L̇ from the accelerations, about a point or the centre of mass."""
-    workspace = Workspace(compose(all_rows(system, may_be_planar=False), ["checks", "energies"]))
+    workspace = ProgramInterpreter(
+        compose(all_rows(system, may_be_planar=False), ["checks", "energies"])
+    )
     workspace.run("geometry", "velocity", "acceleration")
     v_dot = np.array(workspace["v_dot"]).reshape(-1, 6)
     mass = np.array([body.mass for body in system.bodies])
@@ -98,7 +100,7 @@ def rates_of_momentum(system: System, about: Any) -> Any:
 def test_what_a_joint_with_the_ground_leaves_does_not_change(kind: str, ground_first: bool) -> None:
     system = held(kind, ground_first=ground_first)
     linear, angular, is_fixed = WANTED[kind][0 if ground_first else 1]
-    found = kept_of(system, is_planar=False)
+    found = conserved_momenta(system, is_planar=False)
     if not linear + angular:
         assert found == ()
         return
@@ -128,7 +130,7 @@ def test_gravity_counts_about_a_point_of_the_ground_and_not_about_the_centre_of_
     """Gravity across the axis (2, -1, 2) of the joint, and along it."""
     system = held(kind, ground_first=True)
     for gravity, wanted in (((3.0, 6.0, 0.0), across), ((-2.0, 1.0, -2.0), along)):
-        found = kept_of(replace(system, gravity=gravity), is_planar=False)
+        found = conserved_momenta(replace(system, gravity=gravity), is_planar=False)
         counts = [(len(x.linear), len(x.angular), x.about is not None) for x in found]
         assert counts == ([] if wanted is None else [wanted])
 
@@ -137,12 +139,12 @@ def test_two_points_of_the_ground_leave_the_axis_through_both() -> None:
     system = held("spherical", ground_first=True)
     rod = Instance("rod", "distance", GROUND_INDEX, 1, (("s_i_b", (0.3, -0.2, 2.0)),))
     tied = replace(system, constraints=(*system.constraints, rod))
-    (kept,) = kept_of(tied, is_planar=False)
+    (kept,) = conserved_momenta(tied, is_planar=False)
     assert kept.about == pytest.approx(AT)
     assert kept.angular == ((0.0, 0.0, 1.0),)
     beside = replace(rod, constants=(("s_i_b", (0.0, 0.0, 2.0)),))
     third = replace(system, constraints=(*tied.constraints, beside))
-    assert kept_of(third, is_planar=False) == ()
+    assert conserved_momenta(third, is_planar=False) == ()
 
 
 def test_parts_that_only_the_ground_connects_are_told_apart() -> None:
@@ -157,7 +159,7 @@ def test_parts_that_only_the_ground_connects_are_told_apart() -> None:
         "plane": {"type": "planar", "bodies": ["ground", "b"], "at": [0, 0, 0], "axis": [0, 0, 1]},
     }
     tree = {"name": "s", "unit": "m", "bodies": bodies, "joints": joints, "gravity": [0, 0, -9]}
-    found = kept_of(system_of(scene_from_dict(tree)), is_planar=False)
+    found = conserved_momenta(system_of(scene_from_dict(tree)), is_planar=False)
     assert [(one.bodies, len(one.linear), one.angular) for one in found] == [
         ((0,), 0, ((0.0, 0.0, -1.0),)),
         ((1,), 2, ((0.0, 0.0, 1.0),)),
@@ -169,4 +171,4 @@ def test_an_axis_of_the_ground_that_parameters_change_counts_as_any() -> None:
     body = {"position": [0, 0, 0], "mass": 1, "inertia": {"xx": 1, "yy": 1, "zz": 1}}
     tree = {"name": "s", "unit": "m", "bodies": {"b": body}, "joints": {"a": joint}}
     tree["parameters"] = {"k": 0.5}
-    assert kept_of(system_of(scene_from_dict(tree)), is_planar=False) == ()
+    assert conserved_momenta(system_of(scene_from_dict(tree)), is_planar=False) == ()

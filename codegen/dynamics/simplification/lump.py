@@ -2,7 +2,7 @@
 
 What a fixed joint holds does not move against each other, so its rows and the columns of one body
 are left out; where a body is follows from what carries it. Such a joint has no reactions, so
-nothing is merged where reactions are wanted.
+no bodies are lumped where reactions are wanted.
 """
 
 from __future__ import annotations
@@ -10,12 +10,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.simplification.composite import Seat, joined, on_ground
+from kousoku.codegen.dynamics.simplification.axis_permutation import can_permute, permuted
+from kousoku.codegen.dynamics.simplification.composite import Placement, joined, on_ground
 from kousoku.codegen.dynamics.simplification.outline import NORMAL
 from kousoku.codegen.dynamics.simplification.planar import is_planar
-from kousoku.codegen.dynamics.simplification.resting_energy import resting_energy
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
-from kousoku.codegen.dynamics.simplification.turned import can_turn, turned
+from kousoku.codegen.dynamics.simplification.static_potential import static_potential
 from kousoku.model.mechanism import GROUND_INDEX, Carried
 from kousoku.model.rows import variant
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Merged:
+class LumpedSystem:
     """A system whose bodies all move against each other.
 
     Parameters
@@ -43,7 +43,7 @@ class Merged:
     joints: tuple[str, ...] = ()
 
 
-def merged(system: System, wanted: Collection[str] = ()) -> Merged:
+def lump(system: System, wanted: Collection[str] = ()) -> LumpedSystem:
     """Return an assembled system with bodies that are joined rigidly as one.
 
     Parameters
@@ -51,18 +51,18 @@ def merged(system: System, wanted: Collection[str] = ()) -> Merged:
     system : System
         At positions and velocities that fit.
     wanted : collection of str
-        Outputs; with ``reactions`` nothing is merged.
+        Outputs; with ``reactions`` no bodies are lumped.
     """
     groups = () if "reactions" in wanted else grouped(system)
     if not groups:
-        return Merged(system)
+        return LumpedSystem(system)
     leader = {body: group[0] for group in groups for body in group}
     joints = dict.fromkeys(
         one.joint
         for one in system.constraints
         if one.i != one.j and leader.get(one.i, one.i) == leader.get(one.j, one.j)
     )
-    return Merged(_in_plane(system, groups) or _joined(system, groups), tuple(joints))
+    return LumpedSystem(_in_plane(system, groups) or _joined(system, groups), tuple(joints))
 
 
 def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
@@ -71,26 +71,28 @@ def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
     Parts at different heights have products of inertia. In a plane that they are held in these do
     not count, and without them the principal axes stay in the plane.
     """
-    for shift in (0, 1, 2) if can_turn(system) else ():
+    for shift in (0, 1, 2) if can_permute(system) else ():
         normal = (NORMAL + shift) % 3
         if all(x == 0 for body in system.bodies for k, x in enumerate(body.p[1:]) if k != normal):
             found = _joined(system, groups, normal)
-            if is_planar(turned(found, shift), must_be_held=True):
+            if is_planar(permuted(found, shift), must_be_held=True):
                 return found
     return None
 
 
 def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None = None) -> System:
     """Return the system with one body for each group, the ground for one that begins with it."""
-    bodies, seats = _seated(system, groups, normal)
-    moving = [one for one in system.forces if seats[one.i].carrier != seats[one.j].carrier]
+    bodies, placements = _placed(system, groups, normal)
+    moving = [
+        one for one in system.forces if placements[one.i].carrier != placements[one.j].carrier
+    ]
     carried = tuple(
         Carried(
             one.name,
-            seats[k].carrier,
+            placements[k].carrier,
             one.is_point,
-            seats[k].point(one.origin_b),
-            seats[k].frame(one.axes_b),
+            placements[k].point(one.origin_b),
+            placements[k].frame(one.axes_b),
         )
         for k, one in enumerate(system.bodies)
     )
@@ -98,69 +100,71 @@ def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None 
         system,
         bodies=tuple(bodies),
         constraints=tuple(
-            _instance(one, seats)
+            _instance(one, placements)
             for one in system.constraints
-            if len({seats[body].carrier for body in one.bodies}) > 1
+            if len({placements[body].carrier for body in one.bodies}) > 1
         ),
         held=(),
         held_rates=(),
-        forces=tuple(_force(one, seats) for one in moving),
-        coordinates=tuple(_coordinate(one, seats) for one in system.coordinates),
+        forces=tuple(_force(one, placements) for one in moving),
+        coordinates=tuple(_coordinate(one, placements) for one in system.coordinates),
         carried=carried,
-        resting=resting_energy(system, seats),
+        resting=static_potential(system, placements),
     )
 
 
-def _seated(
+def _placed(
     system: System, groups: Sequence[Sequence[int]], normal: int | None
-) -> tuple[list[MovingBody], dict[int, Seat]]:
-    """Return the bodies that move, and the seat of each body of the scene and of the ground."""
-    seats = {GROUND_INDEX: Seat(GROUND_INDEX)}
+) -> tuple[list[MovingBody], dict[int, Placement]]:
+    """Bodies that move, and the placement of each body of the scene and of the ground."""
+    placements = {GROUND_INDEX: Placement(GROUND_INDEX)}
     members_of = {group[0]: group for group in groups}
     carried = {body for group in groups for body in group[1:]}
     for k in members_of.get(GROUND_INDEX, (GROUND_INDEX,))[1:]:
-        seats[k] = on_ground(system.bodies[k], GROUND_INDEX)
+        placements[k] = on_ground(system.bodies[k], GROUND_INDEX)
     bodies: list[MovingBody] = []
     for k, body in enumerate(system.bodies):
         if k in members_of:
             members = members_of[k]
             own = [system.bodies[member] for member in members]
             together, places = joined(own, len(bodies), normal)
-            seats |= zip(members, places, strict=True)
+            placements |= zip(members, places, strict=True)
             bodies.append(together)
         elif k not in carried:
-            seats[k] = Seat(len(bodies))
+            placements[k] = Placement(len(bodies))
             bodies.append(body)
-    return bodies, seats
+    return bodies, placements
 
 
-def _instance(one: Instance, seats: Mapping[int, Seat]) -> Instance:
+def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
     """Return a constraint between the bodies that carry its own."""
-    constants = _constants(one.constants, seats[one.i], seats[one.j])
+    constants = _constants(one.constants, placements[one.i], placements[one.j])
     kind, _, axis = one.kind.partition("_")
     return replace(
         one,
         kind=variant(kind, dict(constants)["a_i_b"]) if axis and kind in {"p1", "p2"} else one.kind,
-        i=seats[one.i].carrier,
-        j=seats[one.j].carrier,
+        i=placements[one.i].carrier,
+        j=placements[one.j].carrier,
         constants=constants,
-        others=tuple(seats[body].carrier for body in one.others),
+        others=tuple(placements[body].carrier for body in one.others),
     )
 
 
-def _coordinate(one: Coordinate, seats: Mapping[int, Seat]) -> Coordinate:
-    i, j = seats[one.i], seats[one.j]
+def _coordinate(one: Coordinate, placements: Mapping[int, Placement]) -> Coordinate:
+    i, j = placements[one.i], placements[one.j]
     constants = _constants(one.constants, i, j)
     return replace(one, i=i.carrier, j=j.carrier, constants=constants)
 
 
-def _force(one: ForceElement, seats: Mapping[int, Seat]) -> ForceElement:
-    i, j = seats[one.i], seats[one.j]
+def _force(one: ForceElement, placements: Mapping[int, Placement]) -> ForceElement:
+    i, j = placements[one.i], placements[one.j]
     constants = _constants(one.constants, i, j, turning=one.kind.endswith("_b"))
     return replace(one, i=i.carrier, j=j.carrier, constants=constants)
 
 
-def _constants(constants: Constants, i: Seat, j: Seat, *, turning: bool = False) -> Constants:
+def _constants(
+    constants: Constants, i: Placement, j: Placement, *, turning: bool = False
+) -> Constants:
     """Return points and vectors in the frames of what carries their bodies.
 
     Of a force that turns with body j all but its point is a vector of that body.

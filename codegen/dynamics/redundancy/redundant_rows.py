@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.recording.program import Row
-
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from kousoku.codegen.dynamics.composition.joints import JointBlocks
-
+    from kousoku.codegen.dynamics.recording.program import Row
 
 #: Rows up to which all of them are solved for at once.
 MOST_DENSE = 200
@@ -30,16 +27,6 @@ def shares_out(kept: int, left_out: int) -> bool:
     That code has some multiple of these operations, and compilers take minutes for a million.
     """
     return take_over(kept, left_out) and kept * left_out > MOST_UNROLLED
-
-
-def rows_of(joints: Iterable[JointBlocks]) -> tuple[Row, ...]:
-    """Return the rows of joints in their order."""
-    return tuple(
-        Row(joint.name, instance, row)
-        for joint in joints
-        for instance, part in zip(joint.instances, joint.parts, strict=True)
-        for row in part.rows
-    )
 
 
 def by_instance(rows: Iterable[Row]) -> dict[int, list[int]]:

@@ -3,8 +3,8 @@
 A revolute, spherical, prismatic or cylindrical joint with the ground leaves one to three velocities
 u of the six of its body. R is known in closed form, and the mass Rᵀ M R that moves with u is
 constant, so that the rows of the joint need no multipliers. What a driver of the joint prescribes
-is part of β(t), and none of u. :mod:`kousoku.codegen.dynamics.composition.reduced_tasks` records
-all that.
+is part of β(t), and none of u. All that is recorded by
+:mod:`kousoku.codegen.dynamics.composition.record_joint_coordinates`.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.pose import Pose, normalised
+from kousoku.codegen.dynamics.operations.joint_coordinates import AXIS, NOTHING, POINT
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, evaluate
 from kousoku.model import precise
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
     Numbers = tuple[float, ...]
 
-#: What the body can turn about.
-NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
 #: What a joint leaves free, by the kinds that it is made of: how it turns, whether it slides.
 FREEDOMS = {
     ("point", "p1"): (AXIS, False),
@@ -46,7 +45,7 @@ NORMAL: Triple = (HIGH_CONTEXT.mpf(0), HIGH_CONTEXT.mpf(0), HIGH_CONTEXT.mpf(1))
 
 
 @dataclass(frozen=True, slots=True)
-class Led:
+class Prescribed:
     """A driver of the coordinate that a joint leaves free.
 
     Parameters
@@ -65,7 +64,7 @@ class Led:
 
 
 @dataclass(frozen=True, slots=True)
-class Reduction:
+class VelocityTransformation:
     """A body on a joint with the ground: all vectors are rounded once.
 
     Parameters
@@ -90,7 +89,7 @@ class Reduction:
         Two vectors perpendicular to each of them.
     beside : (4,) and (4,)
         Euler parameters that no turn about the axis has a part of, beside those of ``p``.
-    turned, slid : Led, optional
+    prescribed_turn, prescribed_slide : Prescribed, optional
         What drives the turn and the displacement.
     """
 
@@ -107,8 +106,8 @@ class Reduction:
     across: tuple[Numbers, Numbers]
     across_b: tuple[Numbers, Numbers]
     beside: tuple[Numbers, Numbers]
-    turned: Led | None = None
-    slid: Led | None = None
+    prescribed_turn: Prescribed | None = None
+    prescribed_slide: Prescribed | None = None
 
     @property
     def turns(self) -> int:
@@ -118,24 +117,24 @@ class Reduction:
     @property
     def free(self) -> tuple[int, ...]:
         """Which of its freedoms, turns first, are not driven."""
-        turns = () if self.turned else tuple(range(self.turns))
-        return (*turns, self.turns) if self.slides and not self.slid else turns
+        turns = () if self.prescribed_turn else tuple(range(self.turns))
+        return (*turns, self.turns) if self.slides and not self.prescribed_slide else turns
 
     @property
-    def led(self) -> tuple[tuple[int, Led], ...]:
+    def prescribed(self) -> tuple[tuple[int, Prescribed], ...]:
         """Which of its freedoms are driven, and by what."""
-        found = ((0, self.turned), (self.turns, self.slid))
+        found = ((0, self.prescribed_turn), (self.turns, self.prescribed_slide))
         return tuple((k, one) for k, one in found if one)
 
     @property
     def is_placed(self) -> bool:
         """Whether its centre of mass follows from all else, so that nothing is added to it."""
-        return not self.slides or self.slid is not None
+        return not self.slides or self.prescribed_slide is not None
 
 
-def reductions_of(
+def velocity_transformations_of(
     system: System, rows: Mapping[int, Sequence[int]], *, is_planar: bool
-) -> dict[int, Reduction]:
+) -> dict[int, VelocityTransformation]:
     """Return the bodies that can be described by what their joint with the ground leaves free.
 
     Parameters
@@ -149,7 +148,7 @@ def reductions_of(
 
     Returns
     -------
-    mapping of int to Reduction
+    mapping of int to VelocityTransformation
         By the body, in the order of the system.
     """
     grounded: dict[int, list[int]] = {}
@@ -192,14 +191,14 @@ def _is_fixed(system: System, body: int, places: Sequence[int]) -> bool:
     return not moving.is_point and not is_varying((*numbers, *constants, *nears))
 
 
-def _leaves(one: Reduction, rows: Mapping[int, Sequence[int]]) -> int:
+def _leaves(one: VelocityTransformation, rows: Mapping[int, Sequence[int]]) -> int:
     """Return how many velocities there are: those left free, and rows of the joint and drivers."""
     return len(one.free) + sum(len(rows.get(place, ())) for place in one.instances)
 
 
 def _reduction(
     system: System, body: int, places: Sequence[int], *, is_planar: bool
-) -> Reduction | None:
+) -> VelocityTransformation | None:
     joints = [k for k in places if system.constraints[k].kind != COMBINATION]
     groups = [list(own) for _, own in groupby(joints, lambda k: system.constraints[k].joint)]
     if len(groups) != 1 or any(
@@ -224,7 +223,7 @@ def _placed(
     slides: bool,
     *,
     is_planar: bool,
-) -> Reduction:
+) -> VelocityTransformation:
     """Return what describes a body on a joint that nothing drives."""
     of = {kind: dict(system.constraints[k].constants) for kind, k in parts.items()}
     first = system.constraints[next(iter(parts.values()))]
@@ -244,7 +243,7 @@ def _placed(
         joint = precise.add(joint, precise.scale(shift, axis))
     across_b = _across(axis_b)
     zero = HIGH_CONTEXT.mpf(0)
-    return Reduction(
+    return VelocityTransformation(
         body=body,
         instances=tuple(parts.values()),
         turn=turn,
@@ -284,7 +283,9 @@ def _pair(values: Sequence[Sequence[High]]) -> tuple[Numbers, Numbers]:
     return first, second
 
 
-def _with_drivers(system: System, found: Reduction, drivers: Sequence[int]) -> Reduction:
+def _with_drivers(
+    system: System, found: VelocityTransformation, drivers: Sequence[int]
+) -> VelocityTransformation:
     """Return the body with what drives the coordinates of its joint; other drivers stay rows."""
     for place in drivers:
         one = system.constraints[place]
@@ -294,16 +295,16 @@ def _with_drivers(system: System, found: Reduction, drivers: Sequence[int]) -> R
         sign = _along(found, coordinate)
         if not sign:
             continue
-        led = Led(place, sign, _at_start(system, coordinate))
+        led = Prescribed(place, sign, _at_start(system, coordinate))
         instances = (*found.instances, place)
-        if coordinate.kind == "angle" and found.turn == AXIS and not found.turned:
-            found = replace(found, turned=led, instances=instances)
-        elif coordinate.kind == "n2" and found.slides and not found.slid:
-            found = replace(found, slid=led, instances=instances)
+        if coordinate.kind == "angle" and found.turn == AXIS and not found.prescribed_turn:
+            found = replace(found, prescribed_turn=led, instances=instances)
+        elif coordinate.kind == "n2" and found.slides and not found.prescribed_slide:
+            found = replace(found, prescribed_slide=led, instances=instances)
     return found
 
 
-def _along(found: Reduction, coordinate: Coordinate) -> int:
+def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
     """Return 1 or −1 where a coordinate grows or falls with what the joint leaves free, else 0."""
     given = dict(coordinate.constants)
     if coordinate.kind not in ("angle", "n2"):

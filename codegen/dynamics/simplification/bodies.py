@@ -39,7 +39,7 @@ class BodyBlocks:
         Diagonal of M⁻¹ in the columns, one row.
     basis, inverse : Block, optional
         R and (Rᵀ M R)⁻¹ of a body that is reduced; see
-        :mod:`~kousoku.codegen.dynamics.simplification.reduction`.
+        :mod:`~kousoku.codegen.dynamics.simplification.joint_coordinates`.
     """
 
     coordinates: tuple[int, ...]
@@ -56,7 +56,7 @@ class BodyBlocks:
     inverse: Block | None = None
 
     @property
-    def weights(self) -> Block:
+    def effective_inverse_mass(self) -> Block:
         """The inverse of the mass that other joints move."""
         return self.inverse or self.inverse_mass
 

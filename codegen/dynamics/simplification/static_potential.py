@@ -11,40 +11,40 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from kousoku.codegen.dynamics.simplification.composite import Seat
+    from kousoku.codegen.dynamics.simplification.composite import Placement
     from kousoku.model.mechanism import ForceElement, System
     from kousoku.model.precise import High
 
 
-def resting_energy(system: System, seats: Mapping[int, Seat]) -> float:
+def static_potential(system: System, placements: Mapping[int, Placement]) -> float:
     """Return the potential energy of bodies that stand still and of forces in one body [J].
 
     Parameters
     ----------
     system : System
         The scene, before bodies are joined.
-    seats : mapping of int to Seat
+    placements : mapping of int to Placement
         What carries each body.
     """
     gravity = precise.triple(system.gravity)
     total = precise.number(0.0)
     for k, body in enumerate(system.bodies):
-        if seats[k].carrier == GROUND_INDEX:
+        if placements[k].carrier == GROUND_INDEX:
             total -= precise.number(body.mass) * precise.dot(gravity, start_of(body)[0])
     for force in system.forces:
         is_fixed = force.has_potential and not force.formulas and force.coordinate < 0
-        if is_fixed and seats[force.i].carrier == seats[force.j].carrier:
-            total += _stored(force, seats)
+        if is_fixed and placements[force.i].carrier == placements[force.j].carrier:
+            total += _stored(force, placements)
     return precise.double(total)
 
 
-def _stored(force: ForceElement, seats: Mapping[int, Seat]) -> High:
+def _stored(force: ForceElement, placements: Mapping[int, Placement]) -> High:
     """Return ½ k (l − l⁰)² of a spring in one body, −F·r of a force on the ground."""
     given = dict(force.constants)
-    end = precise.triple(seats[force.j].point(given["s_j_b"]))
+    end = precise.triple(placements[force.j].point(given["s_j_b"]))
     if force.kind == "force":
         return -precise.dot(precise.triple(given["force"]), end)
-    start = precise.triple(seats[force.i].point(given["s_i_b"]))
+    start = precise.triple(placements[force.i].point(given["s_i_b"]))
     length = precise.length(precise.subtract(end, start))
     (stiffness,), (free,) = given["stiffness"], given["free_length"]
     return precise.number(stiffness) * (length - precise.number(free)) ** 2 / 2

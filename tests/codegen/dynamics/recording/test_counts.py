@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.compose import compose
-from kousoku.codegen.dynamics.explanation.counts import counts, operations
+from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from tests.analysed import all_rows
 

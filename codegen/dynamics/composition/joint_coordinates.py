@@ -9,31 +9,31 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import Copy
-from kousoku.codegen.dynamics.composition.reduced_tasks import ReducedTasks
+from kousoku.codegen.dynamics.composition.record_joint_coordinates import JointCoordinateRecorder
 from kousoku.codegen.dynamics.recording.recorder import zeros
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
     from kousoku.codegen.dynamics.composition.combinations import Combinations
-    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
     from kousoku.codegen.dynamics.composition.joints import JointBlocks
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.composition.schur import Schur
     from kousoku.codegen.dynamics.recording.recorder import Block, Recorder
-    from kousoku.codegen.dynamics.simplification.reduction import Reduction
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
+    from kousoku.codegen.dynamics.simplification.joint_coordinates import VelocityTransformation
     from kousoku.model.mechanism import System
 
     #: A matrix, and the vector that it is multiplied with.
     Product = tuple[Block, Block]
 
 
-class Reduced:
+class JointCoordinates:
     """The bodies that are reduced, none of them unless there are some.
 
     Parameters
     ----------
-    found : mapping of int to Reduction
+    found : mapping of int to VelocityTransformation
         What describes them, by the body.
     system : System
         The scene.
@@ -47,7 +47,7 @@ class Reduced:
 
     def __init__(
         self,
-        found: Mapping[int, Reduction],
+        found: Mapping[int, VelocityTransformation],
         system: System,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
@@ -55,7 +55,8 @@ class Reduced:
     ) -> None:
         self.recorder = recorder
         self.tasks = {
-            k: ReducedTasks(one, system, recorder, body, combinations) for k, one in found.items()
+            k: JointCoordinateRecorder(one, system, recorder, body, combinations)
+            for k, one in found.items()
         }
         self._free: dict[int, Block] = {}
 
@@ -75,18 +76,18 @@ class Reduced:
             basis, inverse = one.geometry()
             bodies[k] = replace(bodies[k], basis=basis, inverse=inverse)
 
-    def fit(self, by_body: list[Block]) -> tuple[dict[int, Block], dict[int, Block]]:
+    def project_velocity(self, by_body: list[Block]) -> tuple[dict[int, Block], dict[int, Block]]:
         """Record velocities that fit, and put u into ``by_body``; return what v lacks, and β."""
         lacks, beta = {}, {}
         for k, one in self.tasks.items():
-            by_body[k], lacks[k], beta[k] = one.fit()
+            by_body[k], lacks[k], beta[k] = one.project_velocity()
         return lacks, beta
 
-    def condense(self, free: list[Block]) -> dict[int, Block]:
+    def reduce_forces(self, free: list[Block]) -> dict[int, Block]:
         """Record u̇ without joints, and put it into ``free``, which has M⁻¹f; return η."""
-        drifts = {k: one.drift() for k, one in self.tasks.items()}
+        drifts = {k: one.bias_acceleration() for k, one in self.tasks.items()}
         for k, one in self.tasks.items():
-            self._free[k] = one.condense(free[k], drifts[k])
+            self._free[k] = one.reduce_forces(free[k], drifts[k])
             free[k] = one.chosen(self._free[k])
         return drifts
 
@@ -102,7 +103,7 @@ class Reduced:
         schur: Schur,
         joints: Sequence[JointBlocks],
         v_dot: Sequence[Block],
-        coordinates: CoordinateTasks,
+        coordinates: CoordinateRecorder,
     ) -> dict[tuple[str, int], Block]:
         """Record what joints with the ground and their drivers do to bodies, by name and body."""
         found: dict[tuple[str, int], Block] = {}
@@ -143,7 +144,7 @@ class Reduced:
         """
         found = []
         for k, one in self.tasks.items():
-            if one.one.led:
+            if one.one.prescribed:
                 others = self._others(schur, k, joints, multipliers)
                 found += one.powers(self._free[k] if is_whole else None, others)
         return found

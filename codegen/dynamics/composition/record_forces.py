@@ -23,10 +23,10 @@ from kousoku.model.mechanism import GROUND_INDEX
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from kousoku.codegen.dynamics.composition.bodies import BodyBlocks
-    from kousoku.codegen.dynamics.composition.coordinate_tasks import CoordinateTasks
-    from kousoku.codegen.dynamics.operations.formulas import Names
+    from kousoku.codegen.dynamics.composition.formula_names import FormulaNames
+    from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRecorder
     from kousoku.codegen.dynamics.recording.recorder import Recorder
+    from kousoku.codegen.dynamics.simplification.bodies import BodyBlocks
     from kousoku.model.mechanism import ForceElement, System
     from kousoku.model.precise import High
     from kousoku.model.switching import Measure
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     Effect = tuple[dict[int, Block], Block | None]
 
 
-class ForceTasks:
+class ForceRecorder:
     """Forces of a program.
 
     Parameters
@@ -43,9 +43,9 @@ class ForceTasks:
         The program.
     body : callable
         Returns the blocks of a body, or of the ground, by its index.
-    coordinates : CoordinateTasks
+    coordinates : CoordinateRecorder
         What forces along coordinates need.
-    names : Names
+    names : FormulaNames
         What formulas may depend on.
     by_body : sequence of Block
         The velocities of each body.
@@ -55,8 +55,8 @@ class ForceTasks:
         self,
         recorder: Recorder,
         body: Callable[[int], BodyBlocks],
-        coordinates: CoordinateTasks,
-        names: Names,
+        coordinates: CoordinateRecorder,
+        names: FormulaNames,
         by_body: Sequence[Block],
     ) -> None:
         self.recorder = recorder

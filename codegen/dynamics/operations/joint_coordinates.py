@@ -13,16 +13,18 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import frozen, orientation_of
 from kousoku.codegen.dynamics.recording.matrix import Matrix, stack
-from kousoku.codegen.dynamics.simplification.reduction import AXIS, NOTHING, POINT
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from kousoku.codegen.dynamics.recording.traces import Trace
 
+#: What a body on a joint with the ground can turn about.
+NOTHING, AXIS, POINT = "nothing", "an axis", "a point"
+
 
 @dataclass(frozen=True, slots=True)
-class Arm:
+class JointArm:
     """Velocity of the centre of mass for each turn. Blocks: A, s′ × a′ by columns."""
 
     title: str = "arm of a joint with the ground"
@@ -34,11 +36,11 @@ class Arm:
 
 
 @dataclass(frozen=True, slots=True)
-class Put:
+class ProjectPosition:
     """Position on the joint.
 
     Blocks: r, p, δr, δθ′; as
-    :class:`~kousoku.codegen.dynamics.simplification.reduction.Reduction` has
+    :class:`~kousoku.codegen.dynamics.simplification.joint_coordinates.VelocityTransformation` has
     them the point of the joint in frame O and in the body, p and r at the start, vectors across the
     axis in frame O, those beside p, p ∘ (0, a′), a; then what drives turn and displacement.
 
@@ -48,15 +50,15 @@ class Put:
         Places in (r, p) that are coordinates.
     turn : str
         What the body turns about.
-    slides, is_turned, is_slid : bool
+    slides, drives_turn, drives_slide : bool
         Whether it can be displaced, and what is driven.
     """
 
     coordinates: tuple[int, ...]
     turn: str
     slides: bool
-    is_turned: bool
-    is_slid: bool
+    drives_turn: bool
+    drives_slide: bool
     title: str = "onto the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
@@ -69,13 +71,13 @@ class Put:
         if self.turn == NOTHING:
             new, foot = p_start, base
         else:
-            if self.is_turned:
+            if self.drives_turn:
                 half = graph.div(next(given).flat[0], graph.const(2))
                 new = _times(p_start, graph.cos(half)) + _times(p_turned, graph.sin(half))
             else:
                 new = self._turned(trace, p, dtheta, beside)
             foot = joint - orientation_of(trace, new) @ joint_b
-        if self.is_slid:
+        if self.drives_slide:
             foot += axis @ next(given)
         elif self.slides:
             moved = r + dr
@@ -96,7 +98,7 @@ class Put:
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class ProjectVelocity:
     """Velocities that fit the joint.
 
     Blocks: v, ω′, the arm, a′ and a by columns, the vectors across each of them, (Rᵀ M R)⁻¹ m of
@@ -112,7 +114,7 @@ class Fit:
         The body's columns.
     turn : str
         What it turns about.
-    slides, is_turned, is_slid : bool
+    slides, drives_turn, drives_slide : bool
         Whether it can be displaced, and what is driven.
     is_skew : bool
         Whether a′ is no principal axis: what ω′ has across it says something of the turn, too.
@@ -121,8 +123,8 @@ class Fit:
     columns: tuple[int, ...]
     turn: str
     slides: bool
-    is_turned: bool
-    is_slid: bool
+    drives_turn: bool
+    drives_slide: bool
     is_skew: bool
     title: str = "velocity on the joint with the ground"
 
@@ -135,7 +137,7 @@ class Fit:
         beta, spin = zero, zero
         if self.turn == NOTHING:
             turning, lacks = zero, -omega
-        elif self.is_turned:
+        elif self.drives_turn:
             rate = next(given)
             beta, spin = arm @ rate, axis_b @ rate
             turning, lacks = beta, spin - omega
@@ -149,7 +151,7 @@ class Fit:
                 lacks -= across_b @ (across_b.T @ omega)
             free.append(turn + more)
             turning = arm @ free[0]
-        if self.is_slid:
+        if self.drives_slide:
             slide = axis @ next(given)
             beta += slide
             moves = turning + slide - v
@@ -166,7 +168,7 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True)
-class Drift:
+class BiasAcceleration:
     """η: the acceleration that is there with u̇ = 0.
 
     Blocks: ω′, the arm, A, a′, a in frame O, the point of the joint in the body; then the second
@@ -178,14 +180,14 @@ class Drift:
         The body's columns.
     turn : str
         What it turns about.
-    is_turned, is_slid : bool
+    drives_turn, drives_slide : bool
         What is driven.
     """
 
     columns: tuple[int, ...]
     turn: str
-    is_turned: bool
-    is_slid: bool
+    drives_turn: bool
+    drives_slide: bool
     title: str = "acceleration on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
@@ -199,16 +201,16 @@ class Drift:
         elif self.turn == AXIS:
             rate = axis_b.T @ omega
             moves = axis.cross(arm) @ (rate @ rate)
-        if self.is_turned:
+        if self.drives_turn:
             second = next(given)
             moves, spins = moves + arm @ second, axis_b @ second
-        if self.is_slid:
+        if self.drives_slide:
             moves += axis @ next(given)
         return (_selected(moves, spins, self.columns),)
 
 
 @dataclass(frozen=True, slots=True)
-class Condense:
+class ReduceForces:
     """u̇ of a body on which no other joint acts.
 
     Blocks: M⁻¹f in the columns, the arm, a, η in the columns, then (Rᵀ M R)⁻¹ m and
@@ -249,7 +251,7 @@ class Condense:
 
 
 @dataclass(frozen=True, slots=True)
-class Driven:
+class DriverPower:
     """Power of what drives a freedom.
 
     Blocks: its mass, ü that it prescribes, u̇ without it, its column of R, what all other joints do,
@@ -266,7 +268,7 @@ class Driven:
 
 
 @dataclass(frozen=True, slots=True)
-class Wrench:
+class JointWrench:
     """What the joint and its drivers do to the body.
 
     Blocks: the diagonal of M, v̇, M⁻¹f, what all other joints do, −Σ C_qᵀλ.
@@ -281,7 +283,7 @@ class Wrench:
 
 
 @dataclass(frozen=True, slots=True)
-class Share:
+class DriverWrench:
     """What a driver has of that. Blocks: it, the column of R, the Jacobian of the coordinate.
 
     Parameters
@@ -302,7 +304,7 @@ class Share:
 
 
 @dataclass(frozen=True, slots=True)
-class Turned:
+class DrivenCoordinate:
     """What a driver makes of a freedom. Blocks: its formula, what it is at the start.
 
     Parameters

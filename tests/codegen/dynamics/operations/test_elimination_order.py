@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from kousoku.codegen.dynamics.composition.ordering import Pivot, minimum_degree
+from kousoku.codegen.dynamics.operations.elimination_order import Pivot, minimum_degree
 
 
 def test_a_chain_is_eliminated_from_both_ends_without_fill() -> None:

@@ -34,54 +34,57 @@ KINDS = frozenset(
 )
 
 
-def can_turn(system: System) -> bool:
+def can_permute(system: System) -> bool:
     """Return whether all kinds of a system are known to mean the same after a turn."""
     kinds = [instance.kind for instance in system.constraints]
     kinds += [coordinate.kind for coordinate in system.coordinates]
     return KINDS.issuperset(kinds)
 
 
-def turned(system: System, shift: int) -> System:
+def permuted(system: System, shift: int) -> System:
     """Return the system whose component k is what component k + shift was, counted in turn."""
     if not shift:
         return system
     return replace(
         system,
-        bodies=tuple(_turned_body(body, shift) for body in system.bodies),
-        constraints=tuple(_turned_instance(one, shift) for one in system.constraints),
+        bodies=tuple(_permuted_body(body, shift) for body in system.bodies),
+        constraints=tuple(_permuted_instance(one, shift) for one in system.constraints),
         gravity=_triple(system.gravity, shift),
         gravity_law=_triple(system.gravity_law, shift),
         coordinates=tuple(
-            replace(one, constants=_turned_constants(one.constants, shift))
+            replace(one, constants=_permuted_constants(one.constants, shift))
             for one in system.coordinates
         ),
         forces=tuple(
-            replace(one, constants=_turned_constants(one.constants, shift)) for one in system.forces
+            replace(one, constants=_permuted_constants(one.constants, shift))
+            for one in system.forces
         ),
     )
 
 
-def own_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
+def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
     """Return which places in (δr, δθ′) of a body are columns that it has in a turned system."""
     return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
 
 
-def turned_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
+def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
     """Return rows of a system as rows of the turned system."""
     kinds = [one.kind for one in system.constraints]
-    return tuple(replace(one, row=turned_row(kinds[one.instance], one.row, shift)) for one in rows)
+    return tuple(
+        replace(one, row=permuted_row(kinds[one.instance], one.row, shift)) for one in rows
+    )
 
 
-def turned_row(kind: str, row: int, shift: int) -> int:
+def permuted_row(kind: str, row: int, shift: int) -> int:
     """Return which row of the turned kind is a row of a kind; those of one's own are not turned."""
     if is_own(kind):
         return row
     kept = _components(kind)
     component = (kept[row] - shift) % 3
-    return _components(_turned_kind(kind, shift)).index(component) if len(kept) > 1 else row
+    return _components(_permuted_kind(kind, shift)).index(component) if len(kept) > 1 else row
 
 
-def named_back(program: Program, system: System, shift: int) -> Program:
+def permuted_back(program: Program, system: System, shift: int) -> Program:
     """Return the program of a turned system with the names that the scene has for all.
 
     Parameters
@@ -107,9 +110,9 @@ def named_back(program: Program, system: System, shift: int) -> Program:
     return replace(
         program,
         bodies=bodies,
-        rows=turned_rows(program.rows, system, back),
-        left_out=turned_rows(program.left_out, system, back),
-        reduced=turned_rows(program.reduced, system, back),
+        rows=permuted_rows(program.rows, system, back),
+        left_out=permuted_rows(program.left_out, system, back),
+        reduced=permuted_rows(program.reduced, system, back),
     )
 
 
@@ -118,7 +121,7 @@ def _triple(values: Sequence[T], shift: int) -> Triple[T]:
     return x, y, z
 
 
-def _turned_body(body: MovingBody, shift: int) -> MovingBody:
+def _permuted_body(body: MovingBody, shift: int) -> MovingBody:
     e0, *e = body.p
     return replace(
         body,
@@ -132,18 +135,18 @@ def _turned_body(body: MovingBody, shift: int) -> MovingBody:
     )
 
 
-def _turned_instance(instance: Instance, shift: int) -> Instance:
-    constants = _turned_constants(instance.constants, shift)
-    return replace(instance, kind=_turned_kind(instance.kind, shift), constants=constants)
+def _permuted_instance(instance: Instance, shift: int) -> Instance:
+    constants = _permuted_constants(instance.constants, shift)
+    return replace(instance, kind=_permuted_kind(instance.kind, shift), constants=constants)
 
 
-def _turned_constants(constants: Constants, shift: int) -> Constants:
+def _permuted_constants(constants: Constants, shift: int) -> Constants:
     return tuple(
         (name, _triple(values, shift) if len(values) == 3 else values) for name, values in constants
     )
 
 
-def _turned_kind(kind: str, shift: int) -> str:
+def _permuted_kind(kind: str, shift: int) -> str:
     name, _, axis = kind.partition("_")
     return f"{name}_{AXES[(AXES.index(axis) - shift) % 3]}" if axis in ROWS else kind
 
