@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING
 
 from kousoku import __version__
 from kousoku.codegen.kernel import Package
+from kousoku.codegen.kernel_json import GRAPH_FILE, dump, parse
 from kousoku.codegen.passes.optimise import optimise
-from kousoku.codegen.store import GRAPH_FILE, dump, parse
 from kousoku.model.cache import cache_folder, write_atomically
 from kousoku.model.compressed import content
 from kousoku.model.errors import LoadError
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 #: The sources that decide what is derived, relative to the folder of the package kousoku.
 SOURCES = (
     "symbolic/*.py",
-    "codegen/chain.py",
+    "codegen/matrix_chain.py",
     "codegen/derived.py",
     "codegen/dual.py",
     "codegen/freeze.py",
@@ -43,9 +43,9 @@ SOURCES = (
     "codegen/points.py",
     "codegen/reference.py",
     "codegen/states.py",
-    "codegen/unit.py",
-    "codegen/store.py",
-    "codegen/stream.py",
+    "codegen/error_unit.py",
+    "codegen/kernel_json.py",
+    "codegen/sha256_random.py",
     "model/jsontext.py",
     "model/quantity.py",
     "model/rows.py",

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from kousoku import __version__
+from kousoku.codegen.context import package_context
+from kousoku.codegen.context_lines import c_call, python_lines
 from kousoku.codegen.known import known_errors
-from kousoku.codegen.view import package_view
-from kousoku.codegen.view_lines import c_call, python_lines
 from kousoku.model.manifest import ABI, KernelManifest, Manifest
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from kousoku.codegen.context_records import PackageContext
     from kousoku.codegen.kernel import Kernel, Package
-    from kousoku.codegen.view_records import PackageView
 
     Inputs = tuple[tuple[str, str], ...]
 
@@ -116,15 +116,15 @@ def emit(package: Package, data: Mapping[str, str]) -> dict[str, str]:
     """
     templates = environment()
     promised = promise(package, inputs_of(package))
-    view = package_view(package, __version__, promised.digest)
-    files = {name: render(templates, path, view) for name, path in FILES.items()}
+    context = package_context(package, __version__, promised.digest)
+    files = {name: render(templates, path, context) for name, path in FILES.items()}
     files |= along(*LIBRARIES) | dict(sorted(data.items()))
     return with_manifest(files, promised)
 
 
-def render(templates: Environment, path: str, view: PackageView) -> str:
-    """Return the text that one template makes of a view."""
-    return templates.get_template(path).render(package=view)
+def render(templates: Environment, path: str, context: PackageContext) -> str:
+    """Return the text that one template makes of a context."""
+    return templates.get_template(path).render(package=context)
 
 
 def inputs_of(

@@ -16,7 +16,7 @@ from kousoku.codegen.derived import (
 )
 from kousoku.codegen.emit import LIBRARIES, along_file, emit, sha256, with_manifest
 from kousoku.codegen.kernel import Package
-from kousoku.codegen.store import GRAPH_FILE, dump
+from kousoku.codegen.kernel_json import GRAPH_FILE, dump
 from kousoku.model.cache import write_atomically
 from kousoku.model.compressed import content, stored
 from kousoku.model.jsontext import to_text

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.kernel import Package
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage_blocks import live_blocks, triangular_blocks
 from kousoku.codegen.linkage_emit import emit_scene
 from kousoku.codegen.linkage_kernels import block_kernels
@@ -15,7 +16,6 @@ from kousoku.codegen.linkage_outputs import angle_kernel, node_kernel
 from kousoku.codegen.linkage_reference import references
 from kousoku.codegen.linkage_solution import places, solution
 from kousoku.codegen.linkage_view import SolverView, solver_view
-from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.manifest import REFERENCE_FILE
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku import __version__
+from kousoku.codegen.context import package_context
 from kousoku.codegen.emit import (
     FILES,
     LIBRARIES,
@@ -14,7 +15,6 @@ from kousoku.codegen.emit import (
     promise,
     with_manifest,
 )
-from kousoku.codegen.view import package_view
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -55,7 +55,7 @@ def emit_scene(package: Package, solver: SolverView, data: Mapping[str, str]) ->
     templates = environment()
     analysis = along(LIBRARY, *RESULT)
     promised = promise(package, inputs_of(package, solver, analysis))
-    view = package_view(package, __version__, promised.digest)
+    view = package_context(package, __version__, promised.digest)
     files = {
         name: templates.get_template(path).render(package=view, solver=solver)
         for name, path in (FILES | SOLVER_FILES).items()

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage import specialise
-from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.text import counted, table
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dual import DUAL, Dual, variable
+from kousoku.codegen.error_unit import columns
 from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
 from kousoku.codegen.linkage_exact import Exact
 from kousoku.codegen.linkage_layout import SUFFIXES
-from kousoku.codegen.unit import columns
 from kousoku.model.jsontext import to_text
 
 if TYPE_CHECKING:

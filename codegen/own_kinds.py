@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, cast
 
 from kousoku.codegen.dynamics.operations.own_frames import COLUMNS, PLACES, RATES, own_inputs
 from kousoku.codegen.graph import Graph
+from kousoku.codegen.kernel_json import keep_own
 from kousoku.codegen.passes.rebuild import substitute
-from kousoku.codegen.store import keep_own
 from kousoku.model.errors import DerivationError
 from kousoku.model.joints import NAMES
 from kousoku.model.own_kind import KEYS, OwnInput, OwnKind

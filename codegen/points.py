@@ -10,16 +10,16 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import HIGH_CONTEXT
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from kousoku.codegen.graph import Node
     from kousoku.codegen.kernel import Kernel
-    from kousoku.codegen.stream import Stream
+    from kousoku.codegen.sha256_random import Sha256Random
     from kousoku.model.quantity import Quantity
 
     Numbers = Mapping[str, tuple[float, ...]]
@@ -59,7 +59,7 @@ def unit(p: Sequence[float]) -> tuple[float, ...]:
     return tuple(float(x / norm) for x in p)
 
 
-def ordinary(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[float, ...]]:
+def ordinary(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tuple[float, ...]]:
     """Return numbers of order one: masses, lengths and angles positive, p of unit norm."""
     numbers = {}
     for quantity in inputs:
@@ -71,7 +71,9 @@ def ordinary(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[floa
     return numbers
 
 
-def scattered(numbers: Numbers, stream: Stream, exponent: int) -> dict[str, tuple[float, ...]]:
+def scattered(
+    numbers: Numbers, stream: Sha256Random, exponent: int
+) -> dict[str, tuple[float, ...]]:
     """Return ``numbers`` with each one off by about 2^exponent of itself."""
     return {
         name: tuple(x * (1 + stream.sign() * math.ldexp(stream.magnitude(), exponent)) for x in xs)
@@ -79,14 +81,14 @@ def scattered(numbers: Numbers, stream: Stream, exponent: int) -> dict[str, tupl
     }
 
 
-def finite_points(components: Kernel, stream: Stream, turn: int) -> list[Point]:
+def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[Point]:
     """Return points at which every output is finite: one of each sort, another at each turn.
 
     Parameters
     ----------
     components : Kernel
         Formulas of the function; they say how far its inputs can be scaled.
-    stream : Stream
+    stream : Sha256Random
         Where the digits come from.
     turn : int
         Which of the arrays or axes a sort picks, where it picks one.
@@ -116,7 +118,7 @@ def finite_points(components: Kernel, stream: Stream, turn: int) -> list[Point]:
     return points
 
 
-def infinite_points(components: Kernel, stream: Stream) -> list[Point]:
+def infinite_points(components: Kernel, stream: Sha256Random) -> list[Point]:
     """Return points with one number that is not finite.
 
     An infinity is left out where something finite can come of it, as with 1/∞.
@@ -136,7 +138,7 @@ def infinite_points(components: Kernel, stream: Stream) -> list[Point]:
 
 
 def _scaled_arrays(
-    components: Kernel, numbers: Numbers, stream: Stream, turn: int
+    components: Kernel, numbers: Numbers, stream: Sha256Random, turn: int
 ) -> dict[str, tuple[float, ...]]:
     """Scale one array as far as doubles allow, all others with what is left."""
     held = degrees(components)
@@ -156,7 +158,7 @@ def _scaled_arrays(
 
 
 def _scaled_elements(
-    components: Kernel, numbers: Numbers, stream: Stream
+    components: Kernel, numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Scale each number on its own."""
     largest = min(LARGEST_EXPONENT, EXPONENT_BUDGET // max(1, sum(degrees(components).values())))
@@ -167,7 +169,7 @@ def _scaled_elements(
 
 
 def _coincident(
-    inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
+    inputs: Sequence[Quantity], numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Let body j be almost where body i is; without a body j, all elements almost equal.
 
@@ -212,7 +214,7 @@ def _degenerate(
     return chosen
 
 
-def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[float, ...]]:
+def _integers(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tuple[float, ...]]:
     """Return integers of ±(1 … 4), positive where ordinary numbers are."""
     return {
         quantity.name: tuple(float(stream.between(1, 4) * (-1 if x < 0 else 1)) for x in values)
@@ -221,7 +223,7 @@ def _integers(inputs: Sequence[Quantity], stream: Stream) -> dict[str, tuple[flo
     }
 
 
-def _powers_of_two(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]]:
+def _powers_of_two(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]]:
     """Return 1, 2 or 4 for the numbers under a quotient, so that it stays exact."""
     curved = curved_inputs(components)
     return {
@@ -232,7 +234,7 @@ def _powers_of_two(components: Kernel, stream: Stream) -> dict[str, tuple[float,
 
 
 def _unnormalised(
-    inputs: Sequence[Quantity], numbers: Numbers, stream: Stream
+    inputs: Sequence[Quantity], numbers: Numbers, stream: Sha256Random
 ) -> dict[str, tuple[float, ...]]:
     """Let the norm of Euler parameters be 1/8 … 8."""
     scales = {q.name: math.ldexp(1.0, stream.between(-3, 2)) * stream.magnitude() for q in inputs}

@@ -13,6 +13,7 @@ import math
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dual import Dual, evaluate_dual
+from kousoku.codegen.error_unit import columns
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.known import known_errors, units_off
@@ -24,9 +25,8 @@ from kousoku.codegen.points import (
     ordinary,
     scattered,
 )
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.codegen.stream import Stream
-from kousoku.codegen.unit import columns
 from kousoku.model.errors import DerivationError
 from kousoku.model.jsontext import to_text
 
@@ -137,7 +137,7 @@ def _points(
     function: Function, components: Kernel, package: Sequence[Kernel], is_thorough: bool
 ) -> list[Point]:
     """Return the points of one function, fewer of them where it has many outputs."""
-    stream = Stream(function.name)
+    stream = Sha256Random(function.name)
     numbers = 10 * sum(output.quantity.size for output in function.outputs)
     turns = min(MOST_TURNS, MOST_NUMBERS // numbers)
     if is_thorough:
@@ -146,13 +146,15 @@ def _points(
     for turn in range(max(1, turns)):
         points += finite_points(components, stream, turn)
         points += _manifold_points(function, package, stream)
-        points += motion_points(function.inputs, Stream(f"{function.name} {turn}"), turn)
+        points += motion_points(function.inputs, Sha256Random(f"{function.name} {turn}"), turn)
     if all(output.at_pole is not None for output in function.outputs):
-        points += coincident_points(function.inputs, Stream(f"{function.name} pole"))
+        points += coincident_points(function.inputs, Sha256Random(f"{function.name} pole"))
     return points + infinite_points(components, stream)
 
 
-def _manifold_points(function: Function, package: Sequence[Kernel], stream: Stream) -> list[Point]:
+def _manifold_points(
+    function: Function, package: Sequence[Kernel], stream: Sha256Random
+) -> list[Point]:
     """Return a point on the constraint manifold of the package, and one near it."""
     for other in package:
         if CONSTRAINT in (output.name for output in other.outputs):
@@ -166,10 +168,10 @@ def _manifold_points(function: Function, package: Sequence[Kernel], stream: Stre
     return []
 
 
-def _solution(components: Kernel, stream: Stream) -> dict[str, tuple[float, ...]] | None:
+def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
     """Return a point on the constraint manifold; None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
-    for own in (stream, *(Stream(f"start {number}") for number in range(1, MOST_STARTS))):
+    for own in (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS))):
         start = ordinary(components.inputs, own)
         found = solve_constraint(components, CONSTRAINT, start)
         if found is not None:

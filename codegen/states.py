@@ -16,7 +16,7 @@ from kousoku.symbolic.matrices import quadratic_form
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.stream import Stream
+    from kousoku.codegen.sha256_random import Sha256Random
     from kousoku.model.quantity import Quantity
 
     Numbers = dict[str, tuple[float, ...]]
@@ -30,14 +30,14 @@ MOVING_LINE = LINE | TURNING | {"v_i", "v_j"}
 FASTER = 1024.0, 128.0
 
 
-def motion_points(inputs: Sequence[Quantity], stream: Stream, turn: int) -> list[Point]:
+def motion_points(inputs: Sequence[Quantity], stream: Sha256Random, turn: int) -> list[Point]:
     """Return the states that the inputs allow: another orientation or axis at each turn.
 
     Parameters
     ----------
     inputs : sequence of Quantity
         The inputs of a function of two bodies; of others there are no states.
-    stream : Stream
+    stream : Sha256Random
         Where the digits come from.
     turn : int
         Which axis a line lies near; bodies that turn together stand alike at every other turn.
@@ -54,7 +54,7 @@ def motion_points(inputs: Sequence[Quantity], stream: Stream, turn: int) -> list
     return points
 
 
-def coincident_points(inputs: Sequence[Quantity], stream: Stream) -> list[Point]:
+def coincident_points(inputs: Sequence[Quantity], stream: Sha256Random) -> list[Point]:
     """Return points that coincide, and stay so: of one body in two places, and of two bodies."""
     if not {quantity.name for quantity in inputs} >= LINE:
         return []

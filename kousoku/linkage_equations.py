@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.assemble import Role, assemble
 from kousoku.model.directions import unit_vector
 from kousoku.model.errors import SolveError

@@ -77,7 +77,7 @@ def _package(kind: object) -> Package:
 
 def _of_library(library: Library) -> Package:
     """Return the package that the files of a library are made of."""
-    from kousoku.codegen.store import GRAPH_FILE, parse
+    from kousoku.codegen.kernel_json import GRAPH_FILE, parse
 
     if GRAPH_FILE not in library.files:
         raise DerivationError(

@@ -1,7 +1,7 @@
 """Kinds of one's own as types of joints: what a scene gives them, and how their kernels are found.
 
-The kernels themselves are the business of :mod:`kousoku.codegen.store`; a scene knows them by a
-name that their content gives them, so that a kind that is derived anew with a change is another.
+The kernels themselves are the business of :mod:`kousoku.codegen.kernel_json`; a scene knows them by
+a name that their content gives them, so that a kind that is derived anew with a change is another.
 """
 
 # Annotations are evaluated: msgspec reads the types of a scene file from them.

@@ -23,7 +23,7 @@ from kousoku.symbolic.matrices import (
     elements,
     quadratic_form,
 )
-from kousoku.symbolic.opaque import OpaqueRing, polynomial_names, shared
+from kousoku.symbolic.named_ring import NamedRing, polynomial_names, shared
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def prove(function: Function) -> int:
         carrier = whole
         if output.through:
             names = polynomial_names(whole, forms[-1])
-            carrier = OpaqueRing(function.inputs, names, plain=whole)
+            carrier = NamedRing(function.inputs, names, plain=whole)
         _compare(function, output, carrier, forms[-1])
     return sum(output.quantity.size for output in function.outputs)
 
@@ -184,7 +184,7 @@ def _agree(*forms: tuple[Any, Any], is_unit: bool) -> bool:
     ordered = sorted(forms, key=lambda form: -len(shared(*form, Named)))
     for (one, other), sorts in itertools.product(ordered, sorts_of_names):
         names = shared(one, other, *sorts)
-        carrier = OpaqueRing(quantities, names, given=given, is_unit=is_unit)
+        carrier = NamedRing(quantities, names, given=given, is_unit=is_unit)
         if names and _is_same(carrier, one, other):
             return True
     return _is_same(Ring(quantities, given, is_unit=is_unit), left, right)

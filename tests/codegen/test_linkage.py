@@ -19,11 +19,11 @@ from kousoku.codegen.emit import along
 from kousoku.codegen.generate import write_tree
 from kousoku.codegen.graph import Op
 from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage import Program, generate_scene, specialise
 from kousoku.codegen.linkage_emit import emit_scene
 from kousoku.codegen.linkage_reference import references
 from kousoku.codegen.linkage_solution import places
-from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.manifest import Manifest
 from kousoku.model.read import read_scene, scene_from_dict

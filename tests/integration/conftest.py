@@ -10,9 +10,9 @@ import pytest
 from mpmath import MPContext
 from msgspec.structs import astuple
 
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage import specialise
 from kousoku.codegen.linkage_emit import emit_scene
-from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.read import read_scene, scene_from_toml
 from kousoku.runtime.dynamics import DynamicsSolver, load_dynamics

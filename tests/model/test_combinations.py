@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import COMBINATION, Instance, System
 from kousoku.model.read import scene_from_dict

@@ -10,7 +10,7 @@ import msgspec
 import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.errors import SceneError
 from kousoku.model.held import without_held
 from kousoku.model.joints import SECOND_ANGLE

@@ -9,7 +9,7 @@ import msgspec
 import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model import precise
 from kousoku.model.errors import SceneError
 from kousoku.model.expression import parse_expression

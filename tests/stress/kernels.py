@@ -18,10 +18,12 @@ from unittest.mock import patch
 import numpy as np
 
 from kousoku.codegen.emit import emit
+from kousoku.codegen.error_unit import SMALLEST_SUBNORMAL
 from kousoku.codegen.freeze import freeze
 from kousoku.codegen.freeze_components import freeze_components
 from kousoku.codegen.generate import package_of, write_tree
 from kousoku.codegen.interpret import HIGH_CONTEXT
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.points import (
     Point,
     finite_points,
@@ -30,10 +32,8 @@ from kousoku.codegen.points import (
     ordinary,
 )
 from kousoku.codegen.reference import WORKING_DIGITS, values_at
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.codegen.states import coincident_points, motion_points
-from kousoku.codegen.store import load_frozen
-from kousoku.codegen.stream import Stream
-from kousoku.codegen.unit import SMALLEST_SUBNORMAL
 from kousoku.model.errors import NoCompilerError
 from kousoku.runtime import load
 from kousoku.runtime.evaluate import different_bits, evaluate, ways
@@ -241,7 +241,7 @@ def rounded_up(units: float) -> str:
 def of_all_sorts(outcome: Outcome, kind: str, name: str, turn: int) -> None:
     """Ask at points like those of ``verify``, with other numbers: also not finite, and poles."""
     for subject in subjects(kind):
-        inputs, stream = subject.function.inputs, Stream(f"{name} {subject.function.name}")
+        inputs, stream = subject.function.inputs, Sha256Random(f"{name} {subject.function.name}")
         points = finite_points(subject.components, stream, turn)
         points += infinite_points(subject.components, stream)
         points += motion_points(inputs, stream, turn)
@@ -295,7 +295,7 @@ def check_worst(
 def starts(subject: Subject, name: str, number: int) -> Any:
     """Return ordinary points, and states that machines are in, as rows."""
     inputs, rows = subject.function.inputs, list[list[float]]()
-    stream = Stream(name)
+    stream = Sha256Random(name)
     for turn in range(number):
         states = motion_points(inputs, stream, turn)[: number - len(rows)]
         rows += [subject.row(state.inputs) for state in states]

@@ -20,7 +20,7 @@ from kousoku.codegen.dynamics.checking.newton_euler import (
     turned,
     turned_back,
 )
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ class _States:
         """Yield the start, then states that move."""
         given = self.given
         yield "start", 0.0, given.q, given.v
-        stream = Stream(f"independent states of {given.system.name}")
+        stream = Sha256Random(f"independent states of {given.system.name}")
         for size, time in TRIALS:
             for _ in range(2 * STATES):
                 numbers = [stream.sign() * stream.magnitude() for _ in range(2 * len(given.v))]

@@ -25,8 +25,8 @@ from kousoku.codegen.dynamics.checking.jets import (
     sqrt,
 )
 from kousoku.codegen.interpret import evaluate
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
-from kousoku.codegen.store import load_frozen
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX

@@ -25,7 +25,7 @@ from kousoku.codegen.dynamics.recording.counts import operations
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.graph import EXACT_OPS, Op
 from kousoku.codegen.interpret import HIGH
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.jsontext import to_text
 from kousoku.model.traced import other_value
 from kousoku.model.varying import fixed_system
@@ -149,7 +149,7 @@ def _known(program: Program, system: System, written: System) -> Given:
 def _states(program: Program, system: System) -> list[State]:
     """Return the start, a state near it that moves, and one that no assembly would leave."""
     work = ProgramInterpreter(program)
-    stream = Stream(f"states of {system.name}")
+    stream = Sha256Random(f"states of {system.name}")
     q, v = [float(x) for x in work["q"]], [float(x) for x in work["v"]]
     lengths = {slot for pair in shift_slots(program) for slot in pair}
     length = characteristic_length(system)

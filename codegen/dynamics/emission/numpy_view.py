@@ -11,6 +11,8 @@ from itertools import groupby
 from operator import itemgetter
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.context_body import layout, live_nodes, output_text, straight_line
+from kousoku.codegen.context_names import Namer
 from kousoku.codegen.dynamics.emission.slots import Slots, slots_of
 from kousoku.codegen.dynamics.emission.view import (
     contents_of,
@@ -29,8 +31,6 @@ from kousoku.codegen.dynamics.emission.view_numbers import (
 from kousoku.codegen.dynamics.recording.program import levels, meaning_of
 from kousoku.codegen.graph import Op, literal
 from kousoku.codegen.printers import NUMPY, Printer
-from kousoku.codegen.view_body import layout, live_nodes, output_text, straight_line
-from kousoku.codegen.view_names import Namer
 from kousoku.runtime.integrate.scene import Scene
 
 if TYPE_CHECKING:

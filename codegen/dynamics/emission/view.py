@@ -8,6 +8,8 @@ from operator import itemgetter
 from textwrap import wrap
 from typing import TYPE_CHECKING, get_type_hints
 
+from kousoku.codegen.context_body import layout, output_text, straight_line
+from kousoku.codegen.context_names import Namer
 from kousoku.codegen.dynamics.emission.slots import SCRATCH, Slots, slots_of
 from kousoku.codegen.dynamics.emission.view_numbers import (
     Table,
@@ -24,8 +26,6 @@ from kousoku.codegen.dynamics.recording.program import REGIONS, meaning_of
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.graph import literal
 from kousoku.codegen.printers import C
-from kousoku.codegen.view_body import layout, output_text, straight_line
-from kousoku.codegen.view_names import Namer
 from kousoku.model.errors import EmitError
 from kousoku.runtime.integrate.methods import METHODS, Method
 from kousoku.runtime.integrate.scene import DENSE

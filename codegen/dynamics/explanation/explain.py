@@ -24,7 +24,7 @@ from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
 from kousoku.codegen.dynamics.simplification.shapes import thickened
-from kousoku.codegen.store import shipped_kinds
+from kousoku.codegen.kernel_json import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.own_kind import is_own, kind_name

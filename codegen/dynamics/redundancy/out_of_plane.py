@@ -15,7 +15,7 @@ from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
 from kousoku.codegen.dynamics.redundancy.rank import TAKES_PART, factorise
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -87,7 +87,7 @@ def _of_part(
 
 def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
     """Yield r and p of all bodies, the ground last, at the start and near it on the branch."""
-    work, stream = ProgramInterpreter(program), Stream("near the start")
+    work, stream = ProgramInterpreter(program), Sha256Random("near the start")
     yield _position(work)
     work["q"] = [x + AWAY * stream.sign() * stream.magnitude() for x in work["q"]]
     for _ in range(CORRECTIONS):

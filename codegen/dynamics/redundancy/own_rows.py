@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.assembly.residuals import Residuals
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS
 from kousoku.codegen.dynamics.redundancy.branch import places_of
-from kousoku.codegen.stream import Stream
+from kousoku.codegen.sha256_random import Sha256Random
 from kousoku.model.errors import SceneError
 from kousoku.model.own_kind import is_own, kind_name
 from kousoku.runtime.integrate.settings import CLEARLY
@@ -123,7 +123,7 @@ class _Moves:
         is_length = np.arange(rows.columns) % COLUMNS < COLUMNS // 2
         self._columns_by = np.where(is_length, length, 1.0)[self._columns]
         self._start = places_of(system.bodies)
-        self._stream = Stream(f"own rows of {system.name}")
+        self._stream = Sha256Random(f"own rows of {system.name}")
 
     def missed(self) -> Iterator[Array]:
         """Yield what all rows miss after a motion, in lengths of the scene and radians."""

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.mechanism import GROUND_INDEX, Instance, MovingBody, System
 
 GRAVITY = (0.0, 0.0, -9.81)

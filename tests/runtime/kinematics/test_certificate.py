@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.linkage import specialise
 from kousoku.codegen.linkage_emit import emit_scene
-from kousoku.codegen.store import load_frozen
 from kousoku.model.assemble import assemble
 from kousoku.model.read import scene_from_toml
 from kousoku.runtime.kinematics.assembly import assemble as place

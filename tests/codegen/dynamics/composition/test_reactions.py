@@ -17,7 +17,7 @@ from kousoku.codegen.dynamics.composition.least_norm import merged
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.interpret import FLOAT, evaluate
-from kousoku.codegen.store import load_frozen
+from kousoku.codegen.kernel_json import load_frozen
 from kousoku.model.errors import SceneError
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict

@@ -5,24 +5,24 @@ from __future__ import annotations
 from textwrap import wrap
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.view_lines import ascii_of, filled, plain
-from kousoku.codegen.view_records import ArgumentView, CallsView
+from kousoku.codegen.context_lines import ascii_of, filled, plain
+from kousoku.codegen.context_records import ArgumentContext, CallsContext
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.view_names import Namer
+    from kousoku.codegen.context_names import Namer
     from kousoku.model.quantity import Quantity
 
 
-def arguments_of(quantities: Sequence[Quantity], namer: Namer) -> tuple[ArgumentView, ...]:
+def arguments_of(quantities: Sequence[Quantity], namer: Namer) -> tuple[ArgumentContext, ...]:
     """Return the inputs or the outputs of a kernel."""
     symbols = [namer.take(quantity.name) for quantity in quantities]
     shapes = [str(quantity.shape).replace(",)", ")") for quantity in quantities]
     columns = list(zip(symbols, shapes, (f"[{q.unit}]" for q in quantities), strict=True))
     widths = [max(map(len, column), default=0) for column in zip(*columns, strict=True)]
     return tuple(
-        ArgumentView(
+        ArgumentContext(
             name=quantity.name,
             symbol=symbol,
             index=index,
@@ -45,16 +45,16 @@ def _table_rows(cells: Sequence[str], widths: Sequence[int], meaning: str) -> tu
     return tuple(f"{margin if k else left}{line}".rstrip() for k, line in enumerate(lines))
 
 
-def unwanted_of(outputs: Sequence[ArgumentView], namer: Namer) -> tuple[str, ...]:
+def unwanted_of(outputs: Sequence[ArgumentContext], namer: Namer) -> tuple[str, ...]:
     """Return the arrays that outputs are computed into where they are not wanted."""
     return tuple(namer.take(f"unwanted_{a.name}") for a in outputs)
 
 
-def calls_of(inputs: Sequence[ArgumentView], outputs: Sequence[ArgumentView]) -> CallsView:
+def calls_of(inputs: Sequence[ArgumentContext], outputs: Sequence[ArgumentContext]) -> CallsContext:
     """Return the arguments as each call of C passes them."""
     signature = [f"{a.name}[{a.size}]" for a in inputs]
     signature += ["->", *(f"{a.name}[{a.size}]" for a in outputs)]
-    return CallsView(
+    return CallsContext(
         pointers=(*(f"in[{a.index}]" for a in inputs), *(f"out[{a.index}]" for a in outputs)),
         single=(
             *(f"in[{a.index}] + i * stride[{a.index}]" for a in inputs),

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 MOST_PRODUCTS = 30_000
 
 
-class OpaqueRing(Ring):
+class NamedRing(Ring):
     """A ring with a generator for each element of the given names.
 
     Parameters

@@ -7,16 +7,16 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
-from kousoku.codegen.graph import Op
-from kousoku.codegen.view_body import (
+from kousoku.codegen.context_body import (
     layout,
     live_nodes,
     output_text,
     straight_line,
     with_outputs,
 )
-from kousoku.codegen.view_names import Namer
-from kousoku.codegen.view_records import ArgumentView, BodyText, BodyView, TailText
+from kousoku.codegen.context_names import Namer
+from kousoku.codegen.context_records import ArgumentContext, BodyContext, BodyText, TailText
+from kousoku.codegen.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -41,16 +41,16 @@ class Bodies:
         Of the family.
     outputs : tuple of int
         Those that are computed.
-    arguments : tuple of (tuple of ArgumentView, tuple of ArgumentView)
+    arguments : tuple of (tuple of ArgumentContext, tuple of ArgumentContext)
         Inputs and outputs.
     """
 
     kernels: tuple[Kernel, ...]
     name: str
     outputs: tuple[int, ...]
-    arguments: tuple[tuple[ArgumentView, ...], tuple[ArgumentView, ...]]
+    arguments: tuple[tuple[ArgumentContext, ...], tuple[ArgumentContext, ...]]
 
-    def view(self) -> BodyView:
+    def context(self) -> BodyContext:
         """Return the text in C and in NumPy, line by line the same."""
         inputs, outputs = self.arguments
         merged = together(self.kernels)
@@ -64,7 +64,7 @@ class Bodies:
         }
         written = tuple(outputs[k] for k in self.outputs)
         is_all = len(written) == len(outputs)
-        return BodyView(
+        return BodyContext(
             name="all" if is_all else written[0].name,
             function=f"{self.name}_elements" if is_all else f"_{self.name}_{written[0].name}",
             outputs=written,

@@ -11,7 +11,7 @@ import pytest
 
 from kousoku.codegen.graph import Graph
 from kousoku.codegen.kernel import Kernel, Package
-from kousoku.codegen.store import dump, load_frozen, parse
+from kousoku.codegen.kernel_json import dump, load_frozen, parse
 from kousoku.model.errors import LoadError
 from kousoku.model.quantity import Quantity
 
@@ -76,7 +76,7 @@ def test_equal_packages_give_equal_bytes(n1_package: Package) -> None:
 
 def test_reading_frozen_kernels_starts_no_sympy() -> None:
     program = (
-        "import sys; from kousoku.codegen.store import load_frozen\n"
+        "import sys; from kousoku.codegen.kernel_json import load_frozen\n"
         "try: load_frozen('n1')\n"
         "except Exception as problem: assert 'is shipped' in str(problem), problem\n"
         "assert 'sympy' not in sys.modules"

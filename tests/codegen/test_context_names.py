@@ -4,7 +4,7 @@ import keyword
 
 import pytest
 
-from kousoku.codegen.view_names import RESERVED, Namer, checked
+from kousoku.codegen.context_names import RESERVED, Namer, checked
 from kousoku.model.errors import EmitError
 
 

@@ -1,4 +1,4 @@
-"""From a kernel to the view of it that templates fill in."""
+"""From a kernel to the context that templates fill in."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from textwrap import shorten, wrap
 from typing import TYPE_CHECKING
 
 from kousoku.codegen import printers
+from kousoku.codegen.context_body import count_operations
+from kousoku.codegen.context_calls import arguments_of, calls_of, unwanted_of
+from kousoku.codegen.context_choices import Bodies
+from kousoku.codegen.context_lines import ascii_of, plain
+from kousoku.codegen.context_names import Namer, checked
+from kousoku.codegen.context_records import ArgumentContext, KernelContext, PackageContext
 from kousoku.codegen.graph import Op
 from kousoku.codegen.passes.trace import without_sharing
-from kousoku.codegen.view_body import count_operations
-from kousoku.codegen.view_calls import arguments_of, calls_of, unwanted_of
-from kousoku.codegen.view_choices import Bodies
-from kousoku.codegen.view_lines import ascii_of, plain
-from kousoku.codegen.view_names import Namer, checked
-from kousoku.codegen.view_records import ArgumentView, KernelView, PackageView
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
 
 
-def package_view(package: Package, version: str, digest: str) -> PackageView:
+def package_context(package: Package, version: str, digest: str) -> PackageContext:
     """Return what the templates of all files get.
 
     Raises
@@ -35,7 +35,7 @@ def package_view(package: Package, version: str, digest: str) -> PackageView:
         A name is no identifier, or an operation cannot be printed.
     """
     nodes = (node for kernel in package.kernels for node in kernel.nodes)
-    return PackageView(
+    return PackageContext(
         name=checked(package.name, "package name"),
         title=plain(package.title),
         title_ascii=ascii_of(plain(package.title)),
@@ -43,14 +43,16 @@ def package_view(package: Package, version: str, digest: str) -> PackageView:
         version=version,
         digest=digest,
         kernels=tuple(
-            view for family in package.families for view in _kernel_views(family, package.choices)
+            context
+            for family in package.families
+            for context in _kernel_contexts(family, package.choices)
         ),
         has_calls=any(node.op in printers.FUNCTIONS for node in nodes),
         has_choices=bool(package.choices),
     )
 
 
-def _kernel_views(family: Sequence[Kernel], choices: Sequence[str]) -> Iterator[KernelView]:
+def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterator[KernelContext]:
     """Yield what the templates see of kernels that differ in the choice of rows only."""
     kernel, namer = family[0], Namer()
     name = kernel.name.removesuffix(f"_{choices[0]}") if choices else kernel.name
@@ -62,11 +64,11 @@ def _kernel_views(family: Sequence[Kernel], choices: Sequence[str]) -> Iterator[
     into = _declared("", outputs)
     everything = tuple(range(len(outputs)))
     bodies = tuple(
-        Bodies(tuple(family), name, chosen, (inputs, outputs)).view()
+        Bodies(tuple(family), name, chosen, (inputs, outputs)).context()
         for chosen in (everything, *((k,) for k in _cheap_alone(kernel)))
     )
     costs = {one.name: _cost(one) for one in family}
-    first = KernelView(
+    first = KernelContext(
         name=checked(kernel.name, "kernel name"),
         family=name,
         choice=("0",) if choices else (),
@@ -121,7 +123,7 @@ def _cheap_alone(kernel: Kernel) -> tuple[int, ...]:
     return tuple(k for k in everything if 2 * count_operations(kernel, (k,)) <= whole)
 
 
-def _declared(kind: str, arguments: tuple[ArgumentView, ...]) -> tuple[str, ...]:
+def _declared(kind: str, arguments: tuple[ArgumentContext, ...]) -> tuple[str, ...]:
     return tuple(f"{kind}{argument.symbol}" for argument in arguments)
 
 

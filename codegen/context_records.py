@@ -6,14 +6,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from kousoku.codegen.view_body import OutputText, Statement
+    from kousoku.codegen.context_body import Assignment, OutputText
 
 #: Rows of this size are at least as long as any vector.
 LONGEST = 8
 
 
 @dataclass(frozen=True, slots=True)
-class ArgumentView:
+class ArgumentContext:
     """An input or an output.
 
     Parameters
@@ -70,19 +70,19 @@ class BodyText:
 
     Parameters
     ----------
-    inputs : tuple of ArgumentView
+    inputs : tuple of ArgumentContext
         What it reads.
     components : tuple of str
         For each input the names of its elements, where the target unpacks them.
-    head : tuple of Statement
+    head : tuple of Assignment
         The terms that all choices of rows have in common; none where there is no choice.
     tails : tuple of TailText
         The rest, for each choice.
     """
 
-    inputs: tuple[ArgumentView, ...]
+    inputs: tuple[ArgumentContext, ...]
     components: tuple[str, ...]
-    head: tuple[Statement, ...]
+    head: tuple[Assignment, ...]
     tails: tuple[TailText, ...]
 
 
@@ -94,19 +94,19 @@ class TailText:
     ----------
     first : tuple of (str, str)
         Elements of outputs that need no term of its own, and their expressions.
-    statements : tuple of Statement
+    statements : tuple of Assignment
         The shared terms.
     results : tuple of OutputText
         What is written, output by output.
     """
 
     first: tuple[tuple[str, str], ...]
-    statements: tuple[Statement, ...]
+    statements: tuple[Assignment, ...]
     results: tuple[OutputText, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class BodyView:
+class BodyContext:
     """One choice of outputs: all of them, or one that alone costs at most half.
 
     Parameters
@@ -115,7 +115,7 @@ class BodyView:
         ``all``, or the output.
     function : str
         Name of the function in NumPy.
-    outputs : tuple of ArgumentView
+    outputs : tuple of ArgumentContext
         What it writes.
     c, numpy : BodyText
         The code, line by line the same.
@@ -123,7 +123,7 @@ class BodyView:
 
     name: str
     function: str
-    outputs: tuple[ArgumentView, ...]
+    outputs: tuple[ArgumentContext, ...]
     c: BodyText
     numpy: BodyText
 
@@ -135,7 +135,7 @@ class BodyView:
 
 
 @dataclass(frozen=True, slots=True)
-class CallsView:
+class CallsContext:
     """All inputs and outputs of a kernel, as calls of C pass them.
 
     Parameters
@@ -157,7 +157,7 @@ class CallsView:
 
 
 @dataclass(frozen=True, slots=True)
-class KernelView:
+class KernelContext:
     """One kernel.
 
     Parameters
@@ -178,11 +178,11 @@ class KernelView:
         Lines of the formula and its source.
     cost, family_cost : tuple of str
         Count of operations, and what it would be without sharing; of each of the family.
-    inputs, outputs : tuple of ArgumentView
+    inputs, outputs : tuple of ArgumentContext
         In the order of the arguments.
     declared, parameters, arguments : tuple of str
         Them as C declares them, in the header and where it is defined, and passes them.
-    calls : CallsView
+    calls : CallsContext
         Arguments that differ only in where they come from.
     flags : tuple of str
         What tells which outputs are wanted.
@@ -190,7 +190,7 @@ class KernelView:
         Declarations of what outputs are computed into where they are not wanted.
     alone_calls : tuple of tuple of str
         For each output the arguments that compute it alone.
-    bodies : tuple of BodyView
+    bodies : tuple of BodyContext
         That for all outputs first, then, in NumPy, those of single outputs.
     is_polynomial : bool
         Whether Python's floats give what arrays give.
@@ -207,16 +207,16 @@ class KernelView:
     about_ascii: tuple[str, ...]
     cost: tuple[str, ...]
     family_cost: tuple[str, ...]
-    inputs: tuple[ArgumentView, ...]
-    outputs: tuple[ArgumentView, ...]
+    inputs: tuple[ArgumentContext, ...]
+    outputs: tuple[ArgumentContext, ...]
     declared: tuple[str, ...]
     parameters: tuple[str, ...]
     arguments: tuple[str, ...]
-    calls: CallsView
+    calls: CallsContext
     flags: tuple[str, ...]
     unwanted: str
     alone_calls: tuple[tuple[str, ...], ...]
-    bodies: tuple[BodyView, ...]
+    bodies: tuple[BodyContext, ...]
     is_polynomial: bool
 
     @property
@@ -236,7 +236,7 @@ class KernelView:
         return tuple(f'"{a.name}": {a.shape}' for a in self.outputs)
 
     @property
-    def body(self) -> BodyView:
+    def body(self) -> BodyContext:
         """The body for all outputs."""
         return self.bodies[0]
 
@@ -293,27 +293,27 @@ class KernelView:
             for body in self.alone
         )
 
-    def python_body(self, body: BodyView) -> str:
+    def python_body(self, body: BodyContext) -> str:
         """Return a body of the family as a function of NumPy, with the choice of this kernel."""
         if len(body.c.tails) == 1:
             return body.function
         return f"partial({', '.join((body.function, *self.choice))})"
 
     @property
-    def alone(self) -> tuple[BodyView, ...]:
+    def alone(self) -> tuple[BodyContext, ...]:
         """The bodies of single outputs."""
         return self.bodies[1:]
 
 
 @dataclass(frozen=True, slots=True)
-class PackageView:
+class PackageContext:
     """What the templates of all files get.
 
     Parameters
     ----------
     name, title, title_ascii, regenerate, version, digest : str
         As in the manifest.
-    kernels : tuple of KernelView
+    kernels : tuple of KernelContext
         In the order of the text.
     has_calls, has_choices : bool
         Whether they call functions of the math library, and whether rows are chosen.
@@ -325,7 +325,7 @@ class PackageView:
     regenerate: str
     version: str
     digest: str
-    kernels: tuple[KernelView, ...]
+    kernels: tuple[KernelContext, ...]
     has_calls: bool
     has_choices: bool
 

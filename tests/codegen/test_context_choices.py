@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import pytest
 
 import kousoku.generated.kinds
+from kousoku.codegen.context import package_context
+from kousoku.codegen.context_choices import together
 from kousoku.codegen.interpret import ARRAY, evaluate
-from kousoku.codegen.store import load_frozen, shipped_kinds
-from kousoku.codegen.view import package_view
-from kousoku.codegen.view_choices import together
+from kousoku.codegen.kernel_json import load_frozen, shipped_kinds
 from kousoku.generated.kinds import p1, p2
 
 if TYPE_CHECKING:
@@ -41,8 +41,8 @@ def test_together_each_choice_gives_its_own_bits(
 
 
 def test_what_the_choices_share_stands_once() -> None:
-    view = package_view(load_frozen("p2"), "0", "0" * 64)
-    first, *others = [kernel for kernel in view.kernels if kernel.family == "constraint"]
+    context = package_context(load_frozen("p2"), "0", "0" * 64)
+    first, *others = [kernel for kernel in context.kernels if kernel.family == "constraint"]
     assert first.is_first and not any(kernel.is_first for kernel in others)
     text = first.body.c
     assert len(text.tails) == 3

@@ -6,7 +6,7 @@ import hashlib
 import math
 
 
-class Stream:
+class Sha256Random:
     """Numbers that look random and are fixed by a seed.
 
     Parameters

@@ -12,16 +12,16 @@ from kousoku.codegen.printers import FUNCTIONS, C, Text
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from kousoku.codegen.context_names import Namer
     from kousoku.codegen.kernel import Kernel
     from kousoku.codegen.printers import Printer
-    from kousoku.codegen.view_names import Namer
 
 #: Longest name and right-hand side together: what C writes around them keeps it within 100.
 WIDTH = 77
 
 
 @dataclass(frozen=True, slots=True)
-class Statement:
+class Assignment:
     """A value that has a name.
 
     Parameters
@@ -94,7 +94,7 @@ def count_operations(kernel: Kernel, outputs: Sequence[int]) -> int:
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class LineLayout:
     """What is computed for some outputs, and where lines begin: the same in every language.
 
     Parameters
@@ -126,7 +126,7 @@ def layout(
     live: Sequence[int] | None = None,
     before: frozenset[int] = frozenset(),
     used_later: frozenset[int] = frozenset(),
-) -> Layout:
+) -> LineLayout:
     """Decide what gets a line of its own.
 
     What is used once is written where it is used, as long as the line stays short; what has a
@@ -174,30 +174,30 @@ def layout(
         is_leaf = op is Op.INPUT or (op is Op.CONST and node in used_later)
         if not is_leaf and (node in alone or (args and uses[node] > 1)):
             settle(node)
-    return Layout(kernel, outputs, before, tuple(live), tuple(order))
+    return LineLayout(kernel, outputs, before, tuple(live), tuple(order))
 
 
 def straight_line(
-    plan: Layout,
+    plan: LineLayout,
     printer: Printer,
     leaves: Mapping[tuple[str, int], str],
     namer: Namer,
     known: Mapping[int, Text] | None = None,
-) -> tuple[tuple[Statement, ...], dict[int, Text]]:
+) -> tuple[tuple[Assignment, ...], dict[int, Text]]:
     """Return the statements of a layout in one language, and the text of every node so far."""
     kernel, names = plan.kernel, dict(plan.kernel.names)
     symbols = {
         node: namer.take(names[node]) if node in names else namer.temporary() for node in plan.lines
     }
     texts = dict(known or {})
-    lines: dict[int, Statement] = {}
+    lines: dict[int, Assignment] = {}
     for node in plan.live:
         op, args = kernel.nodes[node].op, kernel.nodes[node].args
         texts[node] = _text(kernel, node, printer, leaves, texts)
         if node in symbols:
             call = printer.functions.get(op, "")
             operands = tuple(texts[arg].text for arg in args) if call else ()
-            lines[node] = Statement(
+            lines[node] = Assignment(
                 symbols[node], texts[node].text, call, operands, texts[node].is_number
             )
             texts[node] = Text(symbols[node])
@@ -234,10 +234,10 @@ def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, Text
 
 
 def with_outputs(
-    plan: Layout,
-    statements: Sequence[Statement],
+    plan: LineLayout,
+    statements: Sequence[Assignment],
     outputs: Sequence[OutputText],
-) -> tuple[tuple[tuple[str, str], ...], tuple[Statement, ...]]:
+) -> tuple[tuple[tuple[str, str], ...], tuple[Assignment, ...]]:
     """Return what can be written at once, and the statements with what each makes ready.
 
     To write early keeps few values alive, and spreads the traffic to memory.
