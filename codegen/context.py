@@ -27,7 +27,7 @@ _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})
 
 
 def package_context(package: Package, version: str, digest: str) -> PackageContext:
-    """Return what the templates of all files get.
+    """Context that the templates of all files get.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def package_context(package: Package, version: str, digest: str) -> PackageConte
 
 
 def _kernel_contexts(family: Sequence[Kernel], choices: Sequence[str]) -> Iterator[KernelContext]:
-    """Yield what the templates see of kernels that differ in the choice of rows only."""
+    """Contexts of kernels that differ in the choice of rows only."""
     kernel, namer = family[0], Namer()
     name = kernel.name.removesuffix(f"_{choices[0]}") if choices else kernel.name
     for quantity in (*kernel.inputs, *kernel.outputs):
@@ -112,7 +112,7 @@ def _source(kernel: Kernel) -> str:
 
 
 def _cheap_alone(kernel: Kernel) -> tuple[int, ...]:
-    """Return the outputs that need at most half of the operations, which get a body of their own.
+    """Outputs that need at most half of the operations, which get a body of their own.
 
     For any other the body for all outputs runs: it costs at most twice as much.
     """
@@ -132,7 +132,7 @@ _COUNTLESS = 10**6
 
 
 def _summary(kernel: Kernel) -> str:
-    """Return the title on one line; what stands in brackets goes first where it is too long."""
+    """Title on one line; what stands in brackets goes first where it is too long."""
     title = plain(kernel.title)
     brief = re.sub(r" \([^()]*\)", "", title)
     texts = (f"{kernel.name}: {title}", f"{kernel.name}: {brief}", brief)
@@ -141,7 +141,7 @@ def _summary(kernel: Kernel) -> str:
 
 
 def _cost(kernel: Kernel) -> tuple[str, ...]:
-    """Return the operations that run, and how many it would be if nothing were shared."""
+    """Operations that run, and how many it would be if nothing were shared."""
     counts = kernel.operations
     parts = [f"{counts[op]} {op.value}" for op in Op if counts[op]]
     if not parts:

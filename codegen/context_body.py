@@ -75,7 +75,7 @@ class OutputText:
 
 
 def live_nodes(kernel: Kernel, outputs: Sequence[int]) -> list[int]:
-    """Return the nodes that some outputs need, in topological order."""
+    """Nodes that some outputs need, in topological order."""
     needed = [False] * len(kernel.nodes)
     for output in outputs:
         for node in kernel.results[output]:
@@ -88,7 +88,7 @@ def live_nodes(kernel: Kernel, outputs: Sequence[int]) -> list[int]:
 
 
 def count_operations(kernel: Kernel, outputs: Sequence[int]) -> int:
-    """Return how many operations some outputs need."""
+    """Number of operations that some outputs need."""
     live = live_nodes(kernel, outputs)
     return sum(kernel.nodes[node].op not in {Op.CONST, Op.INPUT} for node in live)
 
@@ -184,7 +184,7 @@ def straight_line(
     namer: Namer,
     known: Mapping[int, Text] | None = None,
 ) -> tuple[tuple[Assignment, ...], dict[int, Text]]:
-    """Return the statements of a layout in one language, and the text of every node so far."""
+    """Statements of a layout in one language, and the text of every node so far."""
     kernel, names = plan.kernel, dict(plan.kernel.names)
     symbols = {
         node: namer.take(names[node]) if node in names else namer.temporary() for node in plan.lines
@@ -220,7 +220,7 @@ def _text(
 
 
 def output_text(kernel: Kernel, output: int, name: str, texts: Mapping[int, Text]) -> OutputText:
-    """Return what is written into one output, given the texts of :func:`straight_line`."""
+    """Lines that are written into one output, given the texts of :func:`straight_line`."""
     nodes = kernel.results[output]
     values = [kernel.nodes[node].value for node in nodes]
     return OutputText(
@@ -238,7 +238,7 @@ def with_outputs(
     statements: Sequence[Assignment],
     outputs: Sequence[OutputText],
 ) -> tuple[tuple[tuple[str, str], ...], tuple[Assignment, ...]]:
-    """Return what can be written at once, and the statements with what each makes ready.
+    """Outputs that can be written at once, and the statements with those that each makes ready.
 
     To write early keeps few values alive, and spreads the traffic to memory.
     """

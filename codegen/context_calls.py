@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def arguments_of(quantities: Sequence[Quantity], namer: Namer) -> tuple[ArgumentContext, ...]:
-    """Return the inputs or the outputs of a kernel."""
+    """Inputs or the outputs of a kernel."""
     symbols = [namer.take(quantity.name) for quantity in quantities]
     shapes = [str(quantity.shape).replace(",)", ")") for quantity in quantities]
     columns = list(zip(symbols, shapes, (f"[{q.unit}]" for q in quantities), strict=True))
@@ -46,12 +46,12 @@ def _table_rows(cells: Sequence[str], widths: Sequence[int], meaning: str) -> tu
 
 
 def unwanted_of(outputs: Sequence[ArgumentContext], namer: Namer) -> tuple[str, ...]:
-    """Return the arrays that outputs are computed into where they are not wanted."""
+    """Arrays that outputs are computed into where they are not wanted."""
     return tuple(namer.take(f"unwanted_{a.name}") for a in outputs)
 
 
 def calls_of(inputs: Sequence[ArgumentContext], outputs: Sequence[ArgumentContext]) -> CallsContext:
-    """Return the arguments as each call of C passes them."""
+    """Arguments as each call of C passes them."""
     signature = [f"{a.name}[{a.size}]" for a in inputs]
     signature += ["->", *(f"{a.name}[{a.size}]" for a in outputs)]
     return CallsContext(
@@ -66,6 +66,6 @@ def calls_of(inputs: Sequence[ArgumentContext], outputs: Sequence[ArgumentContex
 
 
 def _strings(words: Sequence[str]) -> list[str]:
-    """Return words in lines that fit, each but the last with a blank at its end."""
+    """Words in lines that fit, each but the last with a blank at its end."""
     lines = wrap(" ".join(words), 80, break_long_words=False, break_on_hyphens=False)
     return [f"{line} " for line in lines[:-1]] + lines[-1:]

@@ -51,7 +51,7 @@ class Bodies:
     arguments: tuple[tuple[ArgumentContext, ...], tuple[ArgumentContext, ...]]
 
     def context(self) -> BodyContext:
-        """Return the text in C and in NumPy, line by line the same."""
+        """Text in C and in NumPy, line by line the same."""
         inputs, outputs = self.arguments
         merged = together(self.kernels)
         elements = [(a, k) for a in inputs for k in range(a.size)]
@@ -81,11 +81,11 @@ class Bodies:
         return namer
 
     def _written(self, choice: int) -> tuple[int, ...]:
-        """Return the outputs of one choice among those of all."""
+        """Outputs of one choice among those of all."""
         return tuple(choice * len(self.arguments[1]) + k for k in self.outputs)
 
     def _live(self, merged: Kernel) -> list[list[int]]:
-        """Return the nodes that each choice needs."""
+        """Nodes that each choice needs."""
         return [live_nodes(merged, self._written(k)) for k in range(len(self.kernels))]
 
     def _text(
@@ -135,7 +135,7 @@ def _used_later(
     needs: Sequence[Sequence[int]],
     written: Sequence[Sequence[int]],
 ) -> frozenset[int]:
-    """Return the common nodes that a choice uses or writes."""
+    """Common nodes that a choice uses or writes."""
     own = {node for need in needs for node in need} - common
     used = {arg for node in own for arg in merged.nodes[node].args}
     used.update(node for outputs in written for k in outputs for node in merged.results[k])
@@ -143,7 +143,7 @@ def _used_later(
 
 
 def together(kernels: Sequence[Kernel]) -> Kernel:
-    """Return one kernel with the outputs of several, in which equal nodes are one.
+    """Kernel with the outputs of several, in which equal nodes are one.
 
     Sums and products are equal whatever the order of their operands, which no bit depends on.
     """

@@ -20,7 +20,7 @@ _ASCII = {
 
 
 def ascii_of(text: str) -> str:
-    """Return a comment with its letters spelled, as ``C_q^T lam`` of ``C_qᵀλ``.
+    """Comment with its letters spelled, as ``C_q^T lam`` of ``C_qᵀλ``.
 
     A letter without a spelling, of a user's title, stays.
     """
@@ -29,13 +29,13 @@ def ascii_of(text: str) -> str:
 
 
 def plain(text: str) -> str:
-    """Return ``text`` on one line, harmless inside a comment of C and a docstring of Python."""
+    """``text`` on one line, harmless inside a comment of C and a docstring of Python."""
     line = " ".join(text.split())
     return line.replace("\\", "/").replace("*/", "* /").replace("/*", "/ *").replace('"""', "'''")
 
 
 def c_call(indent: str, head: str, items: Sequence[str]) -> str:
-    """Return ``head(items)``, as a call or a declaration, in lines that fit."""
+    """``head(items)``, as a call or a declaration, in lines that fit."""
     whole = f"{indent}{head}({', '.join(items) or 'void'})"
     if len(whole) < WIDTH:
         return whole
@@ -44,7 +44,7 @@ def c_call(indent: str, head: str, items: Sequence[str]) -> str:
 
 
 def filled(items: Sequence[str], indent: str) -> str:
-    """Return items with commas between them, as many on a line as fit."""
+    """Items with commas between them, as many on a line as fit."""
     lines = [indent]
     for k, item in enumerate(items):
         text = item + ("," if k < len(items) - 1 else "")
@@ -57,7 +57,7 @@ def filled(items: Sequence[str], indent: str) -> str:
 def python_lines(
     indent: str, head: str, items: Sequence[str], tail: str, *, is_call: bool = False
 ) -> str:
-    """Return ``head items tail`` as a formatter of Python leaves it.
+    """``head items tail`` as a formatter of Python leaves it.
 
     Parameters
     ----------

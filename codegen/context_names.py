@@ -43,7 +43,7 @@ _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 def checked(name: str, what: str) -> str:
-    """Return ``name`` if it is an identifier of both languages.
+    """``name`` if it is an identifier of both languages.
 
     Raises
     ------
@@ -66,7 +66,7 @@ class Namer:
         self._temporaries = 0
 
     def take(self, wanted: str) -> str:
-        """Return ``wanted``, with a trailing underscore for as long as it collides."""
+        """``wanted``, with a trailing underscore for as long as it collides."""
         name = wanted
         while name in RESERVED or name in self._taken:
             name += "_"
@@ -78,7 +78,7 @@ class Namer:
         self._taken.add(name)
 
     def temporary(self) -> str:
-        """Return the next free one of t0, t1, …."""
+        """Name of a temporary, the next free one of t0, t1, …."""
         while (name := f"t{self._temporaries}") in self._taken:
             self._temporaries += 1
         self._taken.add(name)

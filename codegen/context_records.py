@@ -281,7 +281,7 @@ class KernelContext:
         return ("1",) * len(self.outputs) + self.choice
 
     def one_wanted(self, output: int) -> tuple[str, ...]:
-        """Return the flags of one output, and the choice."""
+        """Flags of one output, and the choice."""
         return (*("1" if k == output else "0" for k in range(len(self.outputs))), *self.choice)
 
     @property
@@ -294,7 +294,7 @@ class KernelContext:
         )
 
     def python_body(self, body: BodyContext) -> str:
-        """Return a body of the family as a function of NumPy, with the choice of this kernel."""
+        """Body of the family as a function of NumPy, with the choice of this kernel."""
         if len(body.c.tails) == 1:
             return body.function
         return f"partial({', '.join((body.function, *self.choice))})"

@@ -21,7 +21,7 @@ NEGLIGIBLE = HIGH_CONTEXT.mpf(10) ** -40
 def columns(
     elements: Sequence[Dual], numbers: Mapping[Any, Any], bad: Collection[Any]
 ) -> dict[str, object]:
-    """Return ``high``, ``low`` and ``unit`` of the elements of an output, as lists.
+    """``high``, ``low`` and ``unit`` of the elements of an output, as lists.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def columns(
 def _row(
     element: Dual, numbers: Mapping[Any, Any], bad: Collection[Any]
 ) -> tuple[float | None, float, float]:
-    """Return high, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
+    """High, low and unit u (|f| + Σ |x ∂f/∂x|) of one number."""
     is_bad = any(abs(element.gradient.get(place, 0)) > NEGLIGIBLE for place in bad)
     if is_bad or HIGH_CONTEXT.isnan(element.value):
         return None, 0.0, SMALLEST_SUBNORMAL

@@ -33,7 +33,7 @@ from kousoku.model.errors import FreezeError
 from kousoku.symbolic.matrices import (
     Divisor,
     Dot,
-    Named,
+    NamedMatrix,
     NamedScalar,
     Orientation,
     Skew,
@@ -137,7 +137,7 @@ class _Lowering:
         match x:
             case MatrixSymbol():
                 return self._input(x)
-            case Named():
+            case NamedMatrix():
                 return self._name(x.name, self.matrix(x.value))
             case Orientation():
                 return self._orientation(x)

@@ -39,7 +39,7 @@ _OWN: dict[str, Package] = {}
 
 
 def dump(package: Package) -> str:
-    """Return what ``graph.json.gz`` holds; equal packages give equal bytes."""
+    """Content of ``graph.json.gz``; equal packages give equal bytes."""
     return to_text(
         {
             "format": FORMAT,
@@ -75,7 +75,7 @@ def parse(text: str) -> Package:
 
 
 def shipped_kinds() -> tuple[str, ...]:
-    """Return the kinds that are shipped, each choice of rows by itself, in order."""
+    """Kinds that are shipped, each choice of rows by itself, in order."""
     folder = resources.files("kousoku.generated.kinds")
     there = {x.name for x in folder.iterdir() if (x / GRAPH_FILE).is_file()}
     chosen = ((name, KINDS[name].packages if name in KINDS else (name,)) for name in there)
@@ -83,7 +83,7 @@ def shipped_kinds() -> tuple[str, ...]:
 
 
 def chosen(package: Package, choice: str) -> Package:
-    """Return a package with one choice of rows, ``p2_z`` of ``p2``."""
+    """Package with one choice of rows, ``p2_z`` of ``p2``."""
     name, ending = f"{package.name}_{choice}", f"_{choice}"
     kernels = tuple(
         replace(kernel, name=kernel.name.removesuffix(ending))
@@ -114,7 +114,7 @@ def _kept_at(name: str) -> Path:
 
 
 def _load_own(name: str) -> Package:
-    """Return a package of one's own.
+    """Package of one's own.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def _load_own(name: str) -> Package:
 
 @cache
 def load_frozen(name: str) -> Package:
-    """Return the frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
+    """Frozen kernels of a kind that is shipped, such as ``n1``, ``p2_z``, or ``p2``.
 
     Of a kind of one's own it is the name that :func:`keep_own` gave it.
 
@@ -194,7 +194,7 @@ def _quantity_to_data(quantity: Quantity) -> dict[str, object]:
 
 
 def _node_to_data(node: Node) -> str:
-    """Return ``=3/2`` for a number, ``p_i[0]`` for an input, ``12*40``, ``-7``, ``atan2 3 5``."""
+    """``=3/2`` for a number, ``p_i[0]`` for an input, ``12*40``, ``-7``, ``atan2 3 5``."""
     if node.op is Op.CONST:
         return f"={node.value}"
     if node.op is Op.INPUT:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from kousoku.symbolic.matrices import mul, transpose
+from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -13,12 +14,12 @@ if TYPE_CHECKING:
     from kousoku.codegen.graph import Graph
 
 Cells = tuple[tuple[int, ...], ...]
-Factors = tuple[Any, ...]
+Factors = tuple[SymbolicMatrix, ...]
 Pattern = tuple[tuple[int, ...], ...]  # of each element: 0 zero, 1 plus or minus one, 2 anything
 
 
 def flip(factors: Factors) -> tuple[int, Factors]:
-    """Return the transposed product as a sign and its factors: (X ṽ)ᵀ = −ṽ Xᵀ."""
+    """Transposed product as a sign and its factors: (X ṽ)ᵀ = −ṽ Xᵀ."""
     sign, flipped = 1, []
     for factor in reversed(factors):
         turned = transpose(factor)
@@ -50,7 +51,7 @@ class Association:
                     self._uses[flipped] = self._uses.get(flipped, 0) + 1
 
     def known(self, factors: Factors) -> Cells | None:
-        """Return the elements of a product that was multiplied out before, or of its transpose."""
+        """Elements of a product that was multiplied out before, or of its transpose."""
         cells = self._known.get(factors)
         if cells is not None:
             return cells
@@ -68,7 +69,7 @@ class Association:
         self._known[factors] = cells
 
     def best(self, factors: Factors, operands: Sequence[Cells]) -> int:
-        """Return the place of the last multiplication in the cheapest order.
+        """Place of the last multiplication in the cheapest order.
 
         A partial product costs its operations divided by the number of products that it stands in;
         one that is known costs nothing.
@@ -102,7 +103,7 @@ class Association:
 
 
 def _multiply(left: Pattern, right: Pattern) -> tuple[int, Pattern]:
-    """Return the operations of a product, and the pattern of its result."""
+    """Operations of a product, and the pattern of its result."""
     operations, rows = 0, []
     for row in left:
         line = []

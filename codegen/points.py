@@ -33,7 +33,7 @@ SUBNORMAL = SMALLEST_SUBNORMAL * 2**20
 
 
 @dataclass(frozen=True, slots=True)
-class Point:
+class EvaluationPoint:
     """Inputs of one evaluation.
 
     Parameters
@@ -54,13 +54,13 @@ def is_euler_parameters(quantity: Quantity) -> bool:
 
 
 def unit(p: Sequence[float]) -> tuple[float, ...]:
-    """Return ``p`` divided by its norm, rounded once."""
+    """``p`` divided by its norm, rounded once."""
     norm = HIGH_CONTEXT.sqrt(sum(HIGH_CONTEXT.mpf(x) ** 2 for x in p))
     return tuple(float(x / norm) for x in p)
 
 
 def ordinary(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tuple[float, ...]]:
-    """Return numbers of order one: masses, lengths and angles positive, p of unit norm."""
+    """Numbers of order one: masses, lengths and angles positive, p of unit norm."""
     numbers = {}
     for quantity in inputs:
         is_positive = not quantity.shape or quantity.unit.startswith("kg")
@@ -74,15 +74,15 @@ def ordinary(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tupl
 def scattered(
     numbers: Numbers, stream: Sha256Random, exponent: int
 ) -> dict[str, tuple[float, ...]]:
-    """Return ``numbers`` with each one off by about 2^exponent of itself."""
+    """``numbers`` with each one off by about 2^exponent of itself."""
     return {
         name: tuple(x * (1 + stream.sign() * math.ldexp(stream.magnitude(), exponent)) for x in xs)
         for name, xs in numbers.items()
     }
 
 
-def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[Point]:
-    """Return points at which every output is finite: one of each sort, another at each turn.
+def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[EvaluationPoint]:
+    """Points at which every output is finite: one of each sort, another at each turn.
 
     Parameters
     ----------
@@ -99,27 +99,35 @@ def finite_points(components: Kernel, stream: Sha256Random, turn: int) -> list[P
         return ordinary(inputs, stream)
 
     points = [
-        Point("ordinary", ordinary_numbers()),
-        Point("badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, turn)),
-        Point("badly scaled elements", _scaled_elements(components, ordinary_numbers(), stream)),
-        Point("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
-        Point("near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)),
-        Point("small integers", _integers(inputs, stream)),
+        EvaluationPoint("ordinary", ordinary_numbers()),
+        EvaluationPoint(
+            "badly scaled arrays", _scaled_arrays(components, ordinary_numbers(), stream, turn)
+        ),
+        EvaluationPoint(
+            "badly scaled elements", _scaled_elements(components, ordinary_numbers(), stream)
+        ),
+        EvaluationPoint("nearly coincident", _coincident(inputs, ordinary_numbers(), stream)),
+        EvaluationPoint(
+            "near half a turn, near an axis", _degenerate(inputs, ordinary_numbers(), turn)
+        ),
+        EvaluationPoint("small integers", _integers(inputs, stream)),
     ]
     vanishing = inputs[turn % len(inputs)]
     zeros = {vanishing.name: (0.0,) * vanishing.size}
-    points.append(Point(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
+    points.append(EvaluationPoint(f"{vanishing.name} is zero", ordinary_numbers() | zeros))
     if any(map(is_euler_parameters, inputs)):
-        points.append(Point("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream)))
+        points.append(
+            EvaluationPoint("p not normalised", _unnormalised(inputs, ordinary_numbers(), stream))
+        )
     if group := _subnormal_group(components, turn):
         numbers = _integers(inputs, stream) | _powers_of_two(components, stream)
         tiny = {name: tuple(x * SUBNORMAL for x in numbers[name]) for name in group}
-        points.append(Point(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
+        points.append(EvaluationPoint(f"subnormal {', '.join(group)}", {**numbers, **tiny}))
     return points
 
 
-def infinite_points(components: Kernel, stream: Sha256Random) -> list[Point]:
-    """Return points with one number that is not finite.
+def infinite_points(components: Kernel, stream: Sha256Random) -> list[EvaluationPoint]:
+    """Points with one number that is not finite.
 
     An infinity is left out where something finite can come of it, as with 1/∞.
     """
@@ -133,7 +141,7 @@ def infinite_points(components: Kernel, stream: Sha256Random) -> list[Point]:
         values = list(numbers[quantity.name])
         values[index] = bad
         numbers[quantity.name] = tuple(values)
-        points.append(Point(f"{quantity.name}[{index}] is {bad}", numbers))
+        points.append(EvaluationPoint(f"{quantity.name}[{index}] is {bad}", numbers))
     return points
 
 
@@ -215,7 +223,7 @@ def _degenerate(
 
 
 def _integers(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tuple[float, ...]]:
-    """Return integers of ±(1 … 4), positive where ordinary numbers are."""
+    """Integers of ±(1 … 4), positive where ordinary numbers are."""
     return {
         quantity.name: tuple(float(stream.between(1, 4) * (-1 if x < 0 else 1)) for x in values)
         for quantity in inputs
@@ -224,7 +232,7 @@ def _integers(inputs: Sequence[Quantity], stream: Sha256Random) -> dict[str, tup
 
 
 def _powers_of_two(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]]:
-    """Return 1, 2 or 4 for the numbers under a quotient, so that it stays exact."""
+    """Powers of two for the numbers under a quotient, 1, 2 or 4, so that it stays exact."""
     curved = curved_inputs(components)
     return {
         q.name: tuple(float(1 << stream.between(0, 2)) for _ in range(q.size))
@@ -247,7 +255,7 @@ def _unnormalised(
 
 
 def _subnormal_group(components: Kernel, turn: int) -> tuple[str, ...]:
-    """Return arrays that are made subnormal together: those of one unit, or a single pure one.
+    """Arrays that are made subnormal together: those of one unit, or a single pure one.
 
     The other inputs are small integers at these points and divisors powers of two, so that products
     are multiples of the smallest subnormal and the result is exact; a processor that flushes

@@ -19,7 +19,7 @@ from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.known import known_errors, units_off
 from kousoku.codegen.manifold import solve_constraint
 from kousoku.codegen.points import (
-    Point,
+    EvaluationPoint,
     finite_points,
     infinite_points,
     ordinary,
@@ -54,7 +54,7 @@ MOST_NUMBERS_OF_ALL_TURNS = 2400
 def references(
     package: Package, functions: Sequence[Function], *, is_thorough: bool = False
 ) -> str:
-    """Return the text of the reference values.
+    """Text of the reference values.
 
     Parameters
     ----------
@@ -110,14 +110,14 @@ def _kernels(
 def _known(
     kernel: Kernel, function: Function, components: Kernel, error: KnownError
 ) -> dict[str, object]:
-    """Return a point at which an output is beyond the limit, with its own limit.
+    """Point at which an output is beyond the limit, with its own limit.
 
     Raises
     ------
     DerivationError
         It is further off than is known.
     """
-    point = Point("known to be off", error.inputs)
+    point = EvaluationPoint("known to be off", error.inputs)
     values: dict[str, Any] | None = values_at(kernel, function, components, point)
     assert values is not None
     found = units_off(kernel, error.output, error.inputs, values["outputs"][error.output])
@@ -129,20 +129,20 @@ def _known(
     return values | {"limits": {error.output: error.units}}
 
 
-def _is_finite(point: Point) -> bool:
+def _is_finite(point: EvaluationPoint) -> bool:
     return all(math.isfinite(x) for xs in point.inputs.values() for x in xs)
 
 
 def _points(
     function: Function, components: Kernel, package: Sequence[Kernel], is_thorough: bool
-) -> list[Point]:
-    """Return the points of one function, fewer of them where it has many outputs."""
+) -> list[EvaluationPoint]:
+    """Points of one function, fewer of them where it has many outputs."""
     stream = Sha256Random(function.name)
     numbers = 10 * sum(output.quantity.size for output in function.outputs)
     turns = min(MOST_TURNS, MOST_NUMBERS // numbers)
     if is_thorough:
         turns = min(len(function.inputs), MOST_NUMBERS_OF_ALL_TURNS // numbers)
-    points: list[Point] = []
+    points: list[EvaluationPoint] = []
     for turn in range(max(1, turns)):
         points += finite_points(components, stream, turn)
         points += _manifold_points(function, package, stream)
@@ -154,8 +154,8 @@ def _points(
 
 def _manifold_points(
     function: Function, package: Sequence[Kernel], stream: Sha256Random
-) -> list[Point]:
-    """Return a point on the constraint manifold of the package, and one near it."""
+) -> list[EvaluationPoint]:
+    """Point on the constraint manifold of the package, and one near it."""
     for other in package:
         if CONSTRAINT in (output.name for output in other.outputs):
             solution = _solution(other, stream)
@@ -164,12 +164,15 @@ def _manifold_points(
                 shared = {name: solution[name] for name in names if name in solution}
                 on = {**ordinary(function.inputs, stream), **shared}
                 near = {**on, **scattered(shared, stream, -33)}
-                return [Point("on the manifold", on), Point("near the manifold", near)]
+                return [
+                    EvaluationPoint("on the manifold", on),
+                    EvaluationPoint("near the manifold", near),
+                ]
     return []
 
 
 def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float, ...]] | None:
-    """Return a point on the constraint manifold; None where no start leads there."""
+    """Point on the constraint manifold; None where no start leads there."""
     # Only the first start takes from the stream: later points are the same however many it takes.
     for own in (stream, *(Sha256Random(f"start {number}") for number in range(1, MOST_STARTS))):
         start = ordinary(components.inputs, own)
@@ -180,9 +183,9 @@ def _solution(components: Kernel, stream: Sha256Random) -> dict[str, tuple[float
 
 
 def values_at(
-    kernel: Kernel, function: Function, components: Kernel, point: Point
+    kernel: Kernel, function: Function, components: Kernel, point: EvaluationPoint
 ) -> dict[str, object] | None:
-    """Return one point with its references; None where it happens to be no number."""
+    """Point with its references; None where it happens to be no number."""
     bad = [
         (name, k)
         for name, xs in point.inputs.items()
@@ -213,7 +216,7 @@ def values_at(
 
 
 def _documented(output: Output) -> tuple[Dual, ...]:
-    """Return what is documented of an output where its formula has a pole."""
+    """Documented values of an output where its formula has a pole."""
     assert output.at_pole is not None
     return (Dual(HIGH_CONTEXT.mpf(output.at_pole), {}),) * output.quantity.size
 

@@ -20,19 +20,19 @@ class Sha256Random:
         self._count = 0
 
     def integer(self, bits: int) -> int:
-        """Return an integer of 0 … 2^bits − 1, at most 64 bits."""
+        """Integer of 0 … 2^bits − 1, at most 64 bits."""
         self._count += 1
         digest = hashlib.sha256(f"{self._seed} {self._count}".encode()).digest()
         return int.from_bytes(digest[:8], "big") >> (64 - bits)
 
     def sign(self) -> int:
-        """Return −1 or 1."""
+        """Sign −1 or 1."""
         return 1 - 2 * self.integer(1)
 
     def magnitude(self) -> float:
-        """Return a double of [1/2, 2) with all its digits in use."""
+        """Double of [1/2, 2) with all its digits in use."""
         return math.ldexp(2**52 + self.integer(52), -52 - self.integer(1))
 
     def between(self, low: int, high: int) -> int:
-        """Return an integer of low … high."""
+        """Integer of low … high."""
         return low + self.integer(53) * (high - low + 1) // 2**53

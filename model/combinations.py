@@ -7,7 +7,7 @@ from math import frexp, ldexp
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
-from kousoku.model.coordinates import Measure
+from kousoku.model.coordinates import PreciseMeasure
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import joint_points, joint_vectors
 from kousoku.model.joints import ANGLE, DISPLACEMENT, JOINTS, NAMES
@@ -34,7 +34,7 @@ FOLDED = 1e-3
 def combination_of(
     name: str, joint: Joint, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> Instance:
-    """Return the row of a joint that combines coordinates.
+    """Row of a joint that combines coordinates.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def combination_of(
 
 
 def _screw(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-    """Return displacement − pitch / 2π · angle."""
+    """Displacement − pitch / 2π · angle."""
     assert joint.pitch is not None
     angle = coordinates.of_joint(name, ANGLE)
     displacement = coordinates.of_joint(name, DISPLACEMENT)
@@ -75,7 +75,7 @@ def _screw(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
 
 
 def _gear(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-    """Return the second angle − ratio · the first."""
+    """Combination second angle − ratio · the first, of a gear."""
     assert joint.joints is not None
     assert joint.ratio is not None
     first, second = (coordinates.of_joint(geared, ANGLE) for geared in joint.joints)
@@ -83,7 +83,7 @@ def _gear(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
 
 
 def _rack(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-    """Return the displacement of the rack − radius · the angle of the pinion."""
+    """Displacement of the rack − radius · the angle of the pinion."""
     assert joint.joints is not None
     assert joint.radius is not None
     angle = coordinates.of_joint(joint.joints[0], ANGLE)
@@ -93,7 +93,7 @@ def _rack(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
 
 
 def _linear(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
-    """Return Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
+    """Sum Σ factor · coordinate, of angles in rad, else in the unit of the scene."""
     assert joint.coordinates is not None
     assert joint.factors is not None
     places = [coordinates.place(coordinate) for coordinate in joint.coordinates]
@@ -112,7 +112,7 @@ def _linear(name: str, joint: Joint, coordinates: CoordinateList) -> Instance:
 
 
 def _scale_of(factors: Sequence[float]) -> float:
-    """Return what factors are multiplied by, so that their row has the size of other rows.
+    """Scale of factors, so that their row has the size of other rows.
 
     A row that is far smaller would count as one that depends on others, and nothing would keep it.
     """
@@ -122,7 +122,7 @@ def _scale_of(factors: Sequence[float]) -> float:
 
 
 def _length_of(coordinates: CoordinateList) -> float:
-    """Return a length of a scene that compares radians with metres, whatever its units [m].
+    """Length of a scene that compares radians with metres, whatever its units [m].
 
     The largest distance, along an axis, of a point of a joint from the centre of mass of a body;
     where there is none, that of a body from the origin.
@@ -147,7 +147,7 @@ def _length_of(coordinates: CoordinateList) -> float:
 def _constant_velocity(
     name: str, joint: Joint, frames: Mapping[str, BodyFrame], coordinates: CoordinateList
 ) -> Instance:
-    """Return x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
+    """Difference x_i·y_j − y_i·x_j, where x, y and the shaft are the frame of each body."""
     ends = frames[joint.ends[0]], frames[joint.ends[1]]
     i, j = joint_vectors(ends, joint)
     if 1 + precise.dot(ends[0].to_ground(i["axis"]), ends[1].to_ground(j["axis"])) < FOLDED:
@@ -158,8 +158,8 @@ def _constant_velocity(
         )
     xy = (("a_i_b", i["across"]), ("a_j_b", j["third"]))
     yx = (("a_i_b", i["third"]), ("a_j_b", j["across"]))
-    first = coordinates.add(f"{name}.xy", Measure("n1", ends, xy))
-    second = coordinates.add(f"{name}.yx", Measure("n1", ends, yx))
+    first = coordinates.add(f"{name}.xy", PreciseMeasure("n1", ends, xy))
+    second = coordinates.add(f"{name}.yx", PreciseMeasure("n1", ends, yx))
     one = CONTEXT.mpf(1)
     return _combination(name, [(first, one), (second, -one)], CONTEXT.mpf(0), coordinates)
 
@@ -167,7 +167,7 @@ def _constant_velocity(
 def _as_written(
     name: str, terms: Sequence[tuple[int, High]], coordinates: CoordinateList
 ) -> Instance:
-    """Return a combination that is zero at the positions as they are written."""
+    """Combination that is zero at the positions as they are written."""
     parts = [factor * coordinates.value(place) for place, factor in terms]
     offset = -precise.total(parts)
     if not isinstance(offset, Traced) and abs(offset) <= NOISE * sum(map(abs, parts)):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from kousoku.model import precise
-from kousoku.model.coordinates import Measure
+from kousoku.model.coordinates import PreciseMeasure
 from kousoku.model.joints import ANGLE, leaves_of
 from kousoku.model.mechanism import ForceElement
 
@@ -91,10 +91,11 @@ class CoordinateForces:
         directions = _directions(force)
         a_i = [i.from_ground(one) for one in directions]
         a_j = [j.from_ground(one) for one in directions]
-        along = [Measure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
+        along = [PreciseMeasure("n2", (i, j), (("a_i_b", one),), points) for one in a_i]
         # Of a turn of j about the axis k the sine is the cosine between k + 2 of i and k + 1 of j.
         about = [
-            Measure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2]))) for k in range(3)
+            PreciseMeasure("n1", (i, j), (("a_i_b", a_i[k - 1]), ("a_j_b", a_j[k - 2])))
+            for k in range(3)
         ]
         names = (*LETTERS, *(f"about_{letter}" for letter in LETTERS))
         given = zip(

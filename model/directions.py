@@ -16,7 +16,7 @@ BITS = 200
 
 
 def square_root(value: Fraction) -> Fraction:
-    """Return √value, exact where it is rational."""
+    """Square root, exact where it is rational."""
     root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
     if root * root == value:
         return root
@@ -27,13 +27,13 @@ def square_root(value: Fraction) -> Fraction:
 
 
 def unit_vector(x: Fraction, y: Fraction) -> tuple[Fraction, Fraction]:
-    """Return (x, y) divided by its length, which must not be zero."""
+    """Unit vector (x, y), divided by its length, which must not be zero."""
     length = square_root(x * x + y * y)
     return x / length, y / length
 
 
 def heading(x: Fraction | int, y: Fraction | int) -> Fraction:
-    """Return the angle of the vector (x, y) in radians, in (−π, π]."""
+    """Angle of the vector (x, y) in radians, in (−π, π]."""
     # Twice the bits first, so that rounding does not depend on the arithmetic that mpmath found.
     with mpmath.workprec(2 * BITS):
         angle = mpmath.atan2(_number(Fraction(y)), _number(Fraction(x)))

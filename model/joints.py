@@ -32,7 +32,7 @@ ROWS_OF = {
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class JointPart:
     """One kind in a joint.
 
     Parameters
@@ -57,7 +57,7 @@ class JointKind:
     ----------
     title : str
         What the joint allows, in one line.
-    parts : tuple of Part
+    parts : tuple of JointPart
         What it is composed of, in the order of its rows.
     axes : int
         Axes that a scene gives: none, 1 that is the same in both bodies, or 2.
@@ -73,7 +73,7 @@ class JointKind:
     """
 
     title: str
-    parts: tuple[Part, ...]
+    parts: tuple[JointPart, ...]
     axes: int
     has_point: bool = True
     aliases: tuple[str, ...] = ()
@@ -86,7 +86,7 @@ class JointKind:
         return sum(ROWS_OF[part.kind] for part in self.parts)
 
     def turns(self, body: int) -> bool:
-        """Return whether it needs the orientation of body i (0) or j (1), which a point lacks."""
+        """Whether it needs the orientation of body i (0) or j (1), which a point lacks."""
         both, first = ("n1", "p1", "linear_combination"), ("n2", "p2")
         return any(part.kind in (both if body else both + first) for part in self.parts)
 
@@ -134,9 +134,14 @@ class Coupling:
         return 1
 
 
-_POINT, _PARALLEL, _ON_LINE, _ON_PLANE = Part("point"), Part("p1"), Part("p2"), Part("n2")
-_COMBINED = Part("linear_combination")
-_NO_TURN = Part("n1", "across", "third")
+_POINT, _PARALLEL, _ON_LINE, _ON_PLANE = (
+    JointPart("point"),
+    JointPart("p1"),
+    JointPart("p2"),
+    JointPart("n2"),
+)
+_COMBINED = JointPart("linear_combination")
+_NO_TURN = JointPart("n1", "across", "third")
 
 JOINTS: dict[str, JointKind] = {
     "fixed": JointKind(
@@ -165,7 +170,7 @@ JOINTS: dict[str, JointKind] = {
     "spherical": JointKind("all turns about a point", (_POINT,), 0, aliases=("ball",)),
     "universal": JointKind(
         "turns about the two arms of a cross",
-        (_POINT, Part("n1")),
+        (_POINT, JointPart("n1")),
         2,
         aliases=("hooke", "cardan", "Hooke", "Cardan"),  # names of people
         leaves=(ANGLE, SECOND_ANGLE),
@@ -178,7 +183,7 @@ JOINTS: dict[str, JointKind] = {
     ),
     "rod": JointKind(
         "all that keeps the distance of two points",
-        (Part("distance"),),
+        (JointPart("distance"),),
         0,
         aliases=("distance", "spherical_spherical"),
     ),
@@ -205,7 +210,7 @@ JOINTS: dict[str, JointKind] = {
     ),
     "perpendicular_axes": JointKind(
         "all that keeps two axes perpendicular",
-        (Part("n1"),),
+        (JointPart("n1"),),
         2,
         has_point=False,
         aliases=("perpendicular",),
@@ -258,7 +263,7 @@ NAMES: dict[str, str] = {
 
 
 def keys_of(kind: str) -> tuple[str, ...]:
-    """Return the keys of a joint or a coupling by its name or alias, none where there is none."""
+    """Keys of a joint or a coupling by its name or alias, none where there is none."""
     name = NAMES.get(kind, "")
     if name in COUPLINGS:
         return ("type", *COUPLINGS[name].keys)
@@ -274,7 +279,7 @@ def keys_of(kind: str) -> tuple[str, ...]:
 
 
 def leaves_of(kind: str) -> tuple[str, ...]:
-    """Return what a joint leaves free that is one number, by its name or alias.
+    """Coordinate that a joint leaves free and that is one number, by its name or alias.
 
     Of a kind of one's own nobody has said that.
     """
@@ -283,13 +288,13 @@ def leaves_of(kind: str) -> tuple[str, ...]:
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:
-    """Return names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
+    """Names as a list in words: ``a``, ``a and b``, ``a, b and c``."""
     *most, end = names
     return f"{', '.join(most)} {last} {end}" if most else end
 
 
 def sort_of(kind: str, of: str | None) -> str:
-    """Return which coordinate of a joint is meant: the one that is named, or the only one.
+    """Coordinate of a joint that is meant: the one that is named, or the only one.
 
     Parameters
     ----------

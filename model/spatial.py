@@ -142,7 +142,7 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
 
     @staticmethod
     def keys_of_type(sort: str) -> tuple[str, ...]:
-        """Return the keys of a joint of a type, none where there is no such type."""
+        """Keys of a joint of a type, none where there is no such type."""
         return keys_of(sort)
 
     type: str
@@ -169,7 +169,7 @@ class Joint(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=Tru
         return self.bodies
 
     def vector(self, name: str) -> tuple[float, float, float]:
-        """Return an input of a kind of one's own that is a vector."""
+        """Input of a kind of one's own that is a vector."""
         value = (self.inputs or {})[name]
         assert isinstance(value, tuple)
         return value

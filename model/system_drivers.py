@@ -48,7 +48,7 @@ def _at_start(scene: Scene, value: Value) -> float:
 def driver_instances(
     scene: Scene, coordinates: CoordinateList, frames: Mapping[str, BodyFrame]
 ) -> Iterator[Instance]:
-    """Yield the drivers of a scene as combinations: coordinate − law = 0."""
+    """Drivers of a scene as combinations: coordinate − law = 0."""
     for name, driver in drivers_of(scene).items():
         if driver.body is not None:
             assert driver.path is not None

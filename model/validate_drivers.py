@@ -104,7 +104,7 @@ def _check_laws(scene: Scene, driver: Driver, key: str) -> None:
 
 
 def _driven(scene: Scene, driver: Driver, key: str) -> Iterator[Driven]:
-    """Yield what is driven, the same for the same coordinate by other names."""
+    """Driven coordinate, the same by whatever name it is called."""
     if driver.body is not None:
         check_place(scene, driver.body, driver.point, key)
         if driver.path is None:
@@ -181,7 +181,7 @@ def _check_law(scene: Scene, value: Value, key: str) -> float:
 
 
 def _with_state(scene: Scene, problem: str) -> str:
-    """Return a message, and that formulas of drivers do not depend on coordinates."""
+    """Message, and that formulas of drivers do not depend on coordinates."""
     names = (f"{name}{end}" for name in scene.coordinates for end in ("", RATE))
     if any(f"name {name!r}" in problem for name in names):
         return f"{problem.partition('; ')[0]}; a driver depends on t and on parameters only"

@@ -56,7 +56,7 @@ def verify_solver(
     files: Mapping[str, bytes],
     target: Literal["auto", "c", "numpy"],
 ) -> Report:
-    """Return whether a folder that was made from a scene of bodies computes what was composed.
+    """Whether a folder that was made from a scene of bodies computes what was composed.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def verify_solver(
 
 
 def _read(folder: Path, files: Mapping[str, bytes]) -> dict[str, Any] | None:
-    """Return the reference values, None where the folder was generated without."""
+    """Reference values, None where the folder was generated without."""
     if REFERENCE_FILE not in files:
         return None
     path = folder / REFERENCE_FILE
@@ -113,7 +113,7 @@ def _read(folder: Path, files: Mapping[str, bytes]) -> dict[str, Any] | None:
 
 
 def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
-    """Yield why there is nothing to compare with."""
+    """Reason why there is nothing to compare with."""
     if data is None:
         yield (
             f"{folder.name} has no {REFERENCE_FILE}: it was generated without reference values;"
@@ -132,7 +132,7 @@ def _without(folder: Path, data: dict[str, Any] | None) -> Iterator[str]:
 
 
 def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
-    """Yield the codes of what a call returns that are others in C."""
+    """Codes of what a call returns that are others in C."""
     if HEADER not in files:
         return
     text = files[HEADER].decode()
@@ -148,7 +148,7 @@ def _code_problems(folder: Path, files: Mapping[str, bytes]) -> Iterator[str]:
 def _solvers(
     folder: Path, target: str, problems: list[str], notes: list[str]
 ) -> Iterator[DynamicsSolver]:
-    """Yield the solver by each target; what cannot be had is a problem or a note."""
+    """Solver by each target; what cannot be had is a problem or a note."""
     targets: tuple[Literal["c", "numpy"], ...] = ("c", "numpy")
     for wanted in targets:
         if target not in {"auto", wanted}:
@@ -165,7 +165,7 @@ def _solvers(
 
 
 def _rows(solver: DynamicsSolver, points: Sequence[Mapping[str, Any]]) -> Iterator[Row]:
-    """Yield the worst error of each region over all states."""
+    """Worst error of each region over all states."""
     worst: dict[str, Row] = {}
     for number, point in enumerate(points):
         for row in _rows_at(solver, number, point):
@@ -208,14 +208,14 @@ def _owner(solver: DynamicsSolver, region: str, element: int) -> str:
 
 
 def _parameters(points: Sequence[Mapping[str, Any]]) -> Sequence[float]:
-    """Return the last values of parameters that a state has, none where all are of the scene."""
+    """Last values of parameters that a state has, none where all are of the scene."""
     return next((point["parameters"] for point in reversed(points) if "parameters" in point), ())
 
 
 def _differences(
     one: DynamicsSolver, other: DynamicsSolver, values: Sequence[float], *, is_exact: bool
 ) -> Iterator[str]:
-    """Yield where two targets move differently: the first steps of each method, and the rows."""
+    """Differences between two targets: the first steps of each method, and the rows."""
     for method in METHODS if one.is_driven else RUNGE_KUTTA:
         try:
             runs = [_run(solver, method, values) for solver in (one, other)]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import sympy
 
 from kousoku.model.quantity import Quantity
-from kousoku.symbolic.matrices import Divisor, Named, NamedScalar, elements
+from kousoku.symbolic.matrices import Divisor, NamedMatrix, NamedScalar, elements
 from kousoku.symbolic.ring import Ring
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class NamedRing(Ring):
     ----------
     quantities, given
         As of :class:`Ring`.
-    names : Collection of Named, NamedScalar or Orientation
+    names : Collection of NamedMatrix, NamedScalar or Orientation
         What stands for itself; a mapping to the values of the elements in ``plain``.
     plain : Ring, optional
         The ring of the quantities alone. With it, a sum whose value is that of a name, or a
@@ -67,7 +67,7 @@ class NamedRing(Ring):
                 self._memo[name] = [cells[k : k + width] for k in range(0, len(cells), width)]
 
     def _multiple(self, value: Any) -> Fraction | None:
-        """Return a value as a multiple of a name, if it is one."""
+        """Value as a multiple of a name, if it is one."""
         if not value:
             return self._number(sympy.S.Zero)
         leading, cell = self._values.get(_key(value), (None, None))
@@ -87,9 +87,9 @@ class NamedRing(Ring):
 
 
 def polynomial_names(plain: Ring, x: Any) -> dict[Any, list[Any]]:
-    """Return the names in an expression whose values are polynomials, and these values."""
+    """Names in an expression whose values are polynomials, and these values."""
     found = {}
-    for name in _sorted(x.atoms(Named, NamedScalar)):
+    for name in _sorted(x.atoms(NamedMatrix, NamedScalar)):
         if _is_free_of_roots(name):
             values = [_whole(cell) for cell in plain.cells(name)]
             if None not in values:
@@ -103,7 +103,7 @@ def _is_free_of_roots(x: Any) -> bool:
 
 
 def _whole(x: Fraction) -> Any:
-    """Return a fraction as a polynomial, or None if it is not one."""
+    """Fraction as a polynomial, or None if it is not one."""
     quotient, rest = x.over.div(x.under)
     return None if rest else quotient
 
@@ -113,12 +113,12 @@ def _sorted(names: Any) -> list[Any]:
 
 
 def shared(x: Any, y: Any, *sorts: type) -> list[Any]:
-    """Return the names, or nodes of other sorts, that both expressions hold."""
+    """Names, or nodes of other sorts, that both expressions hold."""
     return _sorted(x.atoms(*sorts) & y.atoms(*sorts))
 
 
 def _key(value: Any) -> frozenset[Any]:
-    """Return what all multiples of a polynomial have in common."""
+    """Key that all multiples of a polynomial have in common."""
     return frozenset(value.monic().items())  # a polynomial that was added to keeps its old hash
 
 
@@ -135,7 +135,7 @@ def _parts(x: Any) -> tuple[int, int]:
 
 
 def _products(x: Any) -> float:
-    """Return a bound on the number of products of a polynomial that is multiplied out."""
+    """Bound on the number of products of a polynomial that is multiplied out."""
     if isinstance(x, sympy.Add):
         return sum(_products(arg) for arg in x.args)
     if isinstance(x, sympy.Mul):

@@ -135,7 +135,7 @@ class Analysed:
 
 
 def analyse(system: System, wanted: Collection[str]) -> Analysed:
-    """Return an assembled system with what all analyses found that need no program.
+    """Assembled system with what all analyses found that need no program.
 
     Parameters
     ----------
@@ -157,7 +157,7 @@ def analyse(system: System, wanted: Collection[str]) -> Analysed:
 
 
 def with_all_rows(system: System, shift: int | None) -> Analysed:
-    """Return a system whose rows are all kept.
+    """System whose rows are all kept.
 
     Parameters
     ----------
@@ -179,7 +179,7 @@ def with_all_rows(system: System, shift: int | None) -> Analysed:
 
 
 def ranked(system: System, shift: int | None) -> Analysed:
-    """Return a system without the rows that depend on others, at positions where the others hold.
+    """System without the rows that depend on others, at positions where the others hold.
 
     Parameters and refusals are those of :func:`with_all_rows`; rows that nothing changes must hold.
     """
@@ -196,7 +196,7 @@ def ranked(system: System, shift: int | None) -> Analysed:
 
 
 def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
-    """Return a system in which bodies on joints with the ground have the coordinates of these.
+    """System in which bodies on joints with the ground have the coordinates of these.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def with_joint_coordinates(found: Analysed, most_free: int = ANY) -> Analysed:
 
 
 def in_xy_plane(found: Analysed) -> Analysed:
-    """Return a system with its axes in an order in which its plane, if any, is the xy-plane."""
+    """System with its axes in an order in which its plane, if any, is the xy-plane."""
     shift = found.outline.shift
     if not shift:
         return found

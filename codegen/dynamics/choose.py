@@ -35,7 +35,7 @@ DEPENDENT = 1e-12
 
 
 def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
-    """Return the program of an analysed system.
+    """Program of an analysed system.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def program_of(analysed: Analysed, wanted: Sequence[str]) -> Program:
 def cheaper(
     analysed: Analysed, wanted: Sequence[str], program: Program, most_free: int = ANY
 ) -> Program:
-    """Return the program in joint coordinates where it costs less, or else the program without.
+    """Program in joint coordinates where it costs less, or else the program without.
 
     They are not looked for where rows depend on others: there all rows are needed, to watch them
     and to take over. And not in a large scene with few bodies at the ground, unless drivers lead
@@ -93,7 +93,7 @@ def _cost(program: Program) -> int:
 
 
 def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
-    """Return the program that finds the forces of all joints, and knows which are not unique.
+    """Program that finds the forces of all joints, and knows which are not unique.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def with_reactions(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed,
 
 
 def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Program]:
-    """Return the program in space of a scene that moves in a plane; SceneError if there is none."""
+    """Program in space of a scene that moves in a plane; SceneError if there is none."""
     found = ranked(thickened(analysed.system), None)
     program = _named(compose(found, wanted), found.freedom)
     if not _is_regular(program):
@@ -141,7 +141,7 @@ def _in_space(analysed: Analysed, wanted: Sequence[str]) -> tuple[Analysed, Prog
 
 
 def _named(program: Program, freedom: Freedom) -> Program:
-    """Return a program with the joints whose reactions are not unique."""
+    """Program with the joints whose reactions are not unique."""
     return replace(
         program,
         not_unique=(*freedom.not_unique, *freedom.unknown),
@@ -150,7 +150,7 @@ def _named(program: Program, freedom: Freedom) -> Program:
 
 
 def _is_regular(program: Program) -> bool:
-    """Return whether the rows that a program keeps are independent at the start."""
+    """Whether the rows that a program keeps are independent at the start."""
     workspace = ProgramInterpreter(program)
     try:
         workspace.run("geometry")

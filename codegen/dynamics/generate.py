@@ -51,7 +51,7 @@ LEDGER = ("checks", "energies")
 def generate_dynamics(
     scene: Scene, outputs: Sequence[str] | None = None, *, references: bool = False
 ) -> dict[str, str]:
-    """Return the folder of the solver of a scene of bodies.
+    """Folder of the solver of a scene of bodies.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ class Composed:
 
 
 def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
-    """Return what a scene of bodies becomes before it is emitted; all that is wrong is found here.
+    """Scene of bodies before it is emitted; all that is wrong with it is found here.
 
     Parameters
     ----------
@@ -146,7 +146,7 @@ def composed(scene: Scene, wanted: Sequence[str]) -> Composed:
 
 
 def _of_reactions(program: Program) -> Iterator[str]:
-    """Yield notes on what leads out of the plane: not unique, or not computed."""
+    """Notes on what leads out of the plane: not unique, or not computed."""
     joints = program.unique_in_plane
     if joints:
         names = listed([key_of(name) for name in joints])

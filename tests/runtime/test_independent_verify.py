@@ -225,7 +225,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("self.gamma(place), into", "None, into"),
     ),
     "curvature of a coordinate": (
-        *("rich", coordinates.Curvature, "__call__"),
+        *("rich", coordinates.CoordinateGamma, "__call__"),
         *('(found["gamma"][0],)', '(trace.graph.neg(found["gamma"][0]),)'),
     ),
     # joints
@@ -254,7 +254,7 @@ FAULTS: dict[str, tuple[str, Any, str, str, str]] = {
         *("point.cross(omega)", "omega.cross(point)"),
     ),
     "body of a reaction": (
-        *("rich", compose._Composer, "_by_body"),
+        *("rich", compose._ProgramComposer, "_by_body"),
         *("region.part(blocks.v, len(blocks.columns))", "region.part(0, len(blocks.columns))"),
     ),
     # drivers

@@ -25,7 +25,7 @@ from kousoku.codegen.generate import package_of, write_tree
 from kousoku.codegen.interpret import HIGH_CONTEXT
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.points import (
-    Point,
+    EvaluationPoint,
     finite_points,
     infinite_points,
     is_euler_parameters,
@@ -55,7 +55,7 @@ if TYPE_CHECKING:
     from kousoku.codegen import kernel as frozen
     from kousoku.runtime.kernel import Kernel
     from kousoku.symbolic.derivation import Function
-    from kousoku.symbolic.matrices import Matrix
+    from kousoku.symbolic.sympy_types import SymbolicMatrix
 
 #: Points of a climb that go on, and steps that each tries at a time.
 CLIMBERS, TRIES = 12, 16
@@ -183,7 +183,9 @@ def subjects(kind: str) -> tuple[Subject, ...]:
     return tuple(found)
 
 
-def check(outcome: Outcome, kind: str, subject: Subject, points: Sequence[Point], sort: str) -> Any:
+def check(
+    outcome: Outcome, kind: str, subject: Subject, points: Sequence[EvaluationPoint], sort: str
+) -> Any:
     """Measure a kernel at points as ``verify`` does: every way of calling, every output.
 
     Returns
@@ -288,7 +290,7 @@ def check_worst(
     rows = rows[is_finite]
     every = [x for x in subject.errors(rows).values() if not np.isnan(x).all()]
     worst = {int(np.nanargmax(errors)) for errors in every}
-    points = [Point(sort, subject.inputs(rows[k])) for k in sorted(worst)]
+    points = [EvaluationPoint(sort, subject.inputs(rows[k])) for k in sorted(worst)]
     return dict(check(outcome, kind, subject, points, sort))
 
 
@@ -323,7 +325,7 @@ def climb(outcome: Outcome, kind: str, name: str, rounds: int) -> None:
                 rows = np.where(is_worse[:, None], steps, rows)
                 errors = np.maximum(errors, found.max(axis=1))
             outcome.count("points looked at", CLIMBERS * TRIES * (rounds + 1))
-            point = Point("climbing", subject.inputs(rows[int(np.argmax(errors))]))
+            point = EvaluationPoint("climbing", subject.inputs(rows[int(np.argmax(errors))]))
             check(outcome, kind, subject, [point], CLIMBING)
 
 
@@ -386,7 +388,7 @@ def run(case: str) -> Outcome:
 def cancelling() -> Iterator[None]:
     """Emit γ of ``length`` as the difference of what d·ḋ and its rate hold of what is along d."""
 
-    def plain(by_points: Matrix) -> Matrix:
+    def plain(by_points: SymbolicMatrix) -> SymbolicMatrix:
         whole = add(mul(transpose(D), RELATIVE["v"]), by_points)
         along = mul(1 / Divisor(L), whole)
         rest = add(mul(along, along), neg(half_square_curvature()))

@@ -106,7 +106,7 @@ class BlockFactors:
         return self._smallest > REGULAR * self._largest
 
     def solve(self, right: Array) -> Array:
-        """Return x with (A Aᵀ + damping) x = right."""
+        """Solution x of (A Aᵀ + damping) x = right."""
         first = self._pattern.first
         parts = [right[a:b].copy() for a, b in pairwise(first)]
         for pivot in self._pattern.order:
@@ -130,7 +130,7 @@ class BlockFactors:
 def _products(
     pattern: Pattern, elements: tuple[Places, Places, Array]
 ) -> tuple[list[Array], dict[tuple[int, int], Array]]:
-    """Return the blocks of A Aᵀ on the diagonal, and those below it by (later, earlier)."""
+    """Blocks of A Aᵀ on the diagonal, and those below it by (later, earlier)."""
     rows, columns, values = elements
     place = {pivot.joint: k for k, pivot in enumerate(pattern.order)}
     index = {

@@ -19,7 +19,7 @@ ROUNDING = 1e-12
 
 
 def changes_of_assembly(given: System, placed: System) -> list[Change]:
-    """Return what assembly changed, the body that changed most first.
+    """Changes by assembly, the body that changed most first.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def changes_of_assembly(given: System, placed: System) -> list[Change]:
 
 
 def _change(before: MovingBody, after: MovingBody, size: float) -> Change:
-    """Return what of a body was changed."""
+    """Change of one body."""
     shift = _length(precise.subtract(_origin(after), _origin(before)))
     turn = precise.compose(normalised(after.p), precise.conjugate(normalised(before.p)))
     angle = 2 * float(precise.atan2(precise.length(turn[1:]), abs(turn[0])))
@@ -58,13 +58,13 @@ def _p(body: MovingBody) -> Quadruple:
 
 
 def _origin(body: MovingBody) -> Triple:
-    """Return the origin of the user's frame of a body, frame O."""
+    """Origin of the user's frame of a body, frame O."""
     arm = precise.rotate(_p(body), precise.triple(body.origin_b))
     return precise.add(precise.triple(body.r), arm)
 
 
 def _velocity(body: MovingBody) -> Triple:
-    """Return its velocity."""
+    """Velocity of the origin of the user's frame of a body, frame O [m/s]."""
     turning = precise.cross(precise.triple(body.omega_b), precise.triple(body.origin_b))
     return precise.add(precise.triple(body.v), precise.rotate(_p(body), turning))
 

@@ -28,7 +28,7 @@ DEPENDENT = 1e-6
 
 
 def excess_of_drivers(system: System, pose: Pose) -> str:
-    """Return the beginning of a message on drivers that are too many; empty if they are not.
+    """Message on drivers that are too many, its beginning; empty if they are not.
 
     The freedoms are those of the joints alone, put together near the positions that are given.
 

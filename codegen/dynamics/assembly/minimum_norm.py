@@ -64,25 +64,25 @@ class Metric:
         self.inverse = [1 / precise.number(weight) for weight in weights]
 
     def norm(self, step: Sequence[High]) -> High:
-        """Return √(dᵀ W d), a length."""
+        """Norm √(dᵀ W d), a length [m]."""
         terms = (x * x / w for x, w in zip(step, self.inverse, strict=True))
         return HIGH_CONTEXT.sqrt(sum(terms, precise.ZERO[0]))
 
     def lengths(self, residuals: Residuals) -> list[High]:
-        """Return for each row the factor that makes it a length."""
+        """Factors that make rows lengths, one for each."""
         one, size = precise.number(1.0), precise.number(self.size)
         return [one if is_length else size for is_length in residuals.in_metres]
 
 
 def _weights(body: MovingBody, mass: float, size: float, thin: float) -> list[float]:
-    """Return six weights of a body; what it does not say is taken from the system."""
+    """Weights of a body, six; what it does not say is taken from the system."""
     own = body.mass if body.mass > 0 else mass
     largest = max(body.inertia) or own * size**2 / 10
     return [own] * 3 + [max(moment, thin * largest) for moment in body.inertia]
 
 
 def _size(system: System) -> float:
-    """Return the largest distance of a joint from a centre of mass, or between two points."""
+    """Largest distance of a joint from a centre of mass, or between two points."""
     lengths: list[tuple[float, ...]] = []
     terms = dict.fromkeys(term.coordinate for one in system.constraints for term in one.terms)
     sources: list[Instance | Coordinate] = [*system.constraints]
@@ -120,17 +120,17 @@ class MinimumNormSolver:
         self._parts: tuple[Array, Array] | None = None
 
     def with_jacobian(self, jacobian: PreciseJacobian) -> MinimumNormSolver:
-        """Return the solver for a C_q that is nearly the same: each pass adds fewer digits."""
+        """Solver for a C_q that is nearly the same: each pass adds fewer digits."""
         other = copy(self)
         other._jacobian = jacobian
         return other
 
     def step(self, wanted: Sequence[High], damping: float) -> list[High]:
-        """Return a displacement that changes the rows about as wanted, damped."""
+        """Displacement that changes the rows about as wanted, damped."""
         return self._displacement(self._multipliers(wanted, damping))
 
     def displacement(self, wanted: Sequence[High]) -> list[High]:
-        """Return the least d with C_q d = wanted, in 50 digits as far as the rows allow it."""
+        """Minimum-norm d with C_q d = wanted, in 50 digits as far as the rows allow it."""
         lam = [precise.ZERO[0]] * len(wanted)
         d, missing = self._displacement(lam), wanted
         enough = ENOUGH * max(map(abs, wanted), default=0)
@@ -144,7 +144,7 @@ class MinimumNormSolver:
         return d
 
     def _multipliers(self, wanted: Sequence[High], damping: float = 0.0) -> list[High]:
-        """Return λ of least norm with S λ = wanted, or damped by a part of the largest S."""
+        """Minimum-norm λ with S λ = wanted, or damped by a part of the largest S."""
         right = self._factors * np.array([float(x) for x in wanted])
         if self._blocks.is_regular and not damping:
             solution = self._blocks.solve(right)
@@ -154,7 +154,7 @@ class MinimumNormSolver:
         return [precise.number(x) for x in (self._factors * solution).tolist()]
 
     def _eigen(self) -> tuple[Array, Array]:
-        """Return eigenvalues of S, the largest first, and vectors: those of independent rows.
+        """Eigenvalues of S, the largest first, and vectors: those of independent rows.
 
         Which rows depend on others is no matter of masses: lengths alone tell it. Singular values
         of C_q W^{-1/2} have the digits that S, in which they are squared, has lost.
@@ -175,6 +175,6 @@ class MinimumNormSolver:
         return self._parts
 
     def _displacement(self, lam: Sequence[High]) -> list[High]:
-        """Return W⁻¹ C_qᵀ λ."""
+        """Displacement W⁻¹ C_qᵀ λ."""
         products = self._jacobian.transposed_times(lam)
         return [w * x for w, x in zip(self._metric.inverse, products, strict=True)]

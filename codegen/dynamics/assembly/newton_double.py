@@ -66,19 +66,19 @@ class DoublePose:
 
     @classmethod
     def of(cls, pose: Pose) -> DoublePose:
-        """Return a pose in doubles."""
+        """Pose in doubles."""
         r, p = (np.array([[float(x) for x in own] for own in part]) for part in (pose.r, pose.p))
         return cls(r, p, np.array([float(x) for x in pose.near]))
 
     def pose(self) -> Pose:
-        """Return it in 50 digits."""
+        """Pose in 50 digits."""
         r = [precise.triple(own) for own in self.r[:-1].tolist()]
         p = [normalised(own) for own in self.p[:-1].tolist()]
         near = tuple(precise.number(x) for x in self.near.tolist())
         return Pose((*r, ZERO), (*p, IDENTITY), near)
 
     def moved(self, step: Array) -> DoublePose:
-        """Return the positions after a displacement (δr, δθ′) of each body, finite rotations."""
+        """Positions after a displacement (δr, δθ′) of each body, finite rotations."""
         by_body = step.reshape(-1, COLUMNS)
         r, p = self.r.copy(), self.p.copy()
         r[:-1] += by_body[:, :3]
@@ -90,7 +90,7 @@ class DoublePose:
         return DoublePose(r, p, self.near)
 
     def since(self, start: DoublePose) -> Array:
-        """Return the displacement (δr, δθ′) of each body from ``start`` to here."""
+        """Displacement (δr, δθ′) of each body from ``start`` to here."""
         back = start.p[:-1] * (1.0, -1.0, -1.0, -1.0)
         turned = _composed(back, self.p[:-1])
         turned = np.where(turned[:, :1] < 0, -turned, turned)
@@ -117,7 +117,7 @@ class GaussNewton:
         self._roots = np.sqrt(np.array([float(x) for x in metric.inverse]))
 
     def missing(self, place: DoublePose, wanted: Array | float = 0.0) -> Array:
-        """Return wanted − C as lengths."""
+        """Residual wanted − C, as lengths."""
         missing: Array = wanted - self._rows.residuals(place.r, place.p, place.near)
         return missing * self._lengths
 
@@ -128,7 +128,7 @@ class GaussNewton:
         until: float = CLOSE,
         least: float = LEAST_DAMPING,
     ) -> DoublePose:
-        """Return positions near a place at which rows are as wanted, or as near as they come.
+        """Positions near a place at which rows are as wanted, or as near as they come.
 
         Gauss-Newton steps of least norm, damped while they overshoot (Levenberg and Marquardt),
         because rows may depend on each other.
@@ -149,7 +149,7 @@ class GaussNewton:
         return place
 
     def project_nearest(self, start: DoublePose, place: DoublePose) -> DoublePose | None:
-        """Return the positions nearest to ``start`` on the branch of a place that fits.
+        """Positions nearest to ``start`` on the branch of a place that fits.
 
         None where d ← W⁻¹ C_dᵀ λ with S λ = C_d d − C does not settle, C_d = C_q ∂q/∂d.
         """
@@ -167,7 +167,7 @@ class GaussNewton:
         return None
 
     def implicit_correction(self, start: DoublePose, place: DoublePose, change: Array) -> Array:
-        """Return by how much d is to change where one more step of it would be ``change``.
+        """Correction of d that solves x = change + g′ x, where one more step would be ``change``.
 
         With g the step and x what is wanted, x = change + g′ x. The derivative is a difference of
         doubles: some digits of x are right, and the caller goes on from there.
@@ -200,14 +200,14 @@ class GaussNewton:
         return DoublePose(place.r, place.p, self._rows.angles(place.r, place.p, place.near))
 
     def _step(self, place: DoublePose, missing: Array, damping: float) -> Array:
-        """Return a displacement that changes the rows, as lengths, about as wanted, damped."""
+        """Displacement that changes the rows, as lengths, about as wanted, damped."""
         _, rows, columns, values = self._rows.elements(place.r, place.p, place.near)
         return self._least((rows, columns, values), missing, damping)
 
     def _least(
         self, elements: tuple[Places, Places, Array], missing: Array, damping: float
     ) -> Array:
-        """Return the least displacement for a Jacobian by its rows, columns and values."""
+        """Minimum-norm displacement for a Jacobian by its rows, columns and values."""
         rows, columns, values = elements
         scaled = values * self._lengths[rows] * self._roots[columns]
         factors = BlockFactors(self._pattern, (rows, columns, scaled), damping)
@@ -220,7 +220,7 @@ class GaussNewton:
 def _of_displacement(
     rows: Places, columns: Places, values: Array, d: Array
 ) -> tuple[Places, Places, Array]:
-    """Return the derivative by a displacement, as of a Jacobian, from its elements for δθ′."""
+    """Derivative by a displacement, as of a Jacobian, from its elements for δθ′."""
     rates = _rates_of_turns(d.reshape(-1, COLUMNS)[:, 3:])
     place = columns % COLUMNS - 3
     turns = place >= 0
@@ -235,7 +235,7 @@ def _of_displacement(
 
 
 def _rates_of_turns(w: Array) -> Array:
-    """Return T with δθ′ = T dw of each rotation vector w, (n, 3, 3)."""
+    """Matrix T with δθ′ = T dw of each rotation vector w, (n, 3, 3)."""
     x, y, z = w.T
     zero = np.zeros_like(x)
     tilde = np.array([[zero, -z, y], [z, zero, -x], [-y, x, zero]]).transpose(2, 0, 1)
@@ -252,13 +252,13 @@ def _norm(x: Array) -> float:
 
 
 def _shortened(step: Array) -> Array:
-    """Return a displacement that turns no body further than is sensible in one step."""
+    """Displacement that turns no body further than is sensible in one step."""
     largest = float(np.abs(step.reshape(-1, COLUMNS)[:, 3:]).max(initial=0.0))
     return step * (LARGEST_TURN / largest) if largest > LARGEST_TURN else step
 
 
 def _composed(p: Array, q: Array) -> Array:
-    """Return p ∘ q of each row."""
+    """Products p ∘ q of Euler parameters, row by row."""
     w, x, y, z = p.T
     a, b, c, d = q.T
     return np.array(

@@ -65,7 +65,7 @@ MOST_STAGES, MOST_HALVINGS = 64, 5
 
 
 def nearest_pose(system: System, rows: Residuals, metric: Metric) -> Pose:
-    """Return the positions nearest to those of a system at which all rows hold.
+    """Positions nearest to those of a system at which all rows hold.
 
     Raises
     ------
@@ -123,11 +123,11 @@ class _PreciseGaussNewton:
         self.doubles = GaussNewton(rows, metric)
 
     def size(self, c: Sequence[High]) -> High:
-        """Return the norm of rows as lengths."""
+        """Norm of rows as lengths."""
         return precise.length([x * y for x, y in zip(c, self.lengths, strict=True)])
 
     def solve(self, pose: Pose) -> Pose:
-        """Return positions at which rows hold, near those where they nearly do.
+        """Positions at which rows hold, near those where they nearly do.
 
         Gauss-Newton steps of least norm, damped where they overshoot (Levenberg and Marquardt),
         because rows may depend on each other.
@@ -152,7 +152,7 @@ class _PreciseGaussNewton:
 def _led_by_drivers(
     start: DoublePose, system: System, search: _PreciseGaussNewton
 ) -> DoublePose | None:
-    """Return positions to which drivers lead from afar; None if none is far, or does not arrive.
+    """Positions to which drivers lead from afar; None if none is far, or does not arrive.
 
     The joints are put together without drivers first. From there the value that each driver is
     away from what it prescribes goes to zero in equal stages.
@@ -187,13 +187,13 @@ def _led_by_drivers(
 
 
 def _stages(missing: Array, drives: Array, size: float) -> int:
-    """Return in how many stages drivers reach what they prescribe."""
+    """Number of stages in which drivers reach what they prescribe."""
     largest = float(np.abs(missing[drives]).max(initial=0.0))
     return max(1, math.ceil(largest / (FAR * size)))
 
 
 def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
-    """Return the positions nearest to ``start`` on the branch of ``pose``, which fits already.
+    """Positions nearest to ``start`` on the branch of ``pose``, which fits already.
 
     With d the displacement so far, and C_d = C_q ∂q/∂d, d ← W⁻¹ C_dᵀ λ where S λ = C_d d − C, until
     it stays. Where that does not settle, rows that depend on each other where they hold and nowhere
@@ -227,7 +227,7 @@ def _project_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Po
 
 
 def _stepwise_nearest(start: Pose, pose: Pose, search: _PreciseGaussNewton) -> Pose:
-    """Return the positions nearest to ``start``, by steps from positions to others that fit.
+    """Positions nearest to ``start``, by steps from positions to others that fit.
 
     A step leaves of d what is W⁻¹ C_dᵀ λ. Where steps do not become smaller, positions stay, unless
     steps are rounding by then: of rows that depend on others doubles tell the last digits only so.

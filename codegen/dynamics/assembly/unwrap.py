@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def wound_as_driven(system: System) -> System:
-    """Return a system whose driven angles count from the turn on which their drivers start.
+    """System whose driven angles count from the turn on which their drivers start.
 
     The angle of the scene and what the driver prescribes at t = 0 are the same place up to whole
     turns. An angle that other combinations need, too, such as those of gears, counts as it is
@@ -38,7 +38,7 @@ def wound_as_driven(system: System) -> System:
 
 
 def unwrapped(system: System) -> System:
-    """Return a system whose angles count from the values that they have, rounded once."""
+    """System whose angles count from the values that they have, rounded once."""
     if not any(one.counts_turns for one in system.coordinates):
         return system
     rows = Residuals.of(system, ())

@@ -18,9 +18,8 @@ from kousoku.model.terms import Function, Name, Number, ordered
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
+    from kousoku.model.real import Real
     from kousoku.model.terms import Expression
-
-High = Any  # a double, or a number of mpmath
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,12 +35,13 @@ class Digits:
     """
 
     functions: Any
-    number: Callable[[Any], High]
+    number: Callable[[Any], Real]
 
 
-def _high(value: float | Fraction) -> High:
+def _high(value: float | Fraction) -> Real:
     exact = Fraction(value)
-    return CONTEXT.mpf(exact.numerator) / exact.denominator
+    found: Real = CONTEXT.mpf(exact.numerator) / exact.denominator
+    return found
 
 
 DOUBLES = Digits(math, float)
@@ -59,7 +59,7 @@ class Jet:
 
     __slots__ = ("d", "dd", "x")
 
-    def __init__(self, x: High, d: High = 0, dd: High = 0) -> None:
+    def __init__(self, x: Real, d: Real = 0, dd: Real = 0) -> None:
         self.x, self.d, self.dd = x, d, dd
 
     def __add__(self, other: Jet) -> Jet:
@@ -81,12 +81,12 @@ class Jet:
     def __truediv__(self, other: Jet) -> Jet:
         return self * other.through(1 / other.x, -1 / other.x**2, 2 / other.x**3)
 
-    def times(self, factor: High) -> Jet:
-        """Return it times a number that does not change."""
+    def times(self, factor: Real) -> Jet:
+        """Product with a constant number."""
         return Jet(factor * self.x, factor * self.d, factor * self.dd)
 
-    def through(self, g: High, first: High, second: High) -> Jet:
-        """Return g(x), from the value and the derivatives of g there."""
+    def through(self, g: Real, first: Real, second: Real) -> Jet:
+        """Jet of g(x), from the value and the derivatives of g there."""
         return Jet(g, first * self.d, second * self.d**2 + first * self.dd)
 
 
@@ -94,30 +94,30 @@ Vector = tuple[Jet, Jet, Jet]
 
 
 def dot(a: Sequence[Jet], b: Sequence[Jet]) -> Jet:
-    """Return a · b."""
+    """Scalar product a · b."""
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
 def cross(a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, Any, Any]:
-    """Return a × b, of jets or of numbers."""
+    """Vector product a × b, of jets or of numbers."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 def sqrt(a: Jet, digits: Digits) -> Jet:
-    """Return √a."""
+    """Square root of a."""
     root = digits.functions.sqrt(a.x)
     return a.through(root, 1 / (2 * root), -1 / (4 * root * a.x))
 
 
 def atan2(y: Jet, x: Jet, digits: Digits) -> Jet:
-    """Return the angle of (x, y)."""
+    """Angle of (x, y)."""
     square = x * x + y * y
     rate = (Jet(x.x, x.d) * Jet(y.d, y.dd) - Jet(y.x, y.d) * Jet(x.d, x.dd)) / square
     return Jet(digits.functions.atan2(y.x, x.x), rate.x, rate.d)
 
 
 def formula(expression: Expression, names: Mapping[str, Jet], digits: Digits) -> Jet:
-    """Return the value of a formula with its derivatives.
+    """Value of a formula with its derivatives.
 
     Parameters
     ----------
@@ -176,7 +176,7 @@ _SIMPLE: dict[Function, Callable[..., Jet]] = {
 
 
 def arithmetic_of(digits: Digits) -> Arithmetic[Jet]:
-    """Return the arithmetic of jets, for the evaluation of kernels."""
+    """Arithmetic of jets, for the evaluation of kernels."""
 
     def one(function: Function) -> Callable[[Jet], Jet]:
         return lambda a: _applied(function, (a,), digits)
@@ -207,7 +207,7 @@ def _power(a: Jet, b: Jet, digits: Digits) -> Jet:
 
 
 #: First and second derivative from argument and value.
-_SLOPES: dict[Function, Callable[[High, High], tuple[High, High]]] = {
+_SLOPES: dict[Function, Callable[[Real, Real], tuple[Real, Real]]] = {
     Function.EXP: lambda _, y: (y, y),
     Function.LOG: lambda x, _: (1 / x, -1 / x**2),
     Function.TAN: lambda _, y: (1 + y**2, 2 * y * (1 + y**2)),

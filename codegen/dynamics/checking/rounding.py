@@ -39,7 +39,7 @@ EXACT = frozenset({Op.NEG, Op.ABS, Op.MAX, Op.INPUT})
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class ExecutedTask:
     """A task that was run.
 
     Parameters
@@ -54,7 +54,7 @@ class Step:
     values: list[float]
 
 
-def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list[Step]:
+def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list[ExecutedTask]:
     """Run segments as :meth:`ProgramInterpreter.run` does, and keep the values of all nodes."""
     program, steps = workspace.program, []
     for name in segments:
@@ -67,20 +67,20 @@ def run_and_keep(workspace: ProgramInterpreter, segments: Sequence[str]) -> list
             values = node_values(kernel, inputs, workspace.arithmetic)
             for base, result in zip(task.outputs, kernel.results, strict=True):
                 workspace.values[base : base + len(result)] = [values[node] for node in result]
-            steps.append(Step(task, [float(value) for value in values]))
+            steps.append(ExecutedTask(task, [float(value) for value in values]))
     return steps
 
 
 def units(
-    workspace: ProgramInterpreter, steps: Sequence[Step], slots: Sequence[int]
+    workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
 ) -> list[float]:
-    """Return the units of error of some slots.
+    """Units of error of some slots.
 
     Parameters
     ----------
     workspace : ProgramInterpreter
         Where the steps were run, as they left it. No slot was written twice.
-    steps : sequence of Step
+    steps : sequence of ExecutedTask
         As :func:`run_and_keep` returned them.
     slots : sequence of int
         The results.
@@ -92,7 +92,7 @@ def units(
 
 
 def _units(
-    workspace: ProgramInterpreter, steps: Sequence[Step], slots: Sequence[int]
+    workspace: ProgramInterpreter, steps: Sequence[ExecutedTask], slots: Sequence[int]
 ) -> list[float]:
     slopes: dict[int, Array] = {}
     for k, slot in enumerate(slots):
@@ -105,7 +105,7 @@ def _units(
     return [float(x) for x in ROUNDING * total]
 
 
-def _go_back(kernel: Kernel, step: Step, slopes: dict[int, Array], total: Array) -> None:
+def _go_back(kernel: Kernel, step: ExecutedTask, slopes: dict[int, Array], total: Array) -> None:
     """Bring derivatives by what a task writes to what it reads, and count its roundings."""
     own: dict[int, Array] = {}
     for base, result in zip(step.task.outputs, kernel.results, strict=True):
@@ -134,7 +134,7 @@ def _add(table: dict[int, Array], place: int, slope: Array) -> None:
 
 
 def _roundings(node: Node) -> int:
-    """Return how many roundings a node costs."""
+    """Number of roundings that a node costs."""
     if node.op is Op.CONST:
         return int(node.value is not None and float(node.value) != node.value)
     if node.op in EXACT:
@@ -143,7 +143,7 @@ def _roundings(node: Node) -> int:
 
 
 def _slopes(node: Node, value: float, values: Sequence[float]) -> tuple[float, ...]:
-    """Return the derivatives of a node by its arguments."""
+    """Derivatives of a node by its arguments."""
     given = [values[arg] for arg in node.args]
     return SLOPES[node.op](value, given)
 

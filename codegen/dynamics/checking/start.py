@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def forces_without_value(system: System) -> list[str]:
-    """Return the names of forces whose formulas have no finite value at the start.
+    """Names of forces whose formulas have no finite value at the start.
 
     Parameters
     ----------
@@ -40,7 +40,7 @@ def forces_without_value(system: System) -> list[str]:
 
 
 def _have_values(system: System, forces: Sequence[ForceElement]) -> bool:
-    """Return whether some forces have finite values at the start."""
+    """Whether some forces have finite values at the start."""
     work = ProgramInterpreter(system_equations(replace(system, forces=tuple(forces))).program)
     try:
         work.run("masses", "geometry")
@@ -50,7 +50,7 @@ def _have_values(system: System, forces: Sequence[ForceElement]) -> bool:
 
 
 def events_without_value(program: Program, system: System) -> list[tuple[str, str]]:
-    """Return name and formula of the events that have no finite value at the start.
+    """Name and formula of the events that have no finite value at the start.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ class WeightedRows:
     title: str = "linear combination"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the sum."""
+        """Sum."""
         total, *pairs = blocks
         for factor, row in zip(pairs[::2], pairs[1::2], strict=True):
             total = factor @ row + total
@@ -63,7 +63,7 @@ class Law:
         return f"driver, derivative {self.order}"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return unit · law (1,)."""
+        """Unit · law (1,)."""
         unit, time, parameters = (block.flat for block in blocks)
         names = (TIME, *self.parameters)
         expression = parse_expression(self.law, names)

@@ -40,10 +40,10 @@ from kousoku.codegen.dynamics.composition.switching import record_switching
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.operations.joint_ends import points_of
 from kousoku.codegen.dynamics.operations.mechanics import (
+    BodyOrientation,
     FreeAcceleration,
-    Motion,
     Move,
-    Orientation,
+    PoseRate,
 )
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
@@ -72,7 +72,7 @@ SHORT = 16
 
 
 def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
-    """Return the program of a system: its segments are those of ``SEGMENTS``.
+    """Program of a system: its segments are those of ``SEGMENTS``.
 
     Parameters
     ----------
@@ -95,11 +95,11 @@ def compose(analysed: Analysed, wanted: Collection[str] = ()) -> Program:
         Too many rows depend on each other for their reactions.
     """
     there = in_xy_plane(analysed)
-    program = _Composer(there, wanted).program()
+    program = _ProgramComposer(there, wanted).program()
     return permuted_back(program, there.system, analysed.outline.shift or 0)
 
 
-class _Composer:
+class _ProgramComposer:
     """A program while it is composed."""
 
     def __init__(self, analysed: Analysed, wanted: Collection[str]) -> None:
@@ -145,7 +145,7 @@ class _Composer:
         self.schur = Schur(self.recorder, region("pivots", self.rows), at_once=at_once)
 
     def body(self, index: int) -> BodyBlocks:
-        """Return the blocks of a body, or of the ground."""
+        """Blocks of a body, or of the ground."""
         return GROUND if index == GROUND_INDEX else self.bodies[index]
 
     def _of_body(self, index: int) -> AbstractContextManager[None]:
@@ -174,7 +174,7 @@ class _Composer:
         return self._program(kept)
 
     def _program(self, kept: tuple[Kept, ...]) -> Program:
-        """Return what was recorded."""
+        """Program of all that was recorded."""
         pairs = zip(self.system.bodies, self.bodies, strict=True)
         places = tuple(coordinates(body, blocks) for body, blocks in pairs)
         design = record_setup(self.recorder, self.system, self.parameters, places)
@@ -204,7 +204,7 @@ class _Composer:
         self.recorder.begin("geometry")
         for k, blocks in enumerate(self.bodies):
             with self._of_body(k):
-                (orientation,) = self.recorder.call(Orientation(), blocks.p)
+                (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         self.reduced.geometry(self.bodies)
         for joint in self.joints:
@@ -267,7 +267,7 @@ class _Composer:
         joints: Sequence[JointBlocks] | None = None,
         beyond: Mapping[int, Block] | None = None,
     ) -> list[Block]:
-        """Return C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
+        """C_q x minus ν or γ, joint by joint; ``region`` says where to put it."""
         found = []
         for joint in self.joints if joints is None else joints:
             into = self._rows_of(region, joint) if region else None
@@ -282,7 +282,7 @@ class _Composer:
         self._pull(self.schur.solve(rates), None, self.dv, lacks)
 
     def _by_body(self, region: Block) -> list[Block]:
-        """Return the parts of a region in the order of v."""
+        """Parts of a region in the order of v."""
         return [region.part(blocks.v, len(blocks.columns)) for blocks in self.bodies]
 
     def _acceleration(self) -> None:
@@ -292,7 +292,7 @@ class _Composer:
         for k, blocks in enumerate(self.bodies):
             with self._of_body(k):
                 self.recorder.call(
-                    Motion(blocks.coordinates),
+                    PoseRate(blocks.coordinates),
                     blocks.p,
                     blocks.v_r,
                     blocks.omega_b,

@@ -16,7 +16,7 @@ from kousoku.codegen.dynamics.composition.record_coordinates import CoordinateRe
 from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
 from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.setup import record_setup
-from kousoku.codegen.dynamics.operations.mechanics import Orientation
+from kousoku.codegen.dynamics.operations.mechanics import BodyOrientation
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
@@ -55,7 +55,7 @@ class SystemEquations:
 
 
 def system_equations(system: System) -> SystemEquations:
-    """Return the program of all equations of a system in space.
+    """Program of all equations of a system in space.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ class _Equations:
         self.tasks = JointRecorder(system, self.recorder, self.body, combinations)
 
     def body(self, index: int) -> BodyBlocks:
-        """Return the blocks of a body, or of the ground."""
+        """Blocks of a body, or of the ground."""
         return GROUND if index == GROUND_INDEX else self.bodies[index]
 
     def recorded(self) -> SystemEquations:
@@ -109,7 +109,7 @@ class _Equations:
         self._keep("masses", [self._numbers(k) for k in range(len(self.bodies))])
         self.recorder.begin("geometry")
         for k, blocks in enumerate(self.bodies):
-            (orientation,) = self.recorder.call(Orientation(), blocks.p)
+            (orientation,) = self.recorder.call(BodyOrientation(), blocks.p)
             self.bodies[k] = replace(blocks, orientation=orientation)
         still = [zeros(len(blocks.columns), 1) for blocks in self.bodies]
         slopes: list[Block] = []

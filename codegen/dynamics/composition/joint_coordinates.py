@@ -118,7 +118,7 @@ class JointCoordinates:
         return found
 
     def _parts(self, whole: Block) -> list[Block]:
-        """Return the parts of a region that has the columns of each body."""
+        """Parts of a region that has the columns of each body."""
         counts = [len(one.blocks.columns) for one in self.tasks.values()]
         return [whole.part(sum(counts[:n]), count) for n, count in enumerate(counts)]
 

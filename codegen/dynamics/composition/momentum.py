@@ -33,7 +33,7 @@ class BodyMomentum:
     title: str = "momentum"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return m v, m ρ, m u, and ρ × m u + A I ω′ (12,), with ρ and u from the first body."""
+        """Momenta m v, m ρ, m u, and ρ × m u + A I ω′ (12,), with ρ and u from the first body."""
         r, orientation, v, omega, mass, moments, origin, drift = blocks
         momentum, arm = v @ mass, r - origin
         first, second = arm @ mass, (v - drift) @ mass
@@ -68,7 +68,7 @@ class PartMomenta:
     title: str = "momenta of a part"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return p·n, then L·n, with ρ and u from the first body in S = Σ(ρ × m u + A I ω′).
+        """Momenta p·n, then L·n, with ρ and u from the first body in S = Σ(ρ × m u + A I ω′).
 
         About the centre of mass L = S − (Σ m ρ) × (Σ m u)/Σ m; about a point o of the ground
         L = S + (Σ m ρ) × v + (r − o) × p, with r and v of the first body.

@@ -62,7 +62,7 @@ def reactions_of(
     left_out: Sequence[JointBlocks],
     known: Sequence[JointBlocks] = (),
 ) -> list[Reaction]:
-    """Return all joints in the order of the system."""
+    """Reactions of all joints in the order of the system."""
     found: dict[tuple[str, int, int], Reaction] = {}
     for joint in (*kept, *left_out, *known):
         ends = ends_of(joint.bodies)

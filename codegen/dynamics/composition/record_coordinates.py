@@ -5,7 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, Copy
-from kousoku.codegen.dynamics.operations.coordinates import Along, Curvature, Slopes, Value
+from kousoku.codegen.dynamics.operations.coordinates import (
+    CoordinateGamma,
+    CoordinateJacobian,
+    CoordinateRate,
+    CoordinateValue,
+)
 from kousoku.codegen.dynamics.recording.program import AFTER_GEOMETRY
 from kousoku.codegen.dynamics.recording.recorder import Block, column
 
@@ -55,16 +60,16 @@ class CoordinateRecorder:
         self._known: dict[tuple[str, str, int], tuple[Block, ...]] = {}
 
     def value(self, place: int) -> Block:
-        """Return the value, turns counted (1,)."""
+        """Value, turns counted (1,)."""
         return self._once("value", place, self._value)[0]
 
     def slopes(self, place: int) -> dict[int, Block]:
-        """Return the Jacobian by body, one row each; the ground's is empty."""
+        """Jacobian by body, one row each; the ground's is empty."""
         one = self.all[place]
         return dict(zip((one.i, one.j), self._once("slopes", place, self._slopes), strict=True))
 
     def gamma(self, place: int) -> Block:
-        """Return γ: the second derivative of the coordinate is J v̇ − γ (1,)."""
+        """Right-hand side γ: the second derivative of the coordinate is J v̇ − γ (1,)."""
         return self._once("gamma", place, self._gamma)[0]
 
     def rate(
@@ -74,14 +79,14 @@ class CoordinateRecorder:
         less: Block | None = None,
         into: Block | None = None,
     ) -> Block:
-        """Return J x − less for x in the order of v, body by body (1,)."""
+        """Rates J x − less for x in the order of v, body by body (1,)."""
         pairs = [
             block
             for body, slopes in self.slopes(place).items()
             if body >= 0
             for block in (slopes, by_body[body])
         ]
-        (rate,) = self._recorder.call(Along(), *pairs, less or column((0,)), into=(into,))
+        (rate,) = self._recorder.call(CoordinateRate(), *pairs, less or column((0,)), into=(into,))
         return rate
 
     def count_turns(self, q_moved: Block, laws: Mapping[int, Block]) -> None:
@@ -94,7 +99,7 @@ class CoordinateRecorder:
                 ends = (self._ends_at(self._body(k), q_moved) for k in (one.i, one.j))
                 turns = laws.get(place) or self._auxiliary.of(self._q, TURNS, one.name)
                 self._recorder.call(
-                    Value(one.kind, _names(one), counts_turns=True),
+                    CoordinateValue(one.kind, _names(one), counts_turns=True),
                     *(block for end in ends for block in end),
                     turns,
                     *self._constants(one),
@@ -119,7 +124,7 @@ class CoordinateRecorder:
                 self.rate(place, v_dot, self.gamma(place), into=second[0])
 
     def _ends_at(self, body: BodyBlocks, region: Block) -> tuple[Block, Block, Block]:
-        """Return r and p of a body where another region holds its position; A is not known."""
+        """Position r, p of a body where another region holds its position; A is not known."""
         first, last = self._q.entries[0], self._q.entries[-1]
         away = region.entries[0] - first
         r, p = (
@@ -131,7 +136,7 @@ class CoordinateRecorder:
     def _once(
         self, what: str, place: int, record: Callable[[Coordinate], tuple[Block, ...]]
     ) -> tuple[Block, ...]:
-        """Return what the segment has recorded, or may read of the geometry, or record it."""
+        """Blocks that the segment has recorded, or may read of the geometry, or records now."""
         segment = self._recorder.segments[-1][0]
         shared = self._known.get(("geometry", what, place))
         if shared is not None and segment in AFTER_GEOMETRY:
@@ -144,18 +149,18 @@ class CoordinateRecorder:
     def _value(self, one: Coordinate) -> tuple[Block, ...]:
         counts = one.counts_turns
         turns = self._auxiliary.of(self._q, TURNS, one.name) if counts else NOTHING
-        operation = Value(one.kind, _names(one), counts)
+        operation = CoordinateValue(one.kind, _names(one), counts)
         return self._recorder.call(operation, *self._ends(one), turns, *self._constants(one))
 
     def _slopes(self, one: Coordinate) -> tuple[Block, ...]:
         columns = (self._body(k).columns for k in (one.i, one.j))
-        operation = Slopes(one.kind, _names(one), *columns)
+        operation = CoordinateJacobian(one.kind, _names(one), *columns)
         return self._recorder.call(operation, *self._ends(one), NOTHING, *self._constants(one))
 
     def _gamma(self, one: Coordinate) -> tuple[Block, ...]:
         i, j = self._body(one.i), self._body(one.j)
         return self._recorder.call(
-            Curvature(one.kind, _names(one)),
+            CoordinateGamma(one.kind, _names(one)),
             *self._ends(one),
             NOTHING,
             *self._constants(one),
@@ -163,7 +168,7 @@ class CoordinateRecorder:
         )
 
     def _ends(self, one: Coordinate) -> list[Block]:
-        """Return r, p and A of both bodies; A only where the geometry has computed it."""
+        """Position r, p and A of both bodies; A only where the geometry has computed it."""
         segment = self._recorder.segments[-1][0]
         has_orientation = segment == "geometry" or segment in AFTER_GEOMETRY
         return [

@@ -14,7 +14,7 @@ from kousoku.codegen.dynamics.operations.forces import (
     Stretch,
 )
 from kousoku.codegen.dynamics.operations.forces_along import Held, Push, Resist
-from kousoku.codegen.dynamics.operations.formulas import Product, Relative, scaled
+from kousoku.codegen.dynamics.operations.formulas import Relative, ScaledColumn, scaled
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.recorder import Block, column
 from kousoku.model.formulas import used_names
@@ -137,7 +137,7 @@ class ForceRecorder:
         return self.recorder.call(Stored(force.kind), i.r, i.p, j.r, j.p, *constants)[0]
 
     def gravity(self, system: System) -> Block:
-        """Return the acceleration of free fall (3,)."""
+        """Acceleration of free fall (3,)."""
         parts = [self.recorder.constant(system.gravity)]
         for k, text in enumerate(system.gravity_law):
             if text:
@@ -146,13 +146,13 @@ class ForceRecorder:
         return summed(self.recorder, parts)
 
     def weight(self, system: System, gravity: Block, mass: High) -> Block:
-        """Return minus the weight of a body (3,)."""
+        """Minus the weight of a body (3,)."""
         if not any(system.gravity_law):
             return self.recorder.constant([-mass * Fraction(g) for g in system.gravity])
-        return self.recorder.call(Product(), gravity, self.recorder.constant((-mass,)))[0]
+        return self.recorder.call(ScaledColumn(), gravity, self.recorder.constant((-mass,)))[0]
 
     def _constants(self, force: ForceElement) -> list[Block]:
-        """Return the constants; those that a formula belongs to are multiplied by it."""
+        """Constants; those that a formula belongs to are multiplied by it."""
         texts = dict(force.formulas)
         found = []
         for name, values in force.constants:
@@ -163,7 +163,7 @@ class ForceRecorder:
         return found
 
     def _law(self, force: ForceElement) -> tuple[tuple[str, ...], list[Block]]:
-        """Return what a law depends on beside elongation and rate, with values and units."""
+        """Values and units that a law depends on beside elongation and rate."""
         if not force.law:
             return (), []
         names = tuple(name for name in used_names(force.law, self.names) if name not in ELONGATION)

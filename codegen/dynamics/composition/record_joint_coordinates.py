@@ -176,7 +176,7 @@ class JointCoordinateRecorder:
         return found
 
     def chosen(self, values: Block) -> Block:
-        """Return of all freedoms those that are free."""
+        """Values of the freedoms that are free, of those of all."""
         return column([values.entries[k] for k in self.one.free])
 
     def powers(self, values: Block | None, others: Block) -> list[tuple[str, Block]]:
@@ -226,7 +226,7 @@ class JointCoordinateRecorder:
         return {constraints[self.one.instances[0]].joint: left, **found}
 
     def _columns(self) -> Block:
-        """Return R of all freedoms, those that are driven too."""
+        """Matrix R of all freedoms, those that are driven too."""
         spins, count = self.axis_b, self.one.turns
         rows = []
         for k in self.blocks.columns:
@@ -258,7 +258,7 @@ class JointCoordinateRecorder:
         return self.recorder.constant(values)
 
     def _table(self, rows: Sequence[Sequence[Fraction]]) -> Block:
-        """Return numbers as a matrix."""
+        """Numbers as a matrix."""
         flat = [x for row in rows for x in row]
         return Block(self.recorder.constant(flat).entries, len(rows), len(rows[0]) if rows else 0)
 
@@ -274,14 +274,14 @@ class JointCoordinateRecorder:
 
 
 def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
-    """Return p ∘ (0, a′), rounded once."""
+    """Product p ∘ (0, a′), rounded once."""
     w, x, y, z = (precise.number(value) for value in p)
     zero = precise.CONTEXT.mpf(0)
     return precise.rounded(precise.compose((w, x, y, z), (zero, *precise.triple(axis_b))))
 
 
 def _chosen(block: Block, kept: Sequence[int]) -> Block:
-    """Return some of the columns."""
+    """Columns that are kept."""
     width = block.width
     entries = tuple(block.entries[width * row + k] for row in range(block.height) for k in kept)
     return Block(entries, block.height, len(kept))

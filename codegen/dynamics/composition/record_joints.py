@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.dynamics.operations.coordinates import Along
-from kousoku.codegen.dynamics.operations.mechanics import Joint, Rates, Rows
+from kousoku.codegen.dynamics.operations.coordinates import CoordinateRate
+from kousoku.codegen.dynamics.operations.mechanics import JointRows, JointSystem, Rates
 from kousoku.codegen.dynamics.recording.recorder import column
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
@@ -48,7 +48,7 @@ class JointRecorder:
         reduced = tuple(k for k, one in enumerate(ends) if one.basis)
         with self.recorder.of(joint.name):
             _, *found = self.recorder.call(
-                Joint(joint.parts, tuple(one.columns for one in ends), reduced),
+                JointSystem(joint.parts, tuple(one.columns for one in ends), reduced),
                 *(
                     i.r,
                     i.p,
@@ -76,7 +76,7 @@ class JointRecorder:
         i, j, *others = map(self.body, joint.bodies)
         with self.recorder.of(joint.name):
             _, *found = self.recorder.call(
-                Rows(joint.parts, tuple(one.columns for one in (i, j, *others))),
+                JointRows(joint.parts, tuple(one.columns for one in (i, j, *others))),
                 *(i.r, i.p, i.orientation, j.r, j.p, j.orientation),
                 *self._of_parts(joint, "C"),
                 into=(residuals,),
@@ -127,11 +127,12 @@ class JointRecorder:
                     pairs.setdefault(one.joint, []).extend((given, solution.part(first, 1)))
                 first += len(part.rows)
         return {
-            name: self.recorder.call(Along(), *own, column((0,)))[0] for name, own in pairs.items()
+            name: self.recorder.call(CoordinateRate(), *own, column((0,)))[0]
+            for name, own in pairs.items()
         }
 
     def _of_parts(self, joint: JointBlocks, output: str) -> list[Block]:
-        """Return what the parts of a joint take: constants, or what is combined of coordinates."""
+        """Blocks that the parts of a joint take: constants, or what is combined of coordinates."""
         found: list[Block] = []
         parts = zip(joint.instances, joint.parts, joint.constants, strict=True)
         for place, part, constants in parts:

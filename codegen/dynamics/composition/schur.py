@@ -97,7 +97,7 @@ class Schur:
         return self.recorder.of(self._names[joint] if self._names else "")
 
     def _assemble(self, joints: Sequence[JointBlocks]) -> dict[tuple[int, int], Block]:
-        """Return the blocks of pairs of joints, the later joint first."""
+        """Blocks of pairs of joints, the later joint first."""
         blocks = {(k, k): joint.own for k, joint in enumerate(joints)}
         by_body: dict[int, list[int]] = {}
         for k, joint in enumerate(joints):

@@ -52,7 +52,7 @@ class Enclosed:
     title: str = "bounds between two times"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return four numbers of each, one column."""
+        """Numbers of each formula, four, in one column."""
         ranges, parameters = (block.flat for block in blocks)
         varying = [TIME]
         for one in self.measures:
@@ -66,7 +66,7 @@ class Enclosed:
         return (Matrix(trace.graph, tuple((node,) for node in nodes), 1),)
 
     def _rate(self, formula: Expression) -> Expression:
-        """Return the derivative by time."""
+        """Derivative by time."""
         rate = derivative(formula, TIME)
         for one in self.measures:
             rate = add(rate, mul(derivative(formula, one.name), Name(one.rate)))

@@ -49,7 +49,7 @@ def emit_dynamics(
     more: Mapping[str, str] | None = None,
     about: About | None = None,
 ) -> dict[str, str]:
-    """Return the folder of a scene's solver.
+    """Folder of a scene's solver.
 
     Parameters
     ----------
@@ -102,5 +102,5 @@ def emit_dynamics(
 
 
 def key_of(digest: str) -> str:
-    """Return the number that a state of a package begins with: never 0, and exact in a double."""
+    """Number that a state of a package begins with: never 0, and exact in a double."""
     return f"{int(digest[:13], 16) | 1}.0"

@@ -141,7 +141,7 @@ class NumpyView:
 def numpy_view(
     program: Program, system: System, length: float, parts: Sequence[str] = ()
 ) -> NumpyView:
-    """Return what the template gets.
+    """Context of the template of the solver in Python.
 
     Parameters
     ----------
@@ -191,12 +191,12 @@ def numpy_view(
 
 
 def python_literal(value: object) -> str:
-    """Return a value as Python's formatters write it."""
+    """Value as Python's formatters write it."""
     return repr(value).replace("'", '"')
 
 
 def _kernels(program: Program) -> Iterator[PythonKernel]:
-    """Yield the kernels by number; those of the whole workspace name slots by their regions."""
+    """Kernels by number; those of the whole workspace name slots by their regions."""
     if not program.is_inlined:
         for k, kernel in enumerate(program.kernels):
             yield python_kernel(f"kernel_{k}", kernel)
@@ -214,7 +214,7 @@ def _kernels(program: Program) -> Iterator[PythonKernel]:
 def python_kernel(
     name: str, kernel: Kernel, slots: Slots | None = None, targets: Sequence[int] = ()
 ) -> PythonKernel:
-    """Return a kernel as a function in Python: it unpacks only what it reads.
+    """Kernel as a function in Python: it unpacks only what it reads.
 
     Parameters
     ----------
@@ -267,7 +267,7 @@ def python_kernel(
 
 
 def _told(text: str, place: str) -> str:
-    """Return an item of a list with where it goes, if that fits into a line."""
+    """Item of a list with where it goes, if that fits into a line."""
     line = f"{text},  # {place}"
     return line if len(line) <= 92 else f"{text},"
 
@@ -290,7 +290,7 @@ def _segment(program: Program, segment: Segment) -> PythonSegment:
 
 
 def _table(table: Table) -> str:
-    """Return a table in lines, each with what it belongs to: rows of one number share a line."""
+    """Table in lines, each with what it belongs to: rows of one number share a line."""
     lines = []
     for owner, run in groupby(table, key=itemgetter(0)):
         rows = [row for _, row in run]
@@ -302,5 +302,5 @@ def _table(table: Table) -> str:
 
 
 def _numbers(items: Iterable[object]) -> str:
-    """Return numbers in lines, with blanks between them."""
+    """Numbers in lines, with blanks between them."""
     return in_lines(map(str, items), 96)

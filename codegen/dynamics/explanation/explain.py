@@ -116,7 +116,7 @@ class Explanation:
         )
 
     def as_data(self) -> dict[str, Any]:
-        """Return it as data, ready for JSON."""
+        """Explanation as data, ready for JSON."""
         freedom = self.freedom
         return {
             "name": self.name,
@@ -132,7 +132,7 @@ class Explanation:
 
 
 def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
-    """Return what a scene of bodies does not need, and what remains.
+    """Explanation of a scene of bodies: what it does not need, and what remains.
 
     Parameters
     ----------
@@ -188,7 +188,7 @@ def explain(scene: Scene, outputs: Sequence[str] | None = None) -> Explanation:
 
 
 def _freedom_apart(system: System) -> Freedom:
-    """Return what is known of the rows of a scene in which all bodies are apart."""
+    """Freedom of a scene in which all bodies are apart."""
     found = with_all_rows(system, plane_of(system))
     return freedom_of(fixed_system(system), found.outline)
 
@@ -196,7 +196,7 @@ def _freedom_apart(system: System) -> Freedom:
 def _compared(
     each: System, found: Analysed, full: Program, wanted: Sequence[str]
 ) -> Iterator[Step]:
-    """Yield the steps that compare two programs, from one that leaves nothing out."""
+    """Steps that compare two programs, from one that leaves nothing out."""
     all_of = tuple(dict.fromkeys((*ALL, *wanted)))
     thick = thickened(found.system)
     unfolded = compose(with_all_rows(_generic(_spinning(thick)), None), all_of)
@@ -216,7 +216,7 @@ def _compared(
 
 
 def _out_of_plane(kept: Program, program: Program) -> list[Step]:
-    """Return what reactions cost that the motion in a plane does not determine."""
+    """Cost of reactions that the motion in a plane does not determine."""
     if program.is_planar == kept.is_planar:
         return []
     return [_step("reactions out of the plane", "wanted: solved in space", kept, program)]
@@ -235,12 +235,12 @@ def _step(name: str, detail: str, before: Program, after: Program) -> Step:
 
 
 def _columns(program: Program) -> int:
-    """Return how many columns C_q has, or C_q R."""
+    """Number of columns of C_q, or of C_q R."""
     return program.region("v").size - len(program.reduced)
 
 
 def _counted(system: System, program: Program) -> list[Step]:
-    """Return the steps that leave nothing to compare with: what they avoid is counted."""
+    """Steps that leave nothing to compare with: what they avoid is counted."""
     shipped = shipped_kinds()
     kinds = [one.kind for one in system.constraints]
     kinds += [one.kind for one in system.coordinates] + [one.kind for one in system.forces]
@@ -261,13 +261,13 @@ def _counted(system: System, program: Program) -> list[Step]:
 
 
 def _heavy(system: System) -> System:
-    """Return the system with bodies that all weigh something, which one of many need not do."""
+    """System with bodies that all weigh something, which one of many need not do."""
     bodies = tuple(replace(body, mass=body.mass or 1.0) for body in system.bodies)
     return thickened(replace(system, bodies=bodies))
 
 
 def _spinning(system: System) -> System:
-    """Return the system with bodies of three different moments, to compare with."""
+    """System with bodies of three different moments, to compare with."""
     return replace(
         system,
         bodies=tuple(
@@ -278,7 +278,7 @@ def _spinning(system: System) -> System:
 
 
 def _generic(system: System) -> System:
-    """Return the system with points and axes in which nothing is zero or one, to compare with."""
+    """System with points and axes in which nothing is zero or one, to compare with."""
     return replace(
         system,
         constraints=tuple(
@@ -299,7 +299,7 @@ def _without_zeros(constants: Constants) -> Constants:
 
 
 def _of_design(system: System, program: Program) -> list[Step]:
-    """Return what parameters change, and what it costs to change it."""
+    """Numbers that parameters change, and the cost of changing them."""
     if not program.design:
         return []
     setup = replace(program, segments=(program.segment("setup"),))
@@ -333,7 +333,7 @@ def _of_moments(system: System) -> str:
 def _of_reduction(
     system: System, freedom: Freedom, programs: tuple[Program, Program, Program]
 ) -> list[Step]:
-    """Return what it saves to describe bodies by what their joints with the ground leave free.
+    """Saving by the coordinates of joints with the ground.
 
     ``programs`` are without that, with bodies that drivers lead, and with all.
     """
@@ -373,7 +373,7 @@ def _of_ground(system: System, prescribed: Program, program: Program) -> str:
 
 
 def _bodies_of(system: System, program: Program, without: Program | None = None) -> str:
-    """Return the names of bodies that are put onto joints."""
+    """Names of bodies that are put onto joints."""
     known = without.reduced if without else ()
     rows = (system.constraints[row.instance] for row in program.reduced if row not in known)
     bodies = dict.fromkeys(max(one.bodies) for one in rows)

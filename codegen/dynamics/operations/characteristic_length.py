@@ -17,13 +17,13 @@ it, which is less than what corrections settle at, and what is left of constrain
 
 
 def is_ground_point(source: Instance | Coordinate, name: str) -> bool:
-    """Return whether a constant is a point in frame O."""
+    """Whether a constant is a point in frame O."""
     is_point = name in {"s_i_b", "s_j_b", *ORIGINS}
     return is_point and (source.i if "_i" in name else source.j) < 0
 
 
 def characteristic_length(system: System) -> float:
-    """Return a length of a system that is the same wherever it stands, unless very far off [m].
+    """Length of a system that is the same wherever it stands, unless very far off [m].
 
     The largest distance, along an axis, of a joint from the centre of mass of a body, or between
     two points of the ground; 1 where none is.

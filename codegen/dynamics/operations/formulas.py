@@ -40,7 +40,7 @@ class Scaled:
     title: str = "formula"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the product, in the shape of the constant."""
+        """Product, in the shape of the constant."""
         constant, *rest = blocks
         factor = formula_node(trace, self.formula, self.names, rest)
         mul = trace.graph.mul
@@ -49,7 +49,7 @@ class Scaled:
 
 
 def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: list[Matrix]) -> int:
-    """Return the node of a formula.
+    """Node of a formula.
 
     Parameters
     ----------
@@ -73,13 +73,13 @@ def formula_node(trace: Trace, formula: str, names: tuple[str, ...], blocks: lis
 
 
 @dataclass(frozen=True, slots=True)
-class Product:
+class ScaledColumn:
     """A column times a number. Blocks: both."""
 
     title: str = "product"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the product."""
+        """Product."""
         column, number = blocks
         return (column @ number,)
 
@@ -91,7 +91,7 @@ class Relative:
     title: str = "difference in a unit"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the quotient."""
+        """Quotient."""
         (a,), (b,), (unit,) = (block.flat for block in blocks)
         node = trace.graph.div(trace.graph.sub(a, b), unit)
         return (Matrix(trace.graph, ((node,),), 1),)

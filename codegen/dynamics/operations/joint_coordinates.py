@@ -30,7 +30,7 @@ class JointArm:
     title: str = "arm of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return A (s′ × a′)."""
+        """A (s′ × a′)."""
         orientation, arms = blocks
         return (orientation @ arms,)
 
@@ -62,7 +62,7 @@ class ProjectPosition:
     title: str = "onto the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return r and p that meet the joint, p of norm one."""
+        """Position r, p that meets the joint, p of norm one."""
         r, p, dr, dtheta, joint, joint_b, p_start, base, across, beside, p_turned, axis, *led = (
             blocks
         )
@@ -86,7 +86,7 @@ class ProjectPosition:
         return (Matrix(graph, tuple(rows[k] for k in self.coordinates), 1),)
 
     def _turned(self, trace: Trace, p: Matrix, dtheta: Matrix, beside: Matrix) -> Matrix:
-        """Return p ∘ (1, ½ δθ′) without what no turn about the axis has, of norm one."""
+        """Euler parameters p ∘ (1, ½ δθ′) without what no turn about the axis has, of norm one."""
         graph = trace.graph
         rates = frozen("rotation", "euler_rates")
         change = trace.inline(rates, {"p": p.flat, "omega_b": dtheta.flat})["p_dot"]
@@ -129,7 +129,7 @@ class ProjectVelocity:
     title: str = "velocity on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return u, what v lacks of R u + β, and β."""
+        """Velocities u, what v lacks of R u + β, and β."""
         v, omega, arm, axis_b, axis, across_b, across, masses, *led = blocks
         graph, given = trace.graph, iter(led)
         free: list[Matrix] = []
@@ -191,7 +191,7 @@ class BiasAcceleration:
     title: str = "acceleration on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return η in the columns."""
+        """Bias acceleration η in the columns."""
         omega, arm, orientation, axis_b, axis, point, *led = blocks
         given = iter(led)
         zero = omega - omega
@@ -232,7 +232,7 @@ class ReduceForces:
     title: str = "free acceleration on the joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (Rᵀ M R)⁻¹ Rᵀ M (M⁻¹f − η) of all turns and the displacement."""
+        """Accelerations (Rᵀ M R)⁻¹ Rᵀ M (M⁻¹f − η) of all turns and the displacement."""
         free, arm, axis, eta, masses, moments = blocks
         if self.turn == POINT:  # else Rᵀ M η is zero for what is free
             free -= eta
@@ -261,7 +261,7 @@ class DriverPower:
     title: str = "power of a driver of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return (m (ü − u̇) − Rᵀ(−Σ C_qᵀλ)) · rate."""
+        """Power (m (ü − u̇) − Rᵀ(−Σ C_qᵀλ)) · rate [W]."""
         mass, second, free, column, others, rate = blocks
         effort = mass @ (second - free) - column.T @ others
         return (effort @ rate,)
@@ -277,7 +277,7 @@ class JointWrench:
     title: str = "force of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return M v̇ − f + Σ C_qᵀλ in the columns."""
+        """M v̇ − f + Σ C_qᵀλ in the columns."""
         masses, second, free, others = blocks
         return ((second - free).T.scaled(masses).T - others,)
 
@@ -296,7 +296,7 @@ class DriverWrench:
     title: str = "force of a driver of a joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return what the driver does, and what is left for others."""
+        """Wrench of the driver, and what is left for others."""
         wrench, column, slopes = blocks
         effort = column.T @ wrench
         own = slopes.T @ (effort if self.sign > 0 else -effort)
@@ -317,7 +317,7 @@ class DrivenCoordinate:
     title: str = "driven joint with the ground"
 
     def __call__(self, trace: Trace, *blocks: Matrix) -> tuple[Matrix, ...]:
-        """Return the turn or displacement since the start, or its rates where that is zero."""
+        """Turn or displacement since the start, or its rates where that is zero."""
         law, start = blocks
         difference = law - start
         return (difference if self.sign > 0 else -difference,)
@@ -329,6 +329,6 @@ def _times(column: Matrix, factor: int) -> Matrix:
 
 
 def _selected(moves: Matrix, spins: Matrix, columns: Sequence[int]) -> Matrix:
-    """Return the columns of a body of a velocity."""
+    """Columns of a body of a velocity."""
     rows = (*moves.rows, *spins.rows)
     return Matrix(moves.graph, tuple(rows[k] for k in columns), 1)

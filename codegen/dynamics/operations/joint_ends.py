@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
-    """Return the bodies on which force and torque of a joint are given.
+    """Bodies on which force and torque of a joint are given.
 
     Of two bodies it is j, or i where j is the ground; of more, as a gear has them, all that move.
     """
@@ -24,7 +24,7 @@ def ends_of(bodies: Sequence[int]) -> tuple[int, ...]:
 
 
 def points_of(system: System) -> dict[str, Vector]:
-    """Return the point of each joint in the principal frame of body j, or in frame O.
+    """Point of each joint in the principal frame of body j, or in frame O.
 
     Joints without a point have their torque at the origin of that frame.
     """

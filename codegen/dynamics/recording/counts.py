@@ -33,7 +33,7 @@ class Count:
 
 
 def counts(program: Program) -> tuple[Count, ...]:
-    """Return the costs in the order of the program; divide by its bodies for the cost of a body."""
+    """Costs in the order of the program; divide by its bodies for the cost of a body."""
     costs = [kernel.operations.total() for kernel in program.kernels]
     found = []
     for segment in program.segments:
@@ -48,5 +48,5 @@ def counts(program: Program) -> tuple[Count, ...]:
 
 
 def operations(program: Program) -> int:
-    """Return how many operations it takes to run all segments once."""
+    """Number of operations that it takes to run all segments once."""
     return sum(count.operations for count in counts(program))

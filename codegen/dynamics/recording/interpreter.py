@@ -42,7 +42,7 @@ class ProgramInterpreter:
             self.run("setup")
 
     def __getitem__(self, name: str) -> list[Any]:
-        """Return what is in a region."""
+        """Content of a region."""
         region = self.program.region(name)
         return self.values[region.base : region.base + region.size]
 

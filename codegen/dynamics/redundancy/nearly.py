@@ -35,12 +35,12 @@ from kousoku.runtime.integrate.settings import CLEARLY
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.model.mechanism import System
 
 
 def put_together(given: System) -> System:
-    """Return a scene at positions and velocities that its joints and drivers allow.
+    """Scene at positions and velocities that its joints and drivers allow.
 
     Rows that others imply but for the closure tolerance need not hold there, if they are redundant
     along the motion, too.
@@ -72,7 +72,7 @@ def put_together(given: System) -> System:
 
 
 def _holds(system: System) -> bool:
-    """Return whether all rows hold as well as they do wherever ranks are looked at."""
+    """Whether all rows hold as well as they do wherever ranks are looked at."""
     rows = Residuals.of(system, system.constraints + system.held)
     c, _ = rows.fast(system.bodies)
     lengths = np.where(rows.in_metres, Metric(system).size, 1.0)
@@ -80,7 +80,7 @@ def _holds(system: System) -> bool:
 
 
 def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
-    """Return rows that others imply but for the closure tolerance, and not to rounding.
+    """Rows that others imply but for the closure tolerance, and not to rounding.
 
     Parameters
     ----------
@@ -116,8 +116,8 @@ def nearly_implied(system: System) -> tuple[tuple[int, int], ...]:
     return tuple(found for part in parts for found in _of_part(system, part, is_open=is_open))
 
 
-def _of_part(system: System, part: Part, *, is_open: bool) -> Iterator[tuple[int, int]]:
-    """Yield the rows of a part, unless all fit and none is nearly implied."""
+def _of_part(system: System, part: LoopPart, *, is_open: bool) -> Iterator[tuple[int, int]]:
+    """Rows of a part, unless all fit and none is nearly implied."""
     residuals, first = part_residuals(system, part)
     if residuals.rows > MOST_OF_PART:
         return

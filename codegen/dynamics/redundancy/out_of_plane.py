@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
     from kousoku.codegen.dynamics.recording.program import Place, Program
-    from kousoku.codegen.dynamics.redundancy.loops import Part
+    from kousoku.codegen.dynamics.redundancy.loops import LoopPart
     from kousoku.model.mechanism import System
 
     Array = np.ndarray[Any, np.dtype[np.float64]]
@@ -33,7 +33,7 @@ AWAY, CORRECTIONS = 2.0**-5, 8
 
 
 def held_twice(system: System, program: Program) -> tuple[str, ...]:
-    """Return the joints whose rows out of the plane depend on others, in the order of the system.
+    """Joints whose rows out of the plane depend on others, in the order of the system.
 
     They are looked at where the scene starts, and at one more position, as a start may be special.
     Joints of parts that are too large are among them: nothing is known of these.
@@ -61,12 +61,12 @@ def held_twice(system: System, program: Program) -> tuple[str, ...]:
 
 def _of_part(
     system: System,
-    part: Part,
+    part: LoopPart,
     solved: set[tuple[int, int]],
     out: Sequence[int],
     positions: Sequence[tuple[Array, Array]],
 ) -> Iterator[str]:
-    """Yield the joints of the rows of a part that depend on others."""
+    """Joints of the rows of a part that depend on others."""
     instances = [system.constraints[place] for place in part.instances]
     residuals = Residuals.of(system, instances)
     rows = [
@@ -86,7 +86,7 @@ def _of_part(
 
 
 def _positions(program: Program) -> Iterator[tuple[Array, Array]]:
-    """Yield r and p of all bodies, the ground last, at the start and near it on the branch."""
+    """Positions r, p of all bodies, the ground last, at the start and near it on the branch."""
     work, stream = ProgramInterpreter(program), Sha256Random("near the start")
     yield _position(work)
     work["q"] = [x + AWAY * stream.sign() * stream.magnitude() for x in work["q"]]

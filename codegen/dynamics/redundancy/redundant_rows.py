@@ -17,12 +17,12 @@ MOST_UNROLLED = 2000
 
 
 def take_over(kept: int, left_out: int) -> bool:
-    """Return whether rows that are left out take over where those that are kept lose rank."""
+    """Whether rows that are left out take over where those that are kept lose rank."""
     return left_out > 0 and kept + left_out <= MOST_DENSE
 
 
 def shares_out(kept: int, left_out: int) -> bool:
-    """Return whether forces that are not unique are found by loops, not by code of the scene.
+    """Whether forces that are not unique are found by loops, not by code of the scene.
 
     That code has some multiple of these operations, and compilers take minutes for a million.
     """
@@ -30,7 +30,7 @@ def shares_out(kept: int, left_out: int) -> bool:
 
 
 def by_instance(rows: Iterable[Row]) -> dict[int, list[int]]:
-    """Return rows by the places of their constraints."""
+    """Rows by the places of their constraints."""
     found: dict[int, list[int]] = {}
     for row in rows:
         found.setdefault(row.instance, []).append(row.row)

@@ -35,14 +35,14 @@ KINDS = frozenset(
 
 
 def can_permute(system: System) -> bool:
-    """Return whether all kinds of a system are known to mean the same after a turn."""
+    """Whether all kinds of a system are known to mean the same after a turn."""
     kinds = [instance.kind for instance in system.constraints]
     kinds += [coordinate.kind for coordinate in system.coordinates]
     return KINDS.issuperset(kinds)
 
 
 def permuted(system: System, shift: int) -> System:
-    """Return the system whose component k is what component k + shift was, counted in turn."""
+    """System whose component k is what component k + shift was, counted in turn."""
     if not shift:
         return system
     return replace(
@@ -63,12 +63,12 @@ def permuted(system: System, shift: int) -> System:
 
 
 def permuted_columns(columns: Sequence[int], shift: int) -> tuple[int, ...]:
-    """Return which places in (δr, δθ′) of a body are columns that it has in a turned system."""
+    """Columns of a body in a permuted system: places in (δr, δθ′)."""
     return tuple(sorted(k // 3 * 3 + (k + shift) % 3 for k in columns))
 
 
 def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row, ...]:
-    """Return rows of a system as rows of the turned system."""
+    """Rows of a system as rows of the turned system."""
     kinds = [one.kind for one in system.constraints]
     return tuple(
         replace(one, row=permuted_row(kinds[one.instance], one.row, shift)) for one in rows
@@ -76,7 +76,7 @@ def permuted_rows(rows: Iterable[Row], system: System, shift: int) -> tuple[Row,
 
 
 def permuted_row(kind: str, row: int, shift: int) -> int:
-    """Return which row of the turned kind is a row of a kind; those of one's own are not turned."""
+    """Row of the permuted kind that is a row of a kind; those of one's own are not permuted."""
     if is_own(kind):
         return row
     kept = _components(kind)
@@ -85,7 +85,7 @@ def permuted_row(kind: str, row: int, shift: int) -> int:
 
 
 def permuted_back(program: Program, system: System, shift: int) -> Program:
-    """Return the program of a turned system with the names that the scene has for all.
+    """Program of a turned system with the names that the scene has for all.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ def _permuted_kind(kind: str, shift: int) -> str:
 
 
 def _components(kind: str) -> tuple[int, ...]:
-    """Return which component each row of a kind is; a single row is none."""
+    """Component that each row of a kind is; a single row is none."""
     if kind == "point":
         return 0, 1, 2
     _, _, axis = kind.partition("_")

@@ -61,7 +61,7 @@ class BodyBlocks:
         return self.inverse or self.inverse_mass
 
     def spread(self, entries: Sequence[int]) -> tuple[Block, Block]:
-        """Return (δr, δθ′) with zeros where there is no column."""
+        """Columns (δr, δθ′) with zeros where there is no column."""
         full = [0] * 6
         for place, entry in zip(self.columns, entries, strict=True):
             full[place] = entry
@@ -77,13 +77,13 @@ GROUND = BodyBlocks(
 
 
 def inverse_masses(body: MovingBody, columns: Sequence[int]) -> list[High]:
-    """Return the diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
+    """Diagonal of M⁻¹ in the columns, exactly; zero where there is no mass."""
     diagonal = [number(x) for x in (*(body.mass,) * 3, *body.inertia)]
     return [1 / diagonal[k] if diagonal[k] else Fraction(0) for k in columns]
 
 
 def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[High]:
-    """Return (I₂ − I₃)/I₁ and its like, exactly; zeros where the body cannot turn."""
+    """Gyroscopic ratios (I₂ − I₃)/I₁ and its like, exactly; zeros where the body cannot turn."""
     moments = [number(moment) for moment in body.inertia]
     return [
         (moments[(k + 1) % 3] - moments[(k + 2) % 3]) / moments[k]
@@ -96,7 +96,7 @@ def gyroscopic_ratios(body: MovingBody, columns: Sequence[int]) -> list[High]:
 def _mixed(
     recorder: Recorder, kept: Sequence[int], slots: Sequence[int], values: Sequence[float]
 ) -> list[int]:
-    """Return entries: slots at the places that are kept, numbers elsewhere."""
+    """Entries of a vector: slots at the places that are kept, numbers elsewhere."""
     fixed = [0.0 if place in kept else value for place, value in enumerate(values)]
     entries = list(recorder.constant(fixed).entries)
     for place, entry in zip(kept, slots, strict=True):
@@ -107,7 +107,7 @@ def _mixed(
 def body_blocks(
     system: System, recorder: Recorder, q: Block, v: Block, *, is_planar: bool
 ) -> list[BodyBlocks]:
-    """Return the blocks of all bodies; A is put in when the geometry is recorded."""
+    """Blocks of all bodies; A is put in when the geometry is recorded."""
     found = []
     at_q = at_v = 0
     for body in system.bodies:
@@ -135,7 +135,7 @@ def body_blocks(
 
 
 def coordinates(body: MovingBody, blocks: BodyBlocks) -> Coordinates:
-    """Return where the coordinates of a body are, for those who run the program."""
+    """Places of the coordinates of a body, for those who run the program."""
     position, velocity = start(body)
 
     def places(block: Block, first: int, kept: Sequence[int], values: Sequence[float]) -> Places:

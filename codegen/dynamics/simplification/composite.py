@@ -42,22 +42,22 @@ class Placement:
     turn: Quadruple = IDENTITY
 
     def point(self, s: Sequence[float]) -> Vector:
-        """Return a point of the body in the frame of the carrier."""
+        """Point of the body in the frame of the carrier."""
         own = precise.triple(s)
         size = precise.length(self.at) + precise.length(own)
         return _vector(precise.add(self.at, precise.rotate(self.turn, own)), size)
 
     def vector(self, a: Sequence[float]) -> Vector:
-        """Return the components in the frame of the carrier of a vector of the body."""
+        """Components in the frame of the carrier of a vector of the body."""
         return _vector(precise.rotate(self.turn, precise.triple(a)))
 
     def frame(self, axes: Sequence[float]) -> Quaternion:
-        """Return Euler parameters that take components of a frame of the body to the carrier."""
+        """Euler parameters that take components of a frame of the body to the carrier."""
         return _turn(precise.compose(self.turn, _quadruple(axes)))
 
 
 def on_ground(body: MovingBody, ground: int) -> Placement:
-    """Return the placement of a body that stands still."""
+    """Placement of a body that stands still."""
     r, p, _, _ = start_of(body)
     return Placement(ground, r, p)
 
@@ -65,7 +65,7 @@ def on_ground(body: MovingBody, ground: int) -> Placement:
 def joined(
     bodies: Sequence[MovingBody], carrier: int, normal: int | None
 ) -> tuple[MovingBody, list[Placement]]:
-    """Return the body that some bodies are together, and where each is in it.
+    """Body that some bodies are together, and where each is in it.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def _mass_of(
     turns: Sequence[Quadruple],
     normal: int | None,
 ) -> tuple[High, Triple, Triple, Quadruple]:
-    """Return mass, centre, principal moments, and the turn to their axes; frame of the first."""
+    """Mass, centre, principal moments, and the turn to their axes; frame of the first."""
     masses = [precise.number(one.mass) for one in bodies]
     mass = sum(masses, precise.number(0.0))
     if not mass:
@@ -146,7 +146,7 @@ def _mass_of(
 
 
 def _without_noise(tensor: Sequence[Sequence[High]], normal: int | None) -> list[list[High]]:
-    """Return a tensor without products of inertia that do not count."""
+    """Tensor without products of inertia that do not count."""
     limit = NOISE * max(tensor[k][k] for k in ALL)
     return [
         [

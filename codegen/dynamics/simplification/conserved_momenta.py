@@ -34,7 +34,7 @@ DOWN = (0.0, 0.0, -1.0)
 
 
 def conserved_momenta(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
-    """Return what the parts of a system keep; parts that keep nothing are not listed.
+    """Momenta that the parts of a system conserve; parts that conserve none are not listed.
 
     Parameters
     ----------
@@ -71,7 +71,7 @@ def conserved_momenta(system: System, *, is_planar: bool) -> tuple[Kept, ...]:
 def _free(
     system: System, contacts: Sequence[Contact], loads: Sequence[ForceElement]
 ) -> tuple[tuple[Vector, ...], Axes]:
-    """Return directions along which no force acts on a part, and about which no moment does."""
+    """Directions along which no force acts on a part, and about which no moment does."""
     laws = zip(AXES, system.gravity_law, strict=True)
     gravity = [system.gravity, *(axis for axis, law in laws if law)]
     forces = [vector for one in loads for vector in _vectors(one, "force")]
@@ -88,14 +88,14 @@ def _is_load(force: ForceElement) -> bool:
 
 
 def _vectors(force: ForceElement, kind: str) -> list[Vector]:
-    """Return what a force or torque in frame O is the sum of."""
+    """Vectors that a force or torque in frame O is the sum of."""
     if force.kind != kind:
         return []
     return [(x, y, z) for name, (x, y, z) in force.constants if name != "s_j_b"]
 
 
 def _parts(system: System) -> Iterator[tuple[int, ...]]:
-    """Yield the bodies of each part: those that joints and forces connect, the ground left out."""
+    """Bodies of each part: those that joints and forces connect, the ground left out."""
     groups: list[tuple[int, ...]] = [one.bodies for one in system.constraints]
     groups += [(one.i, one.j) for one in system.forces if not _is_load(one)]
     connected = DisjointSets(range(len(system.bodies)))

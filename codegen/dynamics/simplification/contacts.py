@@ -59,7 +59,7 @@ ANYTHING = Contact(through=precise.ZERO, turns=True)
 
 
 def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
-    """Yield what the ground does, and to which body."""
+    """Contacts of bodies with the ground: which body, and what the ground can do."""
     parallel = {
         (row.i, given["a_i_b"]): given["a_j_b"]
         for row in system.constraints
@@ -76,7 +76,7 @@ def contacts_of(system: System) -> Iterator[tuple[int, Contact]]:
 
 
 def _acting(system: System) -> Iterator[Acting]:
-    """Yield rows, coordinates of rows and forces, and springs."""
+    """Rows, coordinates of rows and forces, and springs."""
     for row in system.constraints:
         if row.kind == COMBINATION:
             yield from (system.coordinates[term.coordinate] for term in row.terms)
@@ -90,7 +90,7 @@ def _acting(system: System) -> Iterator[Acting]:
 
 
 def _contact(one: Acting, parallel: Mapping[tuple[int, Numbers], Numbers]) -> Contact:
-    """Return what a row or coordinate of a kind can do.
+    """Contact through a row or coordinate of a kind.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ class Axes:
 
 
 def free_of_force(contacts: Iterable[Contact], loads: Iterable[Vector]) -> tuple[Vector, ...]:
-    """Return directions along which no force acts on a part.
+    """Directions along which no force acts on a part.
 
     Parameters
     ----------
@@ -164,7 +164,7 @@ def free_of_moment(
     gravity: Iterable[Vector],
     torques: Iterable[Vector],
 ) -> Axes:
-    """Return directions about which no moment acts on a part.
+    """Directions about which no moment acts on a part.
 
     The moment about an axis vanishes of forces along it, and of those that meet it. About the
     centre of mass gravity has none.
@@ -193,7 +193,7 @@ def free_of_moment(
 
 
 def _apart(points: list[Triple]) -> Iterator[Triple]:
-    """Yield points that are not where the first one is."""
+    """Points that are not where the first one is."""
     first = points[0]
     for other in points[1:]:
         size = precise.length(first) + precise.length(other)
@@ -202,7 +202,7 @@ def _apart(points: list[Triple]) -> Iterator[Triple]:
 
 
 def _parallel(along: list[Triple], twists: list[Triple]) -> tuple[Vector, ...]:
-    """Return unit vectors parallel to some vectors, and perpendicular to others."""
+    """Unit vectors parallel to some vectors, and perpendicular to others."""
     given = [precise.unit(vector) for vector in along if precise.length(vector)]
     if not given:
         return across(twists)
@@ -218,7 +218,7 @@ AXES: tuple[Vector, Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0
 
 
 def across(vectors: Iterable[Triple]) -> tuple[Vector, ...]:
-    """Return unit vectors perpendicular to all of some vectors and to each other."""
+    """Unit vectors perpendicular to all of some vectors and to each other."""
     span: list[Triple] = []
     for vector in vectors:
         rest = vector

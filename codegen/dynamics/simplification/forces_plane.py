@@ -22,7 +22,7 @@ FLAT = 1e-12
 
 
 def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
-    """Return whether a force of a system that starts in a coordinate plane leads out of it.
+    """Whether a force of a system that starts in a coordinate plane leads out of it.
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def leaves_plane(system: System, force: ForceElement, normal: int) -> bool:
 
 
 def is_flat(system: System, normal: int | None) -> bool:
-    """Return whether centres of mass, joints and gravity lie in one plane of the motion.
+    """Whether centres of mass, joints and gravity lie in one plane of the motion.
 
     Then no joint of a planar scene has a force or torque that leads out of it.
 
@@ -81,7 +81,7 @@ def _is_flat(heights: Sequence[float], sizes: Sequence[Sequence[float]]) -> bool
 
 
 def _ends(system: System, one: ForceElement | Coordinate, normal: int) -> list[float]:
-    """Return how far the ends are from the centres of their bodies and from each other."""
+    """Distances of the ends from the centres of their bodies and from each other."""
     given = dict(one.constants)
     own = [
         given[f"s_{end}_b"][normal]
@@ -95,7 +95,7 @@ def _ends(system: System, one: ForceElement | Coordinate, normal: int) -> list[f
 def _height(
     system: System, one: ForceElement | Coordinate | Instance, end: str, normal: int
 ) -> float:
-    """Return a coordinate of an end of a spring or a joint at the start."""
+    """Coordinate of an end of a spring or a joint at the start."""
     point = dict(one.constants)[f"s_{end}_b"]
     index = one.i if end == "i" else one.j
     if index == GROUND_INDEX:
@@ -107,7 +107,7 @@ def _height(
 
 
 def leaves_with_parameters(system: System, normal: int) -> bool:
-    """Return whether some point or axis has a component across a plane that parameters change."""
+    """Whether some point or axis has a component across a plane that parameters change."""
     vectors = [pair for one in system.constraints for pair in one.constants]
     vectors += [pair for one in system.coordinates for pair in one.constants]
     vectors += [pair for one in system.forces for pair in one.constants]
@@ -119,7 +119,7 @@ def leaves_with_parameters(system: System, normal: int) -> bool:
 
 
 def _coordinate_leaves(system: System, force: ForceElement, normal: int) -> bool:
-    """Return whether a force along a coordinate leads out of the plane.
+    """Whether a force along a coordinate leads out of the plane.
 
     A coordinate whose axes are in the plane, and whose points are level with the centres of mass,
     does not; an angle does not either. Across the plane, motions in the plane do not change a

@@ -135,7 +135,7 @@ class VelocityTransformation:
 def velocity_transformations_of(
     system: System, rows: Mapping[int, Sequence[int]], *, is_planar: bool
 ) -> dict[int, VelocityTransformation]:
-    """Return the bodies that can be described by what their joint with the ground leaves free.
+    """Bodies that can be described by what their joint with the ground leaves free.
 
     Parameters
     ----------
@@ -165,7 +165,7 @@ def velocity_transformations_of(
 
 
 def is_worth(system: System, rows: Sequence[Row]) -> bool:
-    """Return whether drivers act on bodies at the ground, or joints there have many of the rows.
+    """Whether drivers act on bodies at the ground, or joints there have many of the rows.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def is_worth(system: System, rows: Sequence[Row]) -> bool:
 
 
 def _is_fixed(system: System, body: int, places: Sequence[int]) -> bool:
-    """Return whether a body can turn, and no number of it or its joint depends on parameters."""
+    """Whether a body can turn, and no number of it or its joint depends on parameters."""
     moving, joints = system.bodies[body], [system.constraints[place] for place in places]
     led = [system.coordinates[term.coordinate] for one in joints for term in one.terms]
     numbers = (moving.mass, moving.inertia, moving.r, moving.p)
@@ -192,7 +192,7 @@ def _is_fixed(system: System, body: int, places: Sequence[int]) -> bool:
 
 
 def _leaves(one: VelocityTransformation, rows: Mapping[int, Sequence[int]]) -> int:
-    """Return how many velocities there are: those left free, and rows of the joint and drivers."""
+    """Number of velocities: those left free, and rows of the joint and drivers."""
     return len(one.free) + sum(len(rows.get(place, ())) for place in one.instances)
 
 
@@ -224,7 +224,7 @@ def _placed(
     *,
     is_planar: bool,
 ) -> VelocityTransformation:
-    """Return what describes a body on a joint that nothing drives."""
+    """Velocity transformation of a body on a joint that nothing drives."""
     of = {kind: dict(system.constraints[k].constants) for kind, k in parts.items()}
     first = system.constraints[next(iter(parts.values()))]
     own, ground = ("j", "i") if first.i == GROUND_INDEX else ("i", "j")
@@ -263,7 +263,7 @@ def _placed(
 def _axes(
     parallel: Mapping[str, tuple[float, ...]], ground: str, own: str, p: Quadruple
 ) -> tuple[Triple, Triple]:
-    """Return the axis of a joint in frame O and in the body, both in one direction."""
+    """Axis of a joint in frame O and in the body, both in one direction."""
     if not parallel:
         return NORMAL, NORMAL
     axis = precise.unit(precise.triple(parallel[f"a_{ground}_b"]))
@@ -273,7 +273,7 @@ def _axes(
 
 
 def _across(axis: Triple) -> list[Triple]:
-    """Return two vectors perpendicular to an axis and to each other."""
+    """Vectors perpendicular to an axis and to each other, two of them."""
     first = precise.across(axis)
     return [first, precise.cross(axis, first)]
 
@@ -286,7 +286,7 @@ def _pair(values: Sequence[Sequence[High]]) -> tuple[Numbers, Numbers]:
 def _with_drivers(
     system: System, found: VelocityTransformation, drivers: Sequence[int]
 ) -> VelocityTransformation:
-    """Return the body with what drives the coordinates of its joint; other drivers stay rows."""
+    """Body with what drives the coordinates of its joint; other drivers stay rows."""
     for place in drivers:
         one = system.constraints[place]
         if len(one.terms) != 1 or one.terms[0].factor != 1.0 or one.offset:
@@ -305,7 +305,7 @@ def _with_drivers(
 
 
 def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
-    """Return 1 or −1 where a coordinate grows or falls with what the joint leaves free, else 0."""
+    """Sign 1 or −1 of a coordinate that grows or falls with what the joint leaves free, else 0."""
     given = dict(coordinate.constants)
     if coordinate.kind not in ("angle", "n2"):
         return 0
@@ -321,7 +321,7 @@ def _along(found: VelocityTransformation, coordinate: Coordinate) -> int:
 
 
 def _at_start(system: System, coordinate: Coordinate) -> float:
-    """Return the value of a coordinate at the start, its turns counted."""
+    """Value of a coordinate at the start, its turns counted."""
     inputs: dict[str, Sequence[High]] = {
         name: [precise.number(x) for x in values] for name, values in coordinate.constants
     }

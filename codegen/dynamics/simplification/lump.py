@@ -44,7 +44,7 @@ class LumpedSystem:
 
 
 def lump(system: System, wanted: Collection[str] = ()) -> LumpedSystem:
-    """Return an assembled system with bodies that are joined rigidly as one.
+    """Assembled system with bodies that are joined rigidly as one.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def lump(system: System, wanted: Collection[str] = ()) -> LumpedSystem:
 
 
 def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
-    """Return the system with one body for each group, if joints then hold all in a plane.
+    """System with one body for each group, if joints then hold all in a plane.
 
     Parts at different heights have products of inertia. In a plane that they are held in these do
     not count, and without them the principal axes stay in the plane.
@@ -81,7 +81,7 @@ def _in_plane(system: System, groups: Sequence[Sequence[int]]) -> System | None:
 
 
 def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None = None) -> System:
-    """Return the system with one body for each group, the ground for one that begins with it."""
+    """System with one body for each group, the ground for one that begins with it."""
     bodies, placements = _placed(system, groups, normal)
     moving = [
         one for one in system.forces if placements[one.i].carrier != placements[one.j].carrier
@@ -137,7 +137,7 @@ def _placed(
 
 
 def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
-    """Return a constraint between the bodies that carry its own."""
+    """Constraint between the bodies that carry its own."""
     constants = _constants(one.constants, placements[one.i], placements[one.j])
     kind, _, axis = one.kind.partition("_")
     return replace(
@@ -165,7 +165,7 @@ def _force(one: ForceElement, placements: Mapping[int, Placement]) -> ForceEleme
 def _constants(
     constants: Constants, i: Placement, j: Placement, *, turning: bool = False
 ) -> Constants:
-    """Return points and vectors in the frames of what carries their bodies.
+    """Points and vectors in the frames of what carries their bodies.
 
     Of a force that turns with body j all but its point is a vector of that body.
     """

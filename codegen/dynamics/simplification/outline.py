@@ -72,12 +72,12 @@ class Outline:
         return sum(map(len, self.columns))
 
     def columns_of(self, bodies: Iterable[int]) -> list[int]:
-        """Return the columns of some bodies; six in turn belong to each body of the system."""
+        """Columns of some bodies; six in turn belong to each body of the system."""
         return [COLUMNS * body + k for body in bodies for k in self.columns[body]]
 
 
 def outline_of(system: System, shift: int | None) -> Outline:
-    """Return the outline of a system that moves in a plane, or in space.
+    """Outline of a system that moves in a plane, or in space.
 
     Parameters
     ----------
@@ -104,7 +104,7 @@ def outline_of(system: System, shift: int | None) -> Outline:
 
 
 def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
-    """Yield for each constraint the rows whose Jacobian is not structurally zero.
+    """Rows of each constraint whose Jacobian is not structurally zero.
 
     Parameters
     ----------
@@ -117,7 +117,7 @@ def live_rows(system: System, *, is_planar: bool) -> Iterator[tuple[int, ...]]:
 
 
 def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[int, ...], Elements]]:
-    """Yield for each constraint its rows, and elements of the Jacobian of a kind that has one.
+    """Rows of each constraint, and elements of the Jacobian of a kind that has one.
 
     Parameters are those of :func:`live_rows`.
     """
@@ -141,7 +141,7 @@ def live_elements(system: System, *, is_planar: bool) -> Iterator[tuple[tuple[in
 def _live(
     one: Instance | Coordinate, elements: Elements, body: Callable[[int], BodyBlocks]
 ) -> tuple[int, ...]:
-    """Return the rows that have elements in the columns of their bodies."""
+    """Rows that have elements in the columns of their bodies."""
     columns = (*body(one.i).columns, *(COLUMNS + k for k in body(one.j).columns))
     rows = enumerate(elements)
     return tuple(row for row, there in rows if any(there[k] for k in columns))
@@ -150,7 +150,7 @@ def _live(
 def _elements(
     one: Instance | Coordinate, recorder: Recorder, body: Callable[[int], BodyBlocks]
 ) -> Elements:
-    """Return which elements of the Jacobian (rows, 12) are not structurally zero."""
+    """Mask of the elements of the Jacobian (rows, 12) that are not structurally zero."""
     i, j = body(one.i), body(one.j)
     given = inputs_of(one)
     constants = [recorder.constant(values) for _, values in given]

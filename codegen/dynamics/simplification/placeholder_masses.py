@@ -40,7 +40,7 @@ class PlaceholderMasses:
 
 
 def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMasses:
-    """Return a system with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
+    """System with drivers whose bodies weigh something: 1 kg, and 1 kg · length².
 
     A system without drivers stays as it is, and so do masses and moments that are given.
 
@@ -66,7 +66,7 @@ def with_placeholder_masses(system: System, shift: int | None) -> PlaceholderMas
 
 
 def _missing(system: System, shift: int | None) -> Iterator[str]:
-    """Yield what bodies lack that their motion depends on."""
+    """Keys of masses and moments that bodies lack and their motion depends on."""
     for body in permuted(system, shift or 0).bodies:
         _, columns = shape(body, is_planar=shift is not None)
         if body.mass <= 0:
@@ -76,7 +76,7 @@ def _missing(system: System, shift: int | None) -> Iterator[str]:
 
 
 def _filled(body: MovingBody, length: float) -> MovingBody:
-    """Return a body with numbers in place of those that are missing."""
+    """Body with numbers in place of those that are missing."""
     mass = body.mass if body.mass > 0 else 1.0
     a, b, c = (moment if moment > 0 else float(mass) * length * length for moment in body.inertia)
     return replace(body, mass=mass, inertia=(a, b, c))

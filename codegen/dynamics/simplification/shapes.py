@@ -24,14 +24,14 @@ MOST_JOINTS = 64
 
 
 def shape(body: MovingBody, *, is_planar: bool) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return which places in (r, p) and (δr, δθ′) are coordinates of a body."""
+    """Coordinates of a body: places in (r, p) and in (δr, δθ′)."""
     if is_planar:
         return PLANAR_POINT if body.is_point else PLANAR
     return SPATIAL_POINT if body.is_point else SPATIAL
 
 
 def start(body: MovingBody) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Return (r, p) and (v, ω′) at the start; a point does not turn."""
+    """Position (r, p) and velocity (v, ω′) at the start; a point does not turn."""
     if body.is_point:
         return (*body.r, *NO_TURN), (*body.v, 0.0, 0.0, 0.0)
     return (*body.r, *body.p), (*body.v, *body.omega_b)
@@ -65,7 +65,7 @@ def require_masses(system: System, *, is_planar: bool) -> None:
 
 
 def thickened(system: System) -> System:
-    """Return the system with bodies that can turn about any axis: thin ones get some thickness.
+    """System with bodies that can turn about any axis: thin ones get some thickness.
 
     A motion in a plane, and what it takes to hold bodies in it, does not change by that.
     """
@@ -81,7 +81,7 @@ def _thickened(body: MovingBody) -> MovingBody:
 
 
 def sizes(system: System, *, is_planar: bool) -> tuple[int, int]:
-    """Return the sizes of q and v."""
+    """Sizes of q and v."""
     shapes = [shape(body, is_planar=is_planar) for body in system.bodies]
     return sum(len(kept) for kept, _ in shapes), sum(len(columns) for _, columns in shapes)
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def static_potential(system: System, placements: Mapping[int, Placement]) -> float:
-    """Return the potential energy of bodies that stand still and of forces in one body [J].
+    """Potential energy of bodies that stand still and of forces in one body [J].
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def static_potential(system: System, placements: Mapping[int, Placement]) -> flo
 
 
 def _stored(force: ForceElement, placements: Mapping[int, Placement]) -> High:
-    """Return ½ k (l − l⁰)² of a spring in one body, −F·r of a force on the ground."""
+    """Energy ½ k (l − l⁰)² of a spring in one body, −F·r of a force on the ground."""
     given = dict(force.constants)
     end = precise.triple(placements[force.j].point(given["s_j_b"]))
     if force.kind == "force":
