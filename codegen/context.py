@@ -14,13 +14,13 @@ from kousoku.codegen.context_choices import Bodies
 from kousoku.codegen.context_lines import ascii_of, plain
 from kousoku.codegen.context_names import Namer, checked
 from kousoku.codegen.context_records import ArgumentContext, KernelContext, PackageContext
-from kousoku.codegen.graph import Op
 from kousoku.codegen.passes.trace import without_sharing
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.model.kernel import Kernel, Package
 
 #: Operations on which Python's floats behave as arrays do, whatever the operands.
 _POLYNOMIAL = frozenset({Op.ADD, Op.SUB, Op.MUL, Op.NEG})

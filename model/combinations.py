@@ -8,11 +8,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.model import precise
 from kousoku.model.coordinates import PreciseMeasure
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import joint_points, joint_vectors
 from kousoku.model.joints import ANGLE, DISPLACEMENT, JOINTS, NAMES
 from kousoku.model.mechanism import COMBINATION, Instance, Term
-from kousoku.model.precise import CONTEXT, NOISE
+from kousoku.model.precise import NOISE
 from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:

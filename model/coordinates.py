@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.frames import GROUND_FRAME, joint_points, joint_vectors
 from kousoku.model.joints import ANGLE, DISPLACEMENT, JOINTS, NAMES, sort_of
 from kousoku.model.mechanism import Coordinate
-from kousoku.model.precise import CONTEXT, NOISE, ZERO
+from kousoku.model.precise import NOISE, ZERO
 from kousoku.model.traced import Traced, at_scene
 
 if TYPE_CHECKING:

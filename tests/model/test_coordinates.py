@@ -9,10 +9,11 @@ from typing import Any
 import msgspec
 import pytest
 
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.kernel_json import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
 from kousoku.model.held import without_held
+from kousoku.model.interpret import evaluate
 from kousoku.model.joints import SECOND_ANGLE
 from kousoku.model.mechanism import GROUND_INDEX, Coordinate, System
 from kousoku.model.read import read_scene, scene_from_dict

@@ -15,7 +15,6 @@ from itertools import accumulate
 from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.checking.jets import (
-    FIFTY,
     Jet,
     arithmetic_of,
     atan2,
@@ -24,18 +23,20 @@ from kousoku.codegen.dynamics.checking.jets import (
     formula,
     sqrt,
 )
-from kousoku.codegen.interpret import evaluate
 from kousoku.codegen.kernel_json import load_frozen
 from kousoku.codegen.passes.rebuild import with_outputs
+from kousoku.model.digits import HIGH
 from kousoku.model.expression import parse_expression
 from kousoku.model.formulas import RATE, TIME
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import PREFIX, is_own
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping, Sequence
 
-    from kousoku.codegen.dynamics.checking.jets import Digits, Vector
+    from kousoku.codegen.dynamics.checking.jets import Vector
+    from kousoku.model.arithmetic import FormulaArithmetic
     from kousoku.model.mechanism import ForceElement, Instance, MovingBody, System
     from kousoku.model.real import Real
     from kousoku.model.terms import Expression
@@ -175,11 +176,11 @@ class BodyEquations:
     ----------
     system : System
         The scene, all of whose numbers are fixed.
-    digits : Digits
+    digits : FormulaArithmetic
         What is computed with.
     """
 
-    def __init__(self, system: System, digits: Digits = FIFTY) -> None:
+    def __init__(self, system: System, digits: FormulaArithmetic[Any] = HIGH) -> None:
         self.system, self.digits = system, digits
         self.bodies = system.bodies
         #: The first column of each body, and their count.
@@ -241,7 +242,7 @@ class BodyEquations:
             a_j = j.vector(own["a_j_b"])
             sine, cosine = (dot(i.vector(own[name]), a_j) for name in ("b_i_b", "a_i_b"))
             angle = atan2(sine, cosine, self.digits)
-            turn = 8 * self.digits.functions.atan(self.digits.number(1))
+            turn = 8 * self.digits.atan(self.digits.number(1))
             count = round(float((self.digits.number(one.near) - angle.x) / turn))
             return angle + Jet(turn * count)
         across = _difference(j.point(own["s_j_b"]), i.point(own["s_i_b"]))

@@ -35,6 +35,7 @@ from kousoku.codegen.dynamics.simplification.reduced_mass import (
     shares_of,
 )
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -276,7 +277,7 @@ class JointCoordinateRecorder:
 def _compose(p: Sequence[float], axis_b: Sequence[float]) -> tuple[float, ...]:
     """Product p ∘ (0, a′), rounded once."""
     w, x, y, z = (precise.number(value) for value in p)
-    zero = precise.CONTEXT.mpf(0)
+    zero = CONTEXT.mpf(0)
     return precise.rounded(precise.compose((w, x, y, z), (zero, *precise.triple(axis_b))))
 
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model import precise
+from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import not_negative, to_vector
 from kousoku.model.mass import principal, steiner
-from kousoku.model.precise import CONTEXT, IDENTITY, ZERO, High, Quadruple, Triple
+from kousoku.model.precise import IDENTITY, ZERO, High, Quadruple, Triple
 from kousoku.model.traced import Traced
 from kousoku.model.varying import fixed
 

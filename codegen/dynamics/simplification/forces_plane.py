@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 from kousoku.codegen.dynamics.operations.forces import SPRING
 from kousoku.codegen.dynamics.operations.mechanics import frozen
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.model import precise
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.varying import fixed_system, is_varying
 

@@ -23,14 +23,18 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
-from kousoku.codegen.dynamics.simplification.axis_permutation import can_permute, permuted
+from kousoku.codegen.dynamics.simplification.axis_permutation import (
+    can_permute,
+    permuted,
+)
 from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_plane,
     leaves_with_parameters,
 )
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
 from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
-from kousoku.codegen.interpret import FLOAT, evaluate
+from kousoku.model.arithmetic import FLOAT
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 from kousoku.model.own_kind import is_own
 from kousoku.model.varying import fixed_system

@@ -16,9 +16,10 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.composition.least_norm import merged
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
-from kousoku.codegen.interpret import FLOAT, evaluate
 from kousoku.codegen.kernel_json import load_frozen
+from kousoku.model.arithmetic import FLOAT
 from kousoku.model.errors import SceneError
+from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import GROUND_INDEX
 from kousoku.model.read import read_scene, scene_from_dict
 from kousoku.model.system import system_of

@@ -6,26 +6,24 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT
-from kousoku.codegen.linkage_exact import Exact
-from kousoku.model.directions import HALF_TURN
-from kousoku.model.jsontext import to_text
+from kousoku.codegen.linkage.exact import Exact
+from kousoku.codegen.linkage.layout import OF_NODES
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.motion import span_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.codegen.linkage_layout import Layout
-    from kousoku.model.planar import Input
+    from kousoku.codegen.linkage.layout import Layout
 
-High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
+High = Any  # a number of CONTEXT: mpmath is untyped
 
-MOTIONS = ("position", "velocity", "acceleration")
 #: Steps over the way of the inputs.
 STEPS = 10
 #: How often a step may be halved before it is said to meet a dead centre.
 HALVINGS = 8
 #: A correction this small, relative to the largest length, is the last.
-DONE = HIGH_CONTEXT.mpf(10) ** -40
+DONE = CONTEXT.mpf(10) ** -40
 MOST_CORRECTIONS = 60
 
 
@@ -65,30 +63,19 @@ def places(layout: Layout) -> list[Place]:
     return found
 
 
-def solution(layout: Layout, found: Sequence[Place]) -> str:
-    """Return the text of ``solution.json``: what the solver of the scene must give.
+def solution(layout: Layout, found: Sequence[Place]) -> dict[str, object]:
+    """Return what the solver of the scene must give, as data.
 
     Motions of the nodes at some of :data:`STEPS` divisions, rounded to doubles. Where a block has
     more than two unknowns only the first position is sure to be on the branch of the scene.
     """
     kept = found if max(len(block.unknowns) for block in layout.blocks) <= 2 else found[:1]
     nodes = [_exact(layout, place.motion).nodes() for place in kept]
-    return to_text(
-        {
-            "format": 1,
-            "divisions": STEPS,
-            "rows": [int(place.part * STEPS) for place in kept],
-            **{name: [[float(x) for x in row[name]] for row in nodes] for name in MOTIONS},
-        }
-    )
-
-
-def span_of(given: Input) -> Fraction:
-    """Return how far an input goes until the last division."""
-    if given.to is not None:
-        return Fraction(given.to) - Fraction(given.start)
-    turns = Fraction(given.turns if given.turns is not None else int(given.slider is None))
-    return 2 * HALF_TURN * turns
+    return {
+        "divisions": STEPS,
+        "rows": [int(place.part * STEPS) for place in kept],
+        **{name: [[float(x) for x in row[name]] for row in nodes] for name in OF_NODES},
+    }
 
 
 def _inputs(layout: Layout, part: Fraction) -> tuple[list[High], list[High], list[High]]:
@@ -106,8 +93,8 @@ def _exact(layout: Layout, motion: dict[str, list[High]]) -> Exact:
 
 def _solve(block: dict[str, list[High]], right: Sequence[High]) -> list[High]:
     n = len(right)
-    matrix = HIGH_CONTEXT.matrix([block["D"][n * row : n * row + n] for row in range(n)])
-    return list(HIGH_CONTEXT.lu_solve(matrix, HIGH_CONTEXT.matrix(list(right))))
+    matrix = CONTEXT.matrix([block["D"][n * row : n * row + n] for row in range(n)])
+    return list(CONTEXT.lu_solve(matrix, CONTEXT.matrix(list(right))))
 
 
 def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
@@ -127,7 +114,7 @@ def _positions(layout: Layout, motion: dict[str, list[High]]) -> list[High]:
             here = _exact(layout, motion).block(number, 0)
             correction = _solve(here, here["epsilon"])
             before, size = motion["x"][part], max(map(abs, here["epsilon"]))
-            factor = HIGH_CONTEXT.one
+            factor = CONTEXT.one
             while True:
                 motion["x"][part] = [
                     a - factor * c for a, c in zip(before, correction, strict=True)
@@ -183,8 +170,8 @@ def _is_near(layout: Layout, x: list[High], predicted: list[High], found: list[H
     """Whether the correction is small beside the motion: else another branch may be near."""
     scales = [HIGH.number(layout.system.coordinates[u].scale) for u in layout.unknowns]
     pairs = list(zip(scales, x, predicted, found, strict=True))
-    moved = max((abs(s * (p - a)) for s, a, p, _ in pairs), default=HIGH_CONTEXT.zero)
-    missed = max((abs(s * (b - p)) for s, _, p, b in pairs), default=HIGH_CONTEXT.zero)
+    moved = max((abs(s * (p - a)) for s, a, p, _ in pairs), default=CONTEXT.zero)
+    missed = max((abs(s * (b - p)) for s, _, p, b in pairs), default=CONTEXT.zero)
     length = HIGH.number(Fraction(layout.system.scene.largest_length))
     return bool(missed <= max(moved / 4, DONE * length))
 
@@ -195,14 +182,14 @@ def _sides(layout: Layout, motion: dict[str, list[High]]) -> list[bool]:
     sides = []
     for number, block in enumerate(layout.blocks):
         n, flat = len(block.unknowns), exact.block(number, 0)["D"]
-        matrix = HIGH_CONTEXT.matrix([flat[n * row : n * row + n] for row in range(n)])
-        sides.append(bool(HIGH_CONTEXT.det(matrix) > 0))
+        matrix = CONTEXT.matrix([flat[n * row : n * row + n] for row in range(n)])
+        sides.append(bool(CONTEXT.det(matrix) > 0))
     return sides
 
 
 def _derivatives(layout: Layout, motion: dict[str, list[High]], order: int) -> list[High]:
     name = ("x", "x_dot", "x_ddot")[order]
-    motion = {**motion, name: [HIGH_CONTEXT.zero] * len(motion["x"])}
+    motion = {**motion, name: [CONTEXT.zero] * len(motion["x"])}
     first = 0
     for number, block in enumerate(layout.blocks):
         exact = _exact(layout, motion)
@@ -217,7 +204,7 @@ def _predicted(layout: Layout, motion: dict[str, list[High]], step: Fraction) ->
     """Return where x will be about a step on, given as a part of the way, (26)."""
     spans = [step * span_of(item) for item in layout.system.scene.inputs.values()]
     along = {**motion, "alpha_dot": [HIGH.number(span) for span in spans]}
-    along["alpha_ddot"] = [HIGH_CONTEXT.zero] * len(spans)
+    along["alpha_ddot"] = [CONTEXT.zero] * len(spans)
     along["x_dot"] = _derivatives(layout, along, 1)
     bend = _derivatives(layout, along, 2)
     return [x + v + a / 2 for x, v, a in zip(motion["x"], along["x_dot"], bend, strict=True)]

@@ -1,23 +1,23 @@
 """Compose the kernels of a linkage from the frozen link element: no link is derived twice.
 
-The kernels of a block take its own unknowns ``x`` and what is ``known`` by then; see
-:mod:`kousoku.codegen.linkage_layout`.
+The kernels of a block take the workspace and read its own unknowns there, and what is known by
+then; see :mod:`kousoku.codegen.linkage.layout`.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel
-from kousoku.codegen.linkage_blocks import DEPENDS
+from kousoku.codegen.linkage.blocks import DEPENDS
 from kousoku.codegen.passes.rebuild import drop_dead, substitute
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
     from kousoku.model.assemble import Element, Term
 
 PAPER = "Yamada and Tatsumi 1981"
@@ -61,7 +61,6 @@ class _Composer:
         self.layout = layout
         self.number = number
         self.block = layout.blocks[number]
-        self.places = layout.places_in(number)
         self.suffix = f"_{number + 1}"
         self.graph = Graph()
         links = dict.fromkeys(layout.system.elements[e].name for e, _ in self.block.rows)
@@ -80,7 +79,7 @@ class _Composer:
         unit = self.layout.system.scene.unit
         return self._kernel(
             "position",
-            f"residual of the equations for {self.title}",
+            f"Residual of the equations for {self.title}",
             "epsilon = 0, D = d epsilon / d x",
             "(5)-(7), (15)",
             {
@@ -93,7 +92,7 @@ class _Composer:
         rows = [self._carried(number, row, 1) for number, row in self.block.rows]
         return self._kernel(
             "velocity",
-            f"right-hand side of the velocities of {self.title}",
+            f"Right-hand side of the velocities of {self.title}",
             "D x_dot = nu",
             "(22), (24)",
             {self._right_hand_side("nu", "/s"): rows},
@@ -108,7 +107,7 @@ class _Composer:
             rows.append(self.graph.sub(carried, link["D_dot_x_dot"][0]))
         return self._kernel(
             "acceleration",
-            f"right-hand side of the accelerations of {self.title}",
+            f"Right-hand side of the accelerations of {self.title}",
             "D x_ddot = gamma",
             "(23), (25)",
             {self._right_hand_side("gamma", "/s^2"): rows},
@@ -125,7 +124,7 @@ class _Composer:
         total = self.graph.const(0)
         for term, derivative in _places(element, row, link["D"]):
             if term.coordinate not in self.block.unknowns:
-                motion = self._derivative(term, order)
+                motion = self.layout.node(self.graph, term, order)
                 total = self.graph.sub(total, self.graph.mul(derivative, motion))
         return total
 
@@ -145,13 +144,10 @@ class _Composer:
         inputs = {"length": [self.graph.const(element.length)], "offset": [zero, zero]}
         for name, order in (("x", 0), ("x_dot", 1)):
             inputs[name] = [
-                self._derivative(term, order) if place in used else zero
+                self.layout.node(self.graph, term, order) if place in used else zero
                 for place, term in enumerate(element.ends)
             ]
         return substitute(self.graph, kernel, inputs)
-
-    def _derivative(self, term: Term, order: int) -> int:
-        return self.layout.node(self.graph, term, order, self.places)
 
     def _kernel(
         self,
@@ -162,14 +158,13 @@ class _Composer:
         outputs: Mapping[Quantity, Sequence[int]],
     ) -> Kernel:
         """Return the kernel of what was composed."""
-        motion = ("position", "velocity", "acceleration").index(name)
         return drop_dead(
             Kernel(
                 name=name + self.suffix,
                 title=title,
                 formula=formula,
                 source=f"{PAPER}, {source}",
-                inputs=self.layout.block_arguments(self.number, motion),
+                inputs=(self.layout.workspace,),
                 outputs=tuple(outputs),
                 nodes=tuple(self.graph.nodes),
                 results=tuple(tuple(nodes) for nodes in outputs.values()),

@@ -9,15 +9,16 @@ from __future__ import annotations
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import Arithmetic, evaluate
-from kousoku.codegen.linkage_blocks import DEPENDS
-from kousoku.codegen.linkage_layout import SUFFIXES
+from kousoku.codegen.linkage.blocks import DEPENDS
+from kousoku.codegen.linkage.layout import SUFFIXES
 from kousoku.model.assemble import Role
+from kousoku.model.interpret import evaluate
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
+    from kousoku.model.arithmetic import Arithmetic
     from kousoku.model.assemble import Element, Term
 
     #: For ``alpha``, ``x``, ``alpha_dot`` … their elements.

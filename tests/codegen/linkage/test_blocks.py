@@ -6,14 +6,14 @@ from pathlib import Path
 
 import pytest
 
-from kousoku.codegen.linkage_blocks import Block, live_blocks, triangular_blocks
+from kousoku.codegen.linkage.blocks import Block, live_blocks, triangular_blocks
 from kousoku.model.assemble import System, assemble
 from kousoku.model.errors import SceneError
 from kousoku.model.planar import Input, Link, Node
 from kousoku.model.read import read_scene
 from kousoku.model.scene import Scene
 
-SCENES = Path(__file__).parents[2] / "scenes"
+SCENES = Path(__file__).parents[3] / "scenes"
 
 
 def named(system: System, blocks: tuple[Block, ...]) -> list[tuple[str, ...]]:

@@ -9,7 +9,7 @@ from kousoku.codegen.passes.rebuild import drop_dead
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from kousoku.codegen.kernel import Kernel, Package
+    from kousoku.model.kernel import Kernel, Package
 
 
 @dataclass(frozen=True, slots=True)

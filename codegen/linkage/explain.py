@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.kernel_json import load_frozen
-from kousoku.codegen.linkage import specialise
+from kousoku.codegen.linkage.generate import layout_of, program_of
 from kousoku.model.assemble import assemble
 from kousoku.model.text import counted, table
 
@@ -74,11 +73,10 @@ def explain_linkage(scene: Scene) -> LinkageExplanation:
     SceneError
         The scene is not a linkage that its inputs determine.
     """
-    program = specialise(assemble(scene), load_frozen("link"))
-    layout = program.layout
+    layout = layout_of(assemble(scene))
     return LinkageExplanation(
         scene.name,
         len(layout.system.inputs),
         tuple((len(x.unknowns), len(x.rows)) for x in layout.blocks),
-        tuple((x.name, x.operations.total()) for x in program.package.kernels),
+        tuple((x.name, x.operations.total()) for x in program_of(layout).kernels),
     )

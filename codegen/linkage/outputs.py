@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import Graph
-from kousoku.codegen.kernel import Kernel
 from kousoku.codegen.passes.rebuild import drop_dead
+from kousoku.model.graph import Graph
+from kousoku.model.kernel import Kernel
 from kousoku.model.quantity import Quantity
 
 if TYPE_CHECKING:
-    from kousoku.codegen.linkage_layout import Layout
+    from kousoku.codegen.linkage.layout import Layout
 
 #: Name, power of the second in the unit, and meaning of each order of derivative.
 MOTIONS = (
@@ -33,14 +33,14 @@ def node_kernel(layout: Layout) -> Kernel:
     for order, (name, per, what) in enumerate(MOTIONS):
         outputs.append(Quantity(name, shape, unit + per, f"{what} of {names} in frame O"))
         terms = [term for _, x, y in system.nodes for term in (x, y)]
-        results.append(tuple(layout.node(graph, term, order, layout.everywhere) for term in terms))
+        results.append(tuple(layout.node(graph, term, order) for term in terms))
     return drop_dead(
         Kernel(
             name="nodes",
-            title="motion of the nodes",
+            title="Motion of the nodes",
             formula="node = offset + factor * coordinate",
             source="Yamada and Tatsumi 1981, (18), (24), (25)",
-            inputs=layout.output_arguments(),
+            inputs=(layout.workspace,),
             outputs=tuple(outputs),
             nodes=tuple(graph.nodes),
             results=tuple(results),
@@ -68,10 +68,10 @@ def angle_kernel(layout: Layout) -> Kernel:
     return drop_dead(
         Kernel(
             name="angles",
-            title="angles of the links",
+            title="Angles of the links",
             formula="tan(beta) = (y2 - y1) / (x2 - x1)",
             source="Yamada and Tatsumi 1981, (10)-(13)",
-            inputs=layout.output_arguments(),
+            inputs=(layout.workspace,),
             outputs=outputs,
             nodes=tuple(graph.nodes),
             results=tuple(tuple(column[k] for column in columns) for k in range(3)),
@@ -86,8 +86,8 @@ def _angle(layout: Layout, g: Graph, link: str) -> tuple[int, int, int]:
     (dx, dy), (vx, vy), (ax, ay) = (
         tuple(
             g.sub(
-                layout.node(g, end, order, layout.everywhere),
-                layout.node(g, start, order, layout.everywhere),
+                layout.node(g, end, order),
+                layout.node(g, start, order),
             )
             for start, end in zip(first, second, strict=True)
         )

@@ -5,7 +5,7 @@ from fractions import Fraction
 
 import pytest
 
-from kousoku.codegen.graph import BINARY_OPS, Graph, Op, literal
+from kousoku.model.graph import BINARY_OPS, Graph, Op, literal
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from kousoku.codegen.graph import EXACT_OPS, Node, Op
+from kousoku.model.graph import EXACT_OPS, Node, Op
 
 if TYPE_CHECKING:
     from kousoku.model.quantity import Quantity

@@ -2,68 +2,22 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import dataclass
 from fractions import Fraction
-from math import isqrt
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
-import mpmath
 import numpy as np
 
-from kousoku.codegen.graph import Op
+from kousoku.model.arithmetic import Arithmetic
+from kousoku.model.graph import Op
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
+    from typing import TypeVar
 
-    from kousoku.codegen.graph import Node
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.graph import Node
+    from kousoku.model.kernel import Kernel
 
-Number = TypeVar("Number")
-
-#: mpmath with 50 digits, apart from the context that other code may set.
-HIGH_CONTEXT = mpmath.mp.clone()
-HIGH_CONTEXT.dps = 50
-
-
-@dataclass(frozen=True, slots=True)
-class Arithmetic(Generic[Number]):
-    """A kind of numbers: what the operators + − × ÷ of Python leave open.
-
-    Parameters
-    ----------
-    number : callable
-        Turns the exact value of a constant into a number, rounding once.
-    sqrt, sin, cos, atan2, exp, log, abs, max : callable
-        The functions of the graph; angles in radians.
-    """
-
-    number: Callable[[Fraction], Number]
-    sqrt: Callable[[Number], Number]
-    sin: Callable[[Number], Number]
-    cos: Callable[[Number], Number]
-    atan2: Callable[[Number, Number], Number]
-    exp: Callable[[Number], Number]
-    log: Callable[[Number], Number]
-    abs: Callable[[Number], Number]
-    max: Callable[[Number, Number], Number]
-
-
-def _exact_sqrt(value: Fraction) -> Fraction:
-    root = Fraction(isqrt(value.numerator), isqrt(value.denominator))
-    if root * root != value:
-        raise ArithmeticError(f"{value} has no rational square root")
-    return root
-
-
-def _not_rational(*_: Fraction) -> Fraction:
-    raise ArithmeticError("angle functions, powers of e and logarithms are not rational")
-
-
-#: Python floats; a division by zero raises, as it does in Python.
-FLOAT: Arithmetic[float] = Arithmetic(
-    float, math.sqrt, math.sin, math.cos, math.atan2, math.exp, math.log, abs, max
-)
+    Number = TypeVar("Number")
 
 #: NumPy arrays and NumPy doubles, elementwise, with the infinities and NaNs of IEEE 754.
 ARRAY: Arithmetic[Any] = Arithmetic(
@@ -76,32 +30,6 @@ ARRAY: Arithmetic[Any] = Arithmetic(
     np.log,
     np.abs,
     np.fmax,
-)
-
-#: Exact fractions; a root of what is not a square raises.
-EXACT: Arithmetic[Fraction] = Arithmetic(
-    Fraction,
-    _exact_sqrt,
-    _not_rational,
-    _not_rational,
-    _not_rational,
-    _not_rational,
-    _not_rational,
-    abs,
-    max,
-)
-
-#: Numbers of :data:`HIGH_CONTEXT`, 50 digits.
-HIGH: Arithmetic[Any] = Arithmetic(
-    lambda value: HIGH_CONTEXT.mpf(value.numerator) / value.denominator,
-    HIGH_CONTEXT.sqrt,
-    HIGH_CONTEXT.sin,
-    HIGH_CONTEXT.cos,
-    HIGH_CONTEXT.atan2,
-    HIGH_CONTEXT.exp,
-    HIGH_CONTEXT.log,
-    abs,
-    max,
 )
 
 
@@ -117,8 +45,8 @@ def evaluate(
     inputs : mapping of str to sequence
         For each input its elements, flat row-major.
     arithmetic : Arithmetic
-        The numbers that ``inputs`` holds: :data:`FLOAT`, :data:`ARRAY`, :data:`EXACT` or
-        :data:`HIGH`.
+        The numbers that ``inputs`` holds: of :mod:`kousoku.model.arithmetic`, :data:`ARRAY`,
+        or 50 digits of :mod:`kousoku.model.digits`.
 
     Returns
     -------

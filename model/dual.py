@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.codegen.interpret import HIGH, HIGH_CONTEXT, Arithmetic, evaluate
+from kousoku.model.arithmetic import Arithmetic
+from kousoku.model.digits import CONTEXT, HIGH
+from kousoku.model.interpret import evaluate
+from kousoku.model.slopes import SLOPES
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
     from fractions import Fraction
 
-    from kousoku.codegen.kernel import Kernel
+    from kousoku.model.kernel import Kernel
 
-High = Any  # a number of HIGH_CONTEXT: mpmath is untyped
+High = Any  # a number of CONTEXT: mpmath is untyped
 
 
 class Dual:
@@ -39,32 +42,39 @@ class Dual:
         return Dual(self.value + other.value, gradient)
 
     def __sub__(self, other: Dual) -> Dual:
-        return chain(self.value - other.value, (self, 1), (other, -1))
+        return _applied("sub", self.value - other.value, self, other)
 
     def __neg__(self) -> Dual:
-        return chain(-self.value, (self, -1))
+        return _applied("neg", -self.value, self)
 
     def __mul__(self, other: Dual) -> Dual:
-        return chain(self.value * other.value, (self, other.value), (other, self.value))
+        return _applied("mul", self.value * other.value, self, other)
 
     def __truediv__(self, other: Dual) -> Dual:
-        quotient = self.value / other.value
-        return chain(quotient, (self, 1 / other.value), (other, -quotient / other.value))
+        return _applied("div", self.value / other.value, self, other)
 
 
-def chain(value: High, *parts: tuple[Dual, High]) -> Dual:
-    """Return ``value`` with the gradient Σ slope · ∇argument."""
+def _applied(operation: str, value: High, *args: Dual) -> Dual:
+    """Return the value of an operation with the gradient Σ slope · ∇argument."""
+    slopes = SLOPES[operation](value, [arg.value for arg in args], HIGH)
     gradient: dict[Any, High] = {}
-    for argument, slope in parts:
-        for name, derivative in argument.gradient.items():
+    for arg, slope in zip(args, slopes, strict=True):
+        for name, derivative in arg.gradient.items():
             term = slope * derivative
             gradient[name] = gradient[name] + term if name in gradient else term
     return Dual(value, gradient)
 
 
+def _function(operation: str) -> Callable[..., Dual]:
+    def applied(*args: Dual) -> Dual:
+        return _applied(operation, HIGH.applied(operation, [arg.value for arg in args]), *args)
+
+    return applied
+
+
 def variable(value: High, name: object) -> Dual:
     """Return a number that derivatives are taken by."""
-    return Dual(value, {name: HIGH_CONTEXT.one})
+    return Dual(value, {name: CONTEXT.one})
 
 
 def _constant(value: Fraction) -> Dual:
@@ -74,31 +84,7 @@ def _constant(value: Fraction) -> Dual:
 def _sqrt(x: Dual) -> Dual:
     if x.value < 0:
         raise ArithmeticError("the root of a negative number")
-    root = HIGH.sqrt(x.value)
-    return chain(root, (x, 1 / (2 * root)))
-
-
-def _sin(x: Dual) -> Dual:
-    return chain(HIGH.sin(x.value), (x, HIGH.cos(x.value)))
-
-
-def _cos(x: Dual) -> Dual:
-    return chain(HIGH.cos(x.value), (x, -HIGH.sin(x.value)))
-
-
-def _atan2(y: Dual, x: Dual) -> Dual:
-    square = x.value * x.value + y.value * y.value
-    angle = HIGH.atan2(y.value, x.value)
-    return chain(angle, (y, x.value / square), (x, -y.value / square))
-
-
-def _exp(x: Dual) -> Dual:
-    value = HIGH.exp(x.value)
-    return chain(value, (x, value))
-
-
-def _log(x: Dual) -> Dual:
-    return chain(HIGH.log(x.value), (x, 1 / x.value))
+    return _applied("sqrt", HIGH.sqrt(x.value), x)
 
 
 def _abs(x: Dual) -> Dual:
@@ -106,11 +92,21 @@ def _abs(x: Dual) -> Dual:
 
 
 def _max(x: Dual, y: Dual) -> Dual:
-    return x if x.value > y.value else y
+    return x if x.value >= y.value else y
 
 
 #: Arithmetic of :class:`Dual`.
-DUAL: Arithmetic[Dual] = Arithmetic(_constant, _sqrt, _sin, _cos, _atan2, _exp, _log, _abs, _max)
+DUAL: Arithmetic[Dual] = Arithmetic(
+    number=_constant,
+    sqrt=_sqrt,
+    sin=_function("sin"),
+    cos=_function("cos"),
+    atan2=_function("atan2"),
+    exp=_function("exp"),
+    log=_function("log"),
+    abs=_abs,
+    max=_max,
+)
 
 
 def evaluate_dual(
@@ -132,7 +128,7 @@ def evaluate_dual(
         The point is a pole, or lies where a root is not real.
     """
     variables = {
-        name: [variable(HIGH_CONTEXT.mpf(x), (name, k)) for k, x in enumerate(elements)]
+        name: [variable(CONTEXT.mpf(x), (name, k)) for k, x in enumerate(elements)]
         for name, elements in inputs.items()
     }
     return evaluate(kernel, variables, DUAL)
