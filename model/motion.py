@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from kousoku.model.directions import HALF_TURN
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -25,13 +23,6 @@ def turns_of(given: Input) -> float | None:
     if given.turns is not None:
         return float(given.turns)
     return 1.0 if given.slider is None and given.to is None else None
-
-
-def span_of(given: Input) -> Fraction:
-    """Return how far an input goes until the last division."""
-    if given.to is not None:
-        return Fraction(given.to) - Fraction(given.start)
-    return 2 * HALF_TURN * Fraction(turns_of(given) or 0)
 
 
 def input_values(given: Input, divisions: int, ks: Sequence[int] | np.ndarray) -> np.ndarray:

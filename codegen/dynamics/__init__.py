@@ -12,6 +12,8 @@ Where what is, the lowest first; a folder imports those before it only:
     What one task computes: of a body, a joint, a force, a block of a factorisation.
 ``assembly``
     Positions and velocities that fit, near those that a scene gives.
+``elements``
+    Forces, one file each: what is recorded of them, and what analyses ask.
 ``simplification``
     Fewer bodies, coordinates and columns than a scene has.
 ``redundancy``

@@ -19,6 +19,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.assembly.assemble import assemble
+from kousoku.codegen.dynamics.operations.shapes import (
+    require_few_joints,
+    require_masses,
+    thickened,
+)
 from kousoku.codegen.dynamics.redundancy.constant_rows import require_constant_rows_hold
 from kousoku.codegen.dynamics.redundancy.freedom import Freedom, freedom_of
 from kousoku.codegen.dynamics.redundancy.loops import loops_of
@@ -36,11 +41,6 @@ from kousoku.codegen.dynamics.simplification.lump import lump
 from kousoku.codegen.dynamics.simplification.outline import outline_of
 from kousoku.codegen.dynamics.simplification.placeholder_masses import with_placeholder_masses
 from kousoku.codegen.dynamics.simplification.planar import plane_of
-from kousoku.codegen.dynamics.simplification.shapes import (
-    require_few_joints,
-    require_masses,
-    thickened,
-)
 from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
 

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.analyse import ANY, ranked, with_joint_coordinates
 from kousoku.codegen.dynamics.composition.compose import compose
+from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.recording.counts import counts
 from kousoku.codegen.dynamics.recording.interpreter import ProgramInterpreter
 from kousoku.codegen.dynamics.redundancy.out_of_plane import held_twice
 from kousoku.codegen.dynamics.simplification.forces_plane import is_flat
 from kousoku.codegen.dynamics.simplification.joint_coordinates import is_worth
-from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.model.errors import SceneError
 from kousoku.model.varying import fixed_system
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from kousoku.model.motion import span_of, turns_of
+from kousoku.codegen.linkage.solution import span_of
+from kousoku.model.motion import turns_of
 from kousoku.runtime.kinematics.rows import METHODS
 
 if TYPE_CHECKING:

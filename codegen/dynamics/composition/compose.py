@@ -45,6 +45,7 @@ from kousoku.codegen.dynamics.operations.mechanics import (
     Move,
     PoseRate,
 )
+from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.operations.sums import summed
 from kousoku.codegen.dynamics.recording.program import ON_DEMAND, Kept, Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
@@ -57,7 +58,6 @@ from kousoku.codegen.dynamics.simplification.bodies import (
     coordinates,
     gyroscopic_ratios,
 )
-from kousoku.codegen.dynamics.simplification.shapes import sizes
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:

@@ -17,12 +17,12 @@ from kousoku.codegen.dynamics.composition.record_forces import ForceRecorder
 from kousoku.codegen.dynamics.composition.record_joints import JointRecorder
 from kousoku.codegen.dynamics.composition.setup import record_setup
 from kousoku.codegen.dynamics.operations.mechanics import BodyOrientation
+from kousoku.codegen.dynamics.operations.shapes import sizes
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Program
 from kousoku.codegen.dynamics.recording.recorder import Block, Recorder, column, zeros
 from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks, coordinates
 from kousoku.codegen.dynamics.simplification.outline import live_rows
-from kousoku.codegen.dynamics.simplification.shapes import sizes
 from kousoku.model.mechanism import GROUND_INDEX
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from kousoku.codegen.dynamics.composition.auxiliary import TURNS, WORK
 from kousoku.codegen.dynamics.composition.switching import BOUNDS
+from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.redundancy.given_rank import rank_rows
 from kousoku.codegen.dynamics.redundancy.redundant_rows import take_over
 from kousoku.codegen.dynamics.simplification.bodies import inverse_masses as of_body
-from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.model import precise
 from kousoku.model.switching import seen_of
 from kousoku.model.varying import is_varying

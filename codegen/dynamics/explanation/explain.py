@@ -16,6 +16,7 @@ from kousoku.codegen.dynamics.composition.compose import compose
 from kousoku.codegen.dynamics.explanation.structure import GOLDEN, structure_of
 from kousoku.codegen.dynamics.explanation.text import text_of
 from kousoku.codegen.dynamics.generate import LEDGER
+from kousoku.codegen.dynamics.operations.shapes import thickened
 from kousoku.codegen.dynamics.recording.counts import counts, operations
 from kousoku.codegen.dynamics.recording.inline import inline
 from kousoku.codegen.dynamics.redundancy.freedom import freedom_of
@@ -23,7 +24,6 @@ from kousoku.codegen.dynamics.redundancy.nearly import put_together
 from kousoku.codegen.dynamics.simplification.bodies import gyroscopic_ratios
 from kousoku.codegen.dynamics.simplification.planar import plane_of
 from kousoku.codegen.dynamics.simplification.rigid_groups import fixed_joints
-from kousoku.codegen.dynamics.simplification.shapes import thickened
 from kousoku.codegen.kernel_json import shipped_kinds
 from kousoku.model.held import without_held
 from kousoku.model.mechanism import GROUND_INDEX
@@ -38,9 +38,9 @@ if TYPE_CHECKING:
 
     from kousoku.codegen.dynamics.analyse import Analysed
     from kousoku.codegen.dynamics.explanation.structure import Structure
+    from kousoku.codegen.dynamics.operations.placement import Constants
     from kousoku.codegen.dynamics.recording.program import Program
     from kousoku.codegen.dynamics.redundancy.freedom import Freedom
-    from kousoku.codegen.dynamics.simplification.lump import Constants
     from kousoku.model.mechanism import System
     from kousoku.model.scene import Scene
 

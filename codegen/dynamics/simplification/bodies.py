@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.shapes import shape, start
 from kousoku.codegen.dynamics.recording.design import number
 from kousoku.codegen.dynamics.recording.program import Coordinates, Place
 from kousoku.codegen.dynamics.recording.recorder import Block, column, slot_of
-from kousoku.codegen.dynamics.simplification.shapes import shape, start
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

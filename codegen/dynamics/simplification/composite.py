@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.operations.placement import (
+    NOISE,
+    Placement,
+    rounded_turn,
+    rounded_vector,
+)
 from kousoku.codegen.dynamics.recording.design import start_of
 from kousoku.model import precise
-from kousoku.model.digits import CONTEXT
 from kousoku.model.errors import SceneError
 from kousoku.model.frames import not_negative, to_vector
 from kousoku.model.mass import principal, steiner
@@ -18,43 +23,9 @@ from kousoku.model.varying import fixed
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from kousoku.model.mechanism import MovingBody, Quaternion, Vector
+    from kousoku.model.mechanism import MovingBody
 
-#: Components below this part of what they came from are zeros that rounded positions left.
-NOISE = CONTEXT.mpf(2) ** -51
-
-
-@dataclass(frozen=True, slots=True)
-class Placement:
-    """Where the principal frame of a body is in the frame of what carries it.
-
-    Parameters
-    ----------
-    carrier : int
-        The body that carries it, or the ground.
-    at : (3,) [m]
-        Its centre of mass.
-    turn : (4,)
-        Euler parameters, of any length, that take its components to those of the carrier.
-    """
-
-    carrier: int
-    at: Triple = ZERO
-    turn: Quadruple = IDENTITY
-
-    def point(self, s: Sequence[float]) -> Vector:
-        """Point of the body in the frame of the carrier."""
-        own = precise.triple(s)
-        size = precise.length(self.at) + precise.length(own)
-        return _vector(precise.add(self.at, precise.rotate(self.turn, own)), size)
-
-    def vector(self, a: Sequence[float]) -> Vector:
-        """Components in the frame of the carrier of a vector of the body."""
-        return _vector(precise.rotate(self.turn, precise.triple(a)))
-
-    def frame(self, axes: Sequence[float]) -> Quaternion:
-        """Euler parameters that take components of a frame of the body to the carrier."""
-        return _turn(precise.compose(self.turn, _quadruple(axes)))
+    Constants = tuple[tuple[str, tuple[float, ...]], ...]
 
 
 def on_ground(body: MovingBody, ground: int) -> Placement:
@@ -97,10 +68,10 @@ def joined(
         first,
         mass=precise.double(mass),
         inertia=not_negative(rounded),
-        r=fixed(_vector(precise.add(r, precise.rotate(p, center)), precise.length(r))),
-        p=fixed(_turn(precise.compose(p, precise.conjugate(axes)))),
-        v=fixed(_vector(precise.add(speed, velocity), precise.length(velocity))),
-        omega_b=fixed(_vector(precise.rotate(axes, spin))),
+        r=fixed(rounded_vector(precise.add(r, precise.rotate(p, center)), precise.length(r))),
+        p=fixed(rounded_turn(precise.compose(p, precise.conjugate(axes)))),
+        v=fixed(rounded_vector(precise.add(speed, velocity), precise.length(velocity))),
+        omega_b=fixed(rounded_vector(precise.rotate(axes, spin))),
     )
     placements = [
         Placement(
@@ -166,19 +137,3 @@ def _is_noise(value: High, limit: High) -> bool:
 
 ALL = range(3)
 AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
-
-
-def _quadruple(p: Sequence[float]) -> Quadruple:
-    w, x, y, z = map(precise.number, p)
-    return w, x, y, z
-
-
-def _vector(values: Triple, size: High = 0) -> Vector:
-    x, y, z = precise.rounded(values, size, NOISE)
-    return x, y, z
-
-
-def _turn(p: Quadruple) -> Quaternion:
-    size = precise.length(p)
-    w, x, y, z = precise.rounded([component / size for component in p], 1, NOISE)
-    return w, x, y, z

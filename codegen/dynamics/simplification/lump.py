@@ -10,8 +10,10 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from kousoku.codegen.dynamics.elements.forces import facets_of
+from kousoku.codegen.dynamics.operations.placement import Placement, seen_from_carriers
 from kousoku.codegen.dynamics.simplification.axis_permutation import can_permute, permuted
-from kousoku.codegen.dynamics.simplification.composite import Placement, joined, on_ground
+from kousoku.codegen.dynamics.simplification.composite import joined, on_ground
 from kousoku.codegen.dynamics.simplification.outline import NORMAL
 from kousoku.codegen.dynamics.simplification.planar import is_planar
 from kousoku.codegen.dynamics.simplification.rigid_groups import grouped
@@ -22,9 +24,7 @@ from kousoku.model.rows import variant
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping, Sequence
 
-    from kousoku.model.mechanism import Coordinate, ForceElement, Instance, MovingBody, System
-
-    Constants = tuple[tuple[str, tuple[float, ...]], ...]
+    from kousoku.model.mechanism import Coordinate, Instance, MovingBody, System
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,9 @@ def _joined(system: System, groups: Sequence[Sequence[int]], normal: int | None 
         ),
         held=(),
         held_rates=(),
-        forces=tuple(_force(one, placements) for one in moving),
+        forces=tuple(
+            facets_of(one).seen_from(placements[one.i], placements[one.j]) for one in moving
+        ),
         coordinates=tuple(_coordinate(one, placements) for one in system.coordinates),
         carried=carried,
         resting=static_potential(system, placements),
@@ -137,8 +139,8 @@ def _placed(
 
 
 def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
-    """Constraint between the bodies that carry its own."""
-    constants = _constants(one.constants, placements[one.i], placements[one.j])
+    """Return a constraint between the bodies that carry its own."""
+    constants = seen_from_carriers(one.constants, placements[one.i], placements[one.j])
     kind, _, axis = one.kind.partition("_")
     return replace(
         one,
@@ -152,29 +154,5 @@ def _instance(one: Instance, placements: Mapping[int, Placement]) -> Instance:
 
 def _coordinate(one: Coordinate, placements: Mapping[int, Placement]) -> Coordinate:
     i, j = placements[one.i], placements[one.j]
-    constants = _constants(one.constants, i, j)
+    constants = seen_from_carriers(one.constants, i, j)
     return replace(one, i=i.carrier, j=j.carrier, constants=constants)
-
-
-def _force(one: ForceElement, placements: Mapping[int, Placement]) -> ForceElement:
-    i, j = placements[one.i], placements[one.j]
-    constants = _constants(one.constants, i, j, turning=one.kind.endswith("_b"))
-    return replace(one, i=i.carrier, j=j.carrier, constants=constants)
-
-
-def _constants(
-    constants: Constants, i: Placement, j: Placement, *, turning: bool = False
-) -> Constants:
-    """Points and vectors in the frames of what carries their bodies.
-
-    Of a force that turns with body j all but its point is a vector of that body.
-    """
-
-    def seen(name: str, values: tuple[float, ...]) -> tuple[float, ...]:
-        if name in {"s_i_b", "s_j_b"}:
-            return (i if name == "s_i_b" else j).point(values)
-        if name.endswith("_i_b"):
-            return i.vector(values)
-        return j.vector(values) if turning or name.endswith("_j_b") else values
-
-    return tuple((name, seen(name, values)) for name, values in constants)

@@ -11,6 +11,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen, inputs_of
+from kousoku.codegen.dynamics.operations.shapes import shape, sizes
 from kousoku.codegen.dynamics.recording.program import Row
 from kousoku.codegen.dynamics.recording.recorder import Recorder, pattern_of
 from kousoku.codegen.dynamics.recording.traces import Trace
@@ -20,7 +21,6 @@ from kousoku.codegen.dynamics.simplification.axis_permutation import (
     permuted_rows,
 )
 from kousoku.codegen.dynamics.simplification.bodies import GROUND, body_blocks
-from kousoku.codegen.dynamics.simplification.shapes import shape, sizes
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
 
 if TYPE_CHECKING:

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from kousoku.codegen.dynamics.operations.characteristic_length import characteristic_length
+from kousoku.codegen.dynamics.operations.shapes import shape
 from kousoku.codegen.dynamics.simplification.axis_permutation import permuted
-from kousoku.codegen.dynamics.simplification.shapes import shape
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

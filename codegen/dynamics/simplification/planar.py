@@ -23,6 +23,7 @@ import numpy as np
 
 from kousoku.codegen.dynamics.assembly.driver_laws import fixed_law
 from kousoku.codegen.dynamics.operations.mechanics import COLUMNS, frozen
+from kousoku.codegen.dynamics.operations.shapes import NO_TURN, start
 from kousoku.codegen.dynamics.simplification.axis_permutation import (
     can_permute,
     permuted,
@@ -32,7 +33,6 @@ from kousoku.codegen.dynamics.simplification.forces_plane import (
     leaves_with_parameters,
 )
 from kousoku.codegen.dynamics.simplification.outline import NORMAL, live_elements
-from kousoku.codegen.dynamics.simplification.shapes import NO_TURN, start
 from kousoku.model.arithmetic import FLOAT
 from kousoku.model.interpret import evaluate
 from kousoku.model.mechanism import COMBINATION, GROUND_INDEX
